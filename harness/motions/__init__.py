@@ -1,0 +1,1 @@
+"""Shake-table motions: records, pulses, spectrum-compatible histories and the building's filter."""

@@ -1,0 +1,170 @@
+"""What a scene may say about the floor's shaking: one validated component per axis (no file is opened here)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+
+def _list_to_tuple(value: Any) -> Any:
+    """Let a TOML array stand for a fixed tuple, which strict validation would refuse."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+Pair = Annotated[tuple[float, float], BeforeValidator(_list_to_tuple)]
+Unit = Literal["m/s2", "cm/s2", "mm/s2", "g"]
+Code = Literal["ntc2008", "ntc2018", "ec8"]
+Soil = Literal["A", "B", "C", "D", "E"]
+
+
+class _Part(BaseModel):
+    """Strict, frozen, without unknown keys; infinities and NaN are refused."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Oscillator(_Part):
+    """One mode of a building (docs/motions.md, "The building's filter").
+
+    `share` is the mode's participation factor times its shape at the statue's floor; the shares of all modes sum to 1 where
+    no rigid remainder is wanted.
+    """
+
+    period_s: float = Field(gt=0.0, le=10.0)
+    damping: float = Field(default=0.05, gt=0.0, lt=1.0)
+    share: float = 1.0
+
+
+class _Filtered(_Part):
+    """Any component may pass through the building before it reaches the statue."""
+
+    floor: Annotated[tuple[Oscillator, ...], BeforeValidator(_list_to_tuple)] = ()
+
+
+class RestSpec(_Part):
+    """No shaking along this axis."""
+
+    kind: Literal["rest"]
+
+
+class HarmonicSpec(_Filtered):
+    """a = ramp·A·sin(2πft + phase) for ever, the ramp rising linearly from 0 to 1 over `ramp_s`."""
+
+    kind: Literal["harmonic"]
+    amplitude_g: float
+    frequency_hz: float = Field(gt=0.0)
+    ramp_s: float = Field(default=0.0, ge=0.0)
+    phase_deg: float = 0.0
+
+
+class PulseSpec(_Filtered):
+    """A single pulse; its amplitude is the peak acceleration and keeps its sign."""
+
+    kind: Literal["pulse"]
+    shape: Literal["rectangular", "one_sine", "one_cosine", "ricker"]
+    amplitude_g: float
+    duration_s: float = Field(gt=0.0)
+    start_s: float = Field(default=0.0, ge=0.0)
+
+
+class Source(_Part):
+    """A channel of a record file and what is done to it, in the order of the keys below.
+
+    `column` is a CSV header, a component's name (N28W, UP) or its azimuth in degrees; `azimuth_deg` turns the two horizontal
+    channels to that direction instead. `unit` is needed only where the file does not state it.
+    """
+
+    file: str = Field(min_length=1)
+    column: str | None = None
+    azimuth_deg: float | None = Field(default=None, ge=0.0, lt=360.0)
+    unit: Unit | None = None
+    window_s: Pair | None = None
+    baseline: Literal["none", "mean", "linear", "quadratic", "rest"] = "none"
+    bandpass_hz: Pair | None = None
+    resample_dt_s: float | None = Field(default=None, gt=0.0, le=0.1)
+    significant: Pair | None = None
+    sign: Literal[1, -1] = 1
+    scale: float = 1.0
+    pga_g: float | None = Field(default=None, gt=0.0)
+    pgv_m_s: float | None = Field(default=None, gt=0.0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Source:
+        if self.column is not None and self.azimuth_deg is not None:
+            raise ValueError(
+                "column and azimuth_deg exclude each other: a channel as recorded, or both horizontals turned"
+            )
+        if sum((self.scale != 1.0, self.pga_g is not None, self.pgv_m_s is not None)) > 1:
+            raise ValueError("scale, pga_g and pgv_m_s exclude each other: one factor is asked for")
+        if self.scale == 0.0:
+            raise ValueError('scale = 0 leaves nothing: use kind = "rest"')
+        if self.window_s is not None and not 0.0 <= self.window_s[0] < self.window_s[1]:
+            raise ValueError("window_s needs 0 <= start < end")
+        if self.bandpass_hz is not None and not 0.0 < self.bandpass_hz[0] < self.bandpass_hz[1]:
+            raise ValueError("bandpass_hz needs 0 < low < high")
+        if self.significant is not None and not 0.0 <= self.significant[0] < self.significant[1] <= 1.0:
+            raise ValueError(
+                "significant needs two shares of the Arias intensity, 0 <= from < to <= 1, such as [0.05, 0.95]"
+            )
+        return self
+
+
+class RecordSpec(Source, _Filtered):
+    """A recorded accelerogram."""
+
+    kind: Literal["record"]
+
+
+class Target(_Part):
+    """An elastic design spectrum from its parameters (docs/motions.md, "Target spectra").
+
+    Either the shape itself (`S`, `TB_s`, `TC_s`, `TD_s`, for NTC also `F0`) or the site: `soil` (with `type` for ec8; with `F0`,
+    `TC_star_s` and `topography` for NTC), from which the code gives the shape. `ag_g` is the acceleration on rock.
+    """
+
+    code: Code
+    ag_g: float = Field(gt=0.0, le=3.0)
+    damping: float = Field(default=0.05, gt=0.0, le=0.3)
+    vertical: bool = False
+    soil: Soil | None = None
+    type: Literal[1, 2] | None = None
+    topography: float | None = Field(default=None, ge=1.0, le=1.4)
+    S: float | None = Field(default=None, gt=0.0)
+    F0: float | None = Field(default=None, ge=1.0)
+    TC_star_s: float | None = Field(default=None, gt=0.0)
+    TB_s: float | None = Field(default=None, gt=0.0)
+    TC_s: float | None = Field(default=None, gt=0.0)
+    TD_s: float | None = Field(default=None, gt=0.0)
+
+
+class SpectrumSpec(Target, _Filtered):
+    """A motion whose response spectrum follows a target: artificial from a seed, or a record matched or scaled to it."""
+
+    kind: Literal["spectrum"]
+    seed: int | None = Field(default=None, ge=0)
+    duration_s: float | None = Field(default=None, ge=5.0, le=120.0)
+    record: Source | None = None
+    method: Literal["match", "scale"] | None = None
+
+    @model_validator(mode="after")
+    def _one_origin(self) -> SpectrumSpec:
+        if self.record is None:
+            if self.seed is None:
+                raise ValueError("an artificial motion needs its seed, or a record to start from")
+            if self.method is not None:
+                raise ValueError("method says what is done to a record, and there is none")
+        elif self.seed is not None or self.duration_s is not None:
+            raise ValueError("seed and duration_s belong to artificial motions: leave them out beside a record")
+        return self
+
+
+Component = Annotated[RestSpec | HarmonicSpec | PulseSpec | RecordSpec | SpectrumSpec, Field(discriminator="kind")]
+
+
+class Motion(_Part):
+    """The floor's acceleration along x (in the rocking plane), y (across it) and z (up); an absent axis is at rest."""
+
+    x: Component | None = None
+    y: Component | None = None
+    z: Component | None = None

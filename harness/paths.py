@@ -1,0 +1,36 @@
+"""Where the files that a scene names are: beside the scene, absolute, or in the data folder."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from harness.errors import InputError, Mistake
+
+DATA_VARIABLE = "ROCKCHECK_DATA"
+_PREFIX = "${" + DATA_VARIABLE + "}"
+
+
+def data_folder() -> Path:
+    """The folder of real scans and records: the variable ROCKCHECK_DATA, else `../shared/data` beside the project."""
+    named = os.environ.get(DATA_VARIABLE)
+    return Path(named) if named else Path(__file__).resolve().parent.parent.parent / "shared" / "data"
+
+
+def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
+    """The existing file that `file` names: absolute, relative to `base_dir`, or starting with "${ROCKCHECK_DATA}/".
+
+    Raises InputError (with `where` and `key`) where there is no such file.
+    """
+    if file.startswith("$") and not file.startswith(_PREFIX + "/"):
+        raise InputError(Mistake(where, key, f'a path, of variables only "{_PREFIX}/…"', repr(file), "write it out"))
+    in_data = file.startswith(_PREFIX)
+    path = data_folder() / file[len(_PREFIX) + 1 :] if in_data else base_dir / Path(file).expanduser()
+    if not path.is_file():
+        advice = (
+            f"set {DATA_VARIABLE} to the folder of scans and records"
+            if in_data
+            else "a relative path starts at the scene's folder"
+        )
+        raise InputError(Mistake(where, key, "an existing file", str(path), advice))
+    return path.resolve()
