@@ -1,0 +1,93 @@
+"""Each motion's integrals against quadrature, its ends, its breaks, and what it rejects."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from analytic.errors import AnalyticInputError
+from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from tests.budgets_analytic import QUADRATURE_REL
+
+MOTIONS: list[Excitation] = [
+    Rest(),
+    Harmonic(2.0, 1.5),
+    Harmonic(2.0, 1.5, phase_rad=0.7),
+    Harmonic(-2.0, 1.5, phase_rad=0.7, ramp_s=0.8),
+    Pulse("rectangular", 3.0, 0.5, 0.25),
+    Pulse("one_sine", 3.0, 0.5, 0.25),
+    Pulse("one_cosine", 3.0, 0.5, 0.25),
+    Pulse("ricker", 3.0, 1.5, 0.25),
+    Record([0.25, 0.5, 1.0, 1.25], [1.0, -2.0, 3.0, 0.5]),
+]
+
+
+def _cumulative(values: np.ndarray, t: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(t))])
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=repr)
+def test_integrals_follow_the_acceleration(motion: Excitation) -> None:
+    edges = [0.0, *motion.breaks_s(2.0), 2.0]
+    v0 = d0 = 0.0
+    for start, end in itertools.pairwise(edges):
+        t = np.linspace(start, end, 200_001)
+        inner = np.clip(t, start + 1e-13, end - 1e-13)  # the one-sided value at a jump
+        velocity = v0 + _cumulative(motion.accel_m_s2(inner), t)
+        displacement = d0 + _cumulative(velocity, t)
+        scale = QUADRATURE_REL * max(motion.peak_m_s2, 1e-300)
+        np.testing.assert_allclose(motion.velocity_m_s(t), velocity, rtol=0, atol=scale)
+        np.testing.assert_allclose(motion.displacement_m(t), displacement, rtol=0, atol=scale)
+        v0, d0 = velocity[-1], displacement[-1]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=repr)
+def test_is_zero_after_its_end_and_scales(motion: Excitation) -> None:
+    if math.isfinite(motion.end_s):
+        assert motion.accel_m_s2(motion.end_s + 1e-9) == 0.0
+    t = np.linspace(0.0, 2.0, 101)
+    assert np.array_equal(motion.scaled(-2.0).accel_m_s2(t), -2.0 * motion.accel_m_s2(t))
+    assert motion.scaled(-2.0).peak_m_s2 == 2.0 * motion.peak_m_s2
+    assert np.abs(motion.accel_m_s2(t)).max() <= motion.peak_m_s2
+
+
+def test_breaks_are_where_the_acceleration_is_not_smooth() -> None:
+    assert Harmonic(1.0, 1.0).breaks_s(9.0).size == 0
+    assert list(Harmonic(1.0, 1.0, ramp_s=2.0).breaks_s(9.0)) == [2.0]
+    assert list(Pulse("one_sine", 1.0, 0.5).breaks_s(9.0)) == [0.5]
+    assert list(Record([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]).breaks_s(2.0)) == [1.0]
+
+
+def test_record_keeps_its_own_read_only_copy() -> None:
+    t, a = np.array([0.0, 1.0]), np.array([1.0, 2.0])
+    record = Record(t, a)
+    a[0] = 9.0
+    assert record.samples_m_s2[0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        record.samples_m_s2[0] = 3.0
+    assert record == Record(t, [1.0, 2.0])
+    assert record != Record(t, [1.0, 3.0])
+    assert hash(record) == hash(Record(t, [1.0, 2.0]))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        (lambda: Record([0.0, 0.0], [1.0, 1.0]), "sample 1 is at 0.0 s"),
+        (lambda: Record([-1.0, 0.0], [1.0, 1.0]), "sample 0"),
+        (lambda: Record([0.0, 1.0], [1.0, math.nan]), "sample 1"),
+        (lambda: Record([0.0], [1.0]), "at least 2"),
+        (lambda: Harmonic(1.0, 0.0), "frequency_hz"),
+        (lambda: Harmonic(math.inf, 1.0), "amplitude_m_s2"),
+        (lambda: Harmonic(1.0, 1.0, ramp_s=-1.0), "ramp_s"),
+        (lambda: Pulse("square", 1.0, 1.0), "rectangular"),
+        (lambda: Pulse("one_sine", 1.0, 0.0), "duration_s"),
+    ],
+)
+def test_rejects_what_is_no_motion(wrong: object, sentence: str) -> None:
+    assert callable(wrong)
+    with pytest.raises(AnalyticInputError, match=sentence):
+        wrong()
