@@ -1,0 +1,1 @@
+"""One scene, several models, one comparison."""

@@ -1,0 +1,115 @@
+"""The contract of an engine: what a model must offer to be run beside the others.
+
+How to add an engine
+--------------------
+1. Write one file in `harness/engines/`, with one final class derived from `Engine`. Import the simulator inside that file
+   only, and inside functions, so that a run that does not ask for it does not pay for it.
+2. Declare `name`, `capabilities` and `order`; the shared tests are driven by them and check them: a flag that is not true
+   fails.
+3. Implement `missing`, `ladder`, `settings_for_dt`, `probes` and `simulate`. A scene arrives resolved (plain numbers, arrays,
+   accelerations): no engine reads a file. Translate the simulator's exceptions into `EngineFailure` at this boundary.
+4. Fill every field of `Run` that the engine can know; what it ignores of the scene it says in `Run.warnings`.
+5. Add one line to the registry in `harness/engines/__init__.py`, and run `make test`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar, Final
+
+from harness.record import Run
+from harness.scene import Scene
+
+SKIPS: Final[Mapping[str, str]] = {
+    "quiet_start": "nothing is integrated before the motion first reaches a limit of rest",
+    "quiet_end": "the run ends when the statue is at rest and the motion that is left cannot move it",
+    "energy_outcome": "after the motion ends the outcome follows from the energy, without integration",
+    "base_only": "collision shapes other than the base are left out while nothing else can touch",
+    "no_history": "no history is kept when only the outcome is asked",
+    "planar": "a planar question is not computed in 3D",
+    "stop_at_overturn": "the run ends when the statue has overturned",
+    "lazy_engines": "engines that were not asked are not imported",
+    "cached": "a result that is stored is not computed again",
+}
+
+
+class EngineFailure(RuntimeError):
+    """The engine could not finish this run; the harness records it as a failure of this run only."""
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine computes; every flag is checked by a shared test.
+
+    `dimensions` 2 or 3; `certifies` states its own uncertainty (no ladder needed); `uses_mesh` takes base and inertia from
+    the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`,
+    `flies` compute what the two-block model only reports; `moving_table` can move the table instead of the frame;
+    `forces` records contact forces.
+    """
+
+    dimensions: int
+    certifies: bool = False
+    uses_mesh: bool = False
+    own_impact: bool = False
+    pedestal_tips: bool = False
+    statue_slips: bool = False
+    flies: bool = False
+    moving_table: bool = False
+    forces: bool = False
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of one run; each engine extends them. `expected_error_rad` is what this rung reached where it was tuned."""
+
+    dt_s: float
+    expected_error_rad: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """The settings as plain values, as they stand in the record."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Want:
+    """What is asked of a run: the history or only the outcome; which skips are on."""
+
+    history: bool = True
+    skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
+
+    def may_skip(self, name: str) -> bool:
+        """Whether the named skip is on; raises `KeyError` for an unknown one."""
+        if name not in SKIPS:
+            raise KeyError(name)
+        return name in self.skips
+
+
+class Engine(ABC):
+    """One model behind the contract. Engines hold no state: every call stands alone."""
+
+    name: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+    order: ClassVar[float]
+    """Declared order of convergence of the rotation in `dt_s`, before the first impact."""
+
+    @abstractmethod
+    def missing(self) -> str | None:
+        """Why the engine cannot run here, in one sentence, or None when it can."""
+
+    @abstractmethod
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        """Settings for this scene from coarse and cheap to fine and dear."""
+
+    @abstractmethod
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        """Settings with the expert's own time step."""
+
+    @abstractmethod
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        """Variations of `settings` (half the step, other body order, more iterations) whose spread is the numerical error."""
+
+    @abstractmethod
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

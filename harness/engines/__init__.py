@@ -1,0 +1,30 @@
+"""The one registry of engines, loaded on demand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Final
+
+from harness.engine import Engine
+from harness.errors import InputError, Mistake
+
+REGISTRY: Final[Mapping[str, str]] = {
+    "analytic": "harness.engines.twoblock:TwoBlock",
+    "pymunk": "harness.engines.munk2d:Munk2D",
+    "pybullet": "harness.engines.bullet3d:Bullet3D",
+    "mujoco": "harness.engines.mujoco3d:Mujoco3D",
+}
+DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
+
+
+def load(name: str) -> Engine:
+    """The engine of that name; raises `InputError` with the nearest known name."""
+    if name not in REGISTRY:
+        near = get_close_matches(name, REGISTRY, n=1)
+        advice = f"did you mean {near[0]}?" if near else ""
+        raise InputError(Mistake("--engine", "", f"one of {', '.join(REGISTRY)}", repr(name), advice))
+    module, _, attribute = REGISTRY[name].partition(":")
+    engine: Engine = getattr(import_module(module), attribute)()
+    return engine

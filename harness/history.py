@@ -1,0 +1,207 @@
+"""What a model says happened: one rotation history on one time grid, and one outcome."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.errors import InputError, Mistake
+
+Array = NDArray[np.float64]
+
+COLUMNS: Final = ("t_s", "theta_rad", "theta_rate_rad_s", "slip_m", "slip_rate_m_s")
+REQUIRED_COLUMNS: Final = ("t_s", "theta_rad")
+
+
+class Outcome(StrEnum):
+    """How a run ended; the value stands in every record, `sentence` on every page."""
+
+    STANDS = "stands"
+    OVERTURNED_LEFT = "overturned_left"
+    OVERTURNED_RIGHT = "overturned_right"
+    OVERTURNED_FRONT = "overturned_front"
+    OVERTURNED_BACK = "overturned_back"
+    TOUCHES_WALL = "touches_wall"
+    LEFT_PEDESTAL = "left_pedestal"
+    LIFT_OFF = "lift_off"
+    FRICTION_PARADOX = "friction_paradox"
+    UNDECIDED = "undecided"
+    DIVERGED = "diverged"
+    CRASHED = "crashed"
+    TIMED_OUT = "timed_out"
+    UNAVAILABLE = "unavailable"
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in plain words."""
+        return _SENTENCES[self]
+
+    @property
+    def overturned(self) -> bool:
+        """Whether the statue fell, whichever way."""
+        return self.value.startswith("overturned")
+
+    @property
+    def failed(self) -> bool:
+        """Whether the run itself failed, so that nothing is known of the statue."""
+        return self in _FAILURES
+
+
+_SENTENCES: Final[Mapping[Outcome, str]] = {
+    Outcome.STANDS: "the statue stands",
+    Outcome.OVERTURNED_LEFT: "the statue overturns to the left",
+    Outcome.OVERTURNED_RIGHT: "the statue overturns to the right",
+    Outcome.OVERTURNED_FRONT: "the statue overturns towards the front (−y), across the rocking plane",
+    Outcome.OVERTURNED_BACK: "the statue overturns towards the back (+y), across the rocking plane",
+    Outcome.TOUCHES_WALL: "the statue touches the wall",
+    Outcome.LEFT_PEDESTAL: "the statue slides off its support",
+    Outcome.LIFT_OFF: "contact is lost (the statue or the pedestal lifts off): outside the model",
+    Outcome.FRICTION_PARADOX: "the sliding equations have no solution (friction paradox): outside the model",
+    Outcome.UNDECIDED: "the run ends while the statue leans beyond its balance point: undecided",
+    Outcome.DIVERGED: "the engine's numbers diverged",
+    Outcome.CRASHED: "the engine crashed",
+    Outcome.TIMED_OUT: "the engine did not finish in its time",
+    Outcome.UNAVAILABLE: "the engine is not installed here",
+}
+_FAILURES: Final = frozenset({Outcome.DIVERGED, Outcome.CRASHED, Outcome.TIMED_OUT, Outcome.UNAVAILABLE})
+
+
+def _frozen(values: ArrayLike) -> Array:
+    array = np.array(values, dtype=np.float64, copy=True)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """One run on one time grid, in the table's frame; all arrays float64, shape (n,), read-only.
+
+    `theta_rad` is the rocking rotation (clockwise positive: θ > 0 leans to the right), `slip_m` the displacement of the
+    pedestal relative to the floor. `extra` holds further named columns (3D: `roll_rad`, `yaw_rad`, ...).
+
+    Raises `ValueError` when lengths differ, a value is not finite, or times do not increase.
+    """
+
+    t_s: Array
+    theta_rad: Array
+    theta_rate_rad_s: Array
+    slip_m: Array
+    slip_rate_m_s: Array
+    extra: Mapping[str, Array] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in COLUMNS:
+            object.__setattr__(self, name, _frozen(getattr(self, name)))
+        extra = {name: _frozen(values) for name, values in self.extra.items()}
+        object.__setattr__(self, "extra", MappingProxyType(extra))
+        size = self.t_s.shape
+        if len(size) != 1 or size[0] == 0:
+            raise ValueError(f"a history wants at least one sample in one dimension, got shape {size}")
+        for name, values in self.columns().items():
+            if values.shape != size:
+                raise ValueError(f"column {name} has shape {values.shape}, t_s has {size}")
+            if not np.all(np.isfinite(values)):
+                first = int(np.flatnonzero(~np.isfinite(values))[0])
+                raise ValueError(f"column {name} is not finite at sample {first}")
+        if np.any(np.diff(self.t_s) <= 0.0):
+            raise ValueError("times of a history must increase strictly")
+
+    def columns(self) -> dict[str, Array]:
+        """All columns by name, the contract's first, in the order of the file."""
+        return {name: getattr(self, name) for name in COLUMNS} | dict(self.extra)
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last sample."""
+        return float(self.t_s[-1])
+
+    def at(self, t_s: ArrayLike) -> Array:
+        """Rotation in rad at the given times, by cubic Hermite between samples (held beyond the ends)."""
+        return hermite(np.asarray(t_s, dtype=np.float64), self.t_s, self.theta_rad, self.theta_rate_rad_s)
+
+    def write_csv(self, path: Path) -> None:
+        """Write the history with 17 significant digits, so that it reads back bit for bit."""
+        columns = self.columns()
+        text = io.StringIO()
+        np.savetxt(text, np.column_stack(list(columns.values())), fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
+        path.write_text(text.getvalue(), encoding="utf-8")
+
+
+def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:
+    """Cubic Hermite interpolation of `values` with slopes `rates` at `knots_s` (increasing), held beyond the ends."""
+    if knots_s.size == 1:
+        return np.full(t_s.shape, values[0])
+    clipped = np.clip(t_s, knots_s[0], knots_s[-1])
+    i = np.clip(np.searchsorted(knots_s, clipped, side="right") - 1, 0, knots_s.size - 2)
+    step = knots_s[i + 1] - knots_s[i]
+    x = (clipped - knots_s[i]) / step
+    y0, y1 = values[i], values[i + 1]
+    d0, d1 = rates[i] * step, rates[i + 1] * step
+    result: Array = y0 + x * (d0 + x * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + x * (2.0 * (y0 - y1) + d0 + d1)))
+    return result
+
+
+def output_grid(duration_s: float, dt_s: float) -> Array:
+    """The contract's times 0, dt, 2 dt, ... and the last instant, shape (n,)."""
+    count = int(np.floor(duration_s / dt_s * (1.0 + 1e-12)))
+    grid = np.arange(count + 1) * dt_s
+    # A last instant within rounding of a grid point is that grid point.
+    if duration_s - grid[-1] > 1e-9 * dt_s:
+        grid = np.append(grid, duration_s)
+    return _frozen(grid)
+
+
+def read_history(path: Path) -> History:
+    """Read a history from CSV: columns `t_s, theta_rad` wanted, the others optional (rates are then differences).
+
+    Raises `InputError` naming file, column and line.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
+    if len(rows) < 2:
+        raise InputError(Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(rows)} lines"))
+    names = [name.strip() for name in rows[0]]
+    absent = [name for name in REQUIRED_COLUMNS if name not in names]
+    if absent or len(set(names)) != len(names):
+        what = f"columns {', '.join(REQUIRED_COLUMNS)}, each once"
+        raise InputError(Mistake(str(path), "header", what, ", ".join(names) or "nothing"))
+    table = _numbers(path, names, rows[1:])
+    columns = {name: table[:, index] for index, name in enumerate(names)}
+    t_s = columns["t_s"]
+    for value, rate in (("theta_rad", "theta_rate_rad_s"), ("slip_m", "slip_rate_m_s")):
+        columns.setdefault(value, np.zeros_like(t_s))
+        columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))
+    extra = {name: values for name, values in columns.items() if name not in COLUMNS}
+    try:
+        return History(*(columns[name] for name in COLUMNS), extra=extra)
+    except ValueError as error:
+        raise InputError(Mistake(str(path), "", "finite columns over increasing times", str(error))) from error
+
+
+def _numbers(path: Path, names: list[str], rows: list[list[str]]) -> Array:
+    mistakes = []
+    table = np.full((len(rows), len(names)), np.nan)
+    for number, row in enumerate(rows):
+        try:
+            table[number] = [float(cell) for cell in row] if len(row) == len(names) else _wrong_length(row, names)
+        except ValueError as error:
+            mistakes.append(Mistake(str(path), f"row {number + 1}", f"{len(names)} numbers", str(error)))
+    if mistakes:
+        raise InputError(mistakes[:20])
+    return table
+
+
+def _wrong_length(row: list[str], names: list[str]) -> list[float]:
+    raise ValueError(f"{len(row)} cells for {len(names)} columns")

@@ -1,0 +1,144 @@
+"""The record of a run: everything a comparison or a page may say stands here first."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+from harness.history import History, Outcome
+
+SCHEMA_VERSION: Final = 1
+DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh", "mujoco")
+
+PATTERN_NAMES: Final[Mapping[str, str]] = {
+    "rest": "at rest",
+    "rocking": "(a) rocking, pedestal at rest",
+    "sliding": "(b) sliding as one body",
+    "both": "(c) rocking and sliding",
+}
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """One stretch of one motion pattern: `name` is a key of `PATTERN_NAMES`."""
+
+    start_s: float
+    end_s: float
+    name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One engine's answer to one scene.
+
+    `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
+    bounds the rotation's own numerical error up to `reliable_until_s` (None: not estimated). `history` is None when only the
+    outcome was asked. `steps` counts integration steps; `work` further counts by name (evaluations, iterations, ...).
+    `skipped` are sentences on what was left out and why the result is the same; `warnings` are sentences for the user.
+    """
+
+    engine: str
+    outcome: Outcome
+    history: History | None
+    settings: Mapping[str, Any]
+    steps: int
+    wall_s: float
+    peak_theta_rad: float
+    peak_time_s: float
+    end_s: float
+    overturn_time_s: float | None = None
+    no_return_time_s: float | None = None
+    impact_times_s: Sequence[float] = ()
+    uplift_times_s: Sequence[float] = ()
+    peak_slip_m: float = 0.0
+    residual_slip_m: float = 0.0
+    patterns: Sequence[Pattern] = ()
+    validity: Mapping[str, Any] = field(default_factory=dict)
+    numerical_uncertainty_rad: float | None = None
+    reliable_until_s: float | None = None
+    work: Mapping[str, int] = field(default_factory=dict)
+    skipped: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    labels: Sequence[str] = ()
+    message: str = ""
+
+    def with_uncertainty(self, uncertainty_rad: float, reliable_until_s: float, *warnings: str) -> Run:
+        """The same run with its numerical uncertainty stated."""
+        return replace(
+            self,
+            numerical_uncertainty_rad=uncertainty_rad,
+            reliable_until_s=reliable_until_s,
+            warnings=(*self.warnings, *warnings),
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """The run as plain JSON values, without its history."""
+        plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
+        plain["outcome"] = self.outcome.value
+        plain["outcome_sentence"] = self.outcome.sentence
+        plain["patterns"] = [[p.start_s, p.end_s, p.name] for p in self.patterns]
+        return {name: to_plain(value) for name, value in plain.items()}
+
+
+def to_plain(value: Any) -> Any:
+    """Turn numpy scalars, arrays, tuples and mappings into what JSON holds; a number that is not finite becomes None."""
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, frozenset, set)):
+        return [to_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return to_plain(value.tolist())
+    if isinstance(value, float) and not (value - value == 0.0):
+        return None
+    return value
+
+
+def write_json(path: Path, record: Mapping[str, Any]) -> None:
+    """Write a record so that the file is either the old one or the whole new one."""
+    text = json.dumps(to_plain(record), indent=1, ensure_ascii=False, allow_nan=False)
+    write_text(path, text + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a text file in one step, whole or not at all."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def versions() -> dict[str, str]:
+    """Versions of this project, of Python and of what computes."""
+    found = {"python": platform.python_version()}
+    for name in DISTRIBUTIONS:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def machine() -> dict[str, Any]:
+    """What computed: system, processor, cores."""
+    return {"system": platform.system(), "processor": _processor(), "cores": os.cpu_count() or 1}
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -1,0 +1,186 @@
+"""The scene as engines see it: plain numbers, arrays and accelerations; nothing left to read or to decide."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import Excitation, Rest
+
+if TYPE_CHECKING:
+    from meshes import Solid
+
+Array = NDArray[np.float64]
+
+OVERTURN_RAD: Final = 1.5
+"""Rotation at which a statue counts as overturned, the same in every model; flat is π/2 less the contact's slop."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """Which form of the model (docs/model.md, section 4): `dynamic`/`static` normal force, `momentum`/`unchanged` pedestal."""
+
+    friction_normal: Literal["dynamic", "static"] = "dynamic"
+    pedestal_at_impact: Literal["momentum", "unchanged"] = "momentum"
+
+
+@dataclass(frozen=True, eq=False)
+class Statue:
+    """The statue in its own frame: origin on the base plane below the centroid, x in the rocking plane, z up.
+
+    `section_m` (k, 2) is the convex silhouette in (x, z), `footprint_m` (k, 3) the base vertices that touch, counter-clockwise
+    from above; both hold exactly the corners. `inertia_tensor_kg_m2` (3, 3) is about the centroid; its yy entry is
+    `inertia_kg_m2`. `solid` is the statue's mesh, None when the scene gives numbers alone (a block).
+    """
+
+    mass_kg: float
+    centroid_height_m: float
+    corner_left_m: float
+    corner_right_m: float
+    inertia_kg_m2: float
+    height_m: float
+    depth_m: float
+    section_m: Array
+    footprint_m: Array
+    inertia_tensor_kg_m2: Array
+    solid: Solid | None = None
+
+    @property
+    def base_centre_m(self) -> float:
+        """x of the middle of the base."""
+        return 0.5 * (self.corner_right_m - self.corner_left_m)
+
+    def corner_m(self, side: int) -> float:
+        """Distance b_s of the corner on that side (+1 right, −1 left) from the centroid's vertical."""
+        return self.corner_right_m if side > 0 else self.corner_left_m
+
+    def slenderness_rad(self, side: int) -> float:
+        """α_s = atan(b_s / h)."""
+        return math.atan(self.corner_m(side) / self.centroid_height_m)
+
+
+@dataclass(frozen=True)
+class Pedestal:
+    """A rigid rectangular pedestal; `offset_m` is its centre from the centre of the statue's base."""
+
+    mass_kg: float
+    width_m: float
+    depth_m: float
+    height_m: float
+    offset_m: float = 0.0
+
+    @property
+    def centroid_height_m(self) -> float:
+        """Height of its centroid above the floor."""
+        return 0.5 * self.height_m
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Friction and impact; `restitution` None is the angular-momentum law (or the engine's own impact)."""
+
+    floor_static: float
+    floor_kinetic: float
+    statue: float
+    restitution: float | None = None
+
+
+@dataclass(frozen=True)
+class Shake:
+    """Acceleration of the floor: x in the rocking plane, y across it, z up."""
+
+    x: Excitation = field(default_factory=Rest)
+    y: Excitation = field(default_factory=Rest)
+    z: Excitation = field(default_factory=Rest)
+
+    @property
+    def end_s(self) -> float:
+        """After this time all components are exactly zero."""
+        return max(self.x.end_s, self.y.end_s, self.z.end_s)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A vertical wall at `distance_m` from the statue's base on that side."""
+
+    side: Literal["left", "right"]
+    distance_m: float
+
+    @property
+    def sign(self) -> int:
+        """+1 right, −1 left."""
+        return 1 if self.side == "right" else -1
+
+
+@dataclass(frozen=True)
+class Initial:
+    """Rotation and rate at t = 0."""
+
+    theta_rad: float = 0.0
+    theta_rate_rad_s: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One scene, resolved. `notes` are sentences on what was assumed or reconciled; `given` is the file's content as read."""
+
+    title: str
+    duration_s: float
+    gravity_m_s2: float
+    form: Form
+    statue: Statue
+    pedestal: Pedestal | None
+    contact: Contact
+    shake: Shake
+    wall: Wall | None = None
+    initial: Initial = Initial()
+    table: Literal["frame", "moving"] = "frame"
+    output_dt_s: float = 0.001
+    source: Path | None = None
+    given: Mapping[str, Any] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+    def but(self, **changes: Any) -> Scene:
+        """The same scene with some parts replaced."""
+        return replace(self, **changes)
+
+    @property
+    def planar(self) -> bool:
+        """Whether nothing in the scene leaves the rocking plane (no shaking across it, section symmetric about it)."""
+        return isinstance(self.shake.y, Rest) and self.statue.solid is None
+
+    @property
+    def pivot_inertia_kg_m2(self) -> Mapping[int, float]:
+        """J_s = J_G + m R_s² by side (+1 right, −1 left)."""
+        s = self.statue
+        return {
+            side: s.inertia_kg_m2 + s.mass_kg * (s.corner_m(side) ** 2 + s.centroid_height_m**2) for side in (1, -1)
+        }
+
+    @cached_property
+    def wall_rotation_rad(self) -> float | None:
+        """|θ| at which the statue's silhouette first touches the wall, None without a wall (inf: never below flat)."""
+        if self.wall is None:
+            return None
+        sign, corner = self.wall.sign, self.statue.corner_m(self.wall.sign)
+        # Every point of the silhouette turns about the corner on that side; the first to reach x = reach counts.
+        dx = sign * self.statue.section_m[:, 0] - corner
+        dz = self.statue.section_m[:, 1]
+        radius = np.hypot(dx, dz)
+        start = np.arctan2(dz, dx)
+        touching = radius > self.wall.distance_m
+        if np.any(dx > self.wall.distance_m):
+            return 0.0
+        if not np.any(touching):
+            return math.inf
+        turn = start[touching] - np.arccos(self.wall.distance_m / radius[touching])
+        # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
+        candidates = turn[turn >= 0.0]
+        return float(np.min(candidates)) if candidates.size else math.inf
