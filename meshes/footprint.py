@@ -1,0 +1,157 @@
+"""The part of a body that really touches its support: polygon, corner distances at any azimuth, feet and base profile.
+
+Heights are kept: a base is never planed flat here. Azimuths are directions in the body's own frame, in degrees counter-clockwise
+from x seen from above: the direction towards which the body would topple.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshes.errors import MeshError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Planar:
+    """What a planar rocking model takes of a body shaken along one azimuth (docs/model.md, section 1)."""
+
+    azimuth_deg: float
+    corner_left_m: float
+    corner_right_m: float
+    centroid_height_m: float
+    inertia_kg_m2: float
+    slenderness_left_rad: float
+    slenderness_right_rad: float
+
+
+def convex_hull(points: Array) -> Array:
+    """Corners (k, 2) of the convex hull of points (n, 2), counter-clockwise, from the points themselves; collinear ones left out.
+
+    Raises MeshError for points on a line.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    return points[_hull_indices(points, ConvexHull, QhullError)]
+
+
+def _hull_indices(points: Array, hull_of: type, failure: type[Exception]) -> NDArray[np.intp]:
+    """Indices of the hull's corners, in counter-clockwise order starting at the lowest-leftmost one."""
+    try:
+        order = np.asarray(hull_of(points).vertices, dtype=np.intp)
+    except failure as error:
+        raise MeshError(
+            f"wanted a base or outline with an area, got {len(points)} points on a line or in one place"
+            " — the mesh is a flat sheet, stands on an edge or a tip, or needs a larger contact tolerance"
+        ) from error
+    corners = points[order]
+    scale = float(np.ptp(points, axis=0).max())
+    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+    along, ahead = corners - before, after - corners
+    turning = along[:, 0] * ahead[:, 1] - along[:, 1] * ahead[:, 0]
+    order = order[turning > 1e-12 * scale**2]
+    first = int(np.lexsort((points[order, 0], points[order, 1]))[0])
+    return np.roll(order, -first)
+
+
+def footprint(vertices_m: Array, tolerance_m: float) -> Array:
+    """Touching polygon (k, 3), counter-clockwise from above: the vertices within `tolerance_m` of the lowest, heights kept.
+
+    Raises MeshError if they do not enclose an area.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
+    if len(low) < 3:
+        raise MeshError(
+            f"wanted a base of at least three touching vertices, got {len(low)} within {1e3 * tolerance_m:g} mm of the lowest point"
+            " — check the up axis and the base plane, or give a larger contact tolerance"
+        )
+    return np.array(low[_hull_indices(low[:, :2], ConvexHull, QhullError)])
+
+
+def lower_chain(points: Array) -> Array:
+    """Lower convex chain (k, 2) of points (n, 2) in (x, z), from the leftmost to the rightmost (monotone chain)."""
+    order = np.lexsort((points[:, 1], points[:, 0]))
+    chain: list[Array] = []
+    for point in points[order]:
+        if chain and point[0] == chain[-1][0]:
+            continue
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0.0:
+            chain.pop()
+        chain.append(point)
+    return np.array(chain)
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    """Twice the signed area of the triangle a, b, c: positive for a left turn."""
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def feet(vertices_m: Array, tolerance_m: float) -> Array:
+    """Vertices (k, 3) within `tolerance_m` of the lowest that a flat support can touch, sorted by azimuth about the origin.
+
+    They are the corners of the footprint polygon and, for a base that is not flat, those on its lower hull.
+    """
+    from scipy.spatial import ConvexHull
+
+    low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
+    outline = footprint(vertices_m, tolerance_m)
+    if np.ptp(low[:, 2]) > 1e-9:
+        lid = np.array([[x, y, outline[:, 2].max() + 1.0] for x, y in outline[:, :2]])
+        hull = ConvexHull(np.vstack([low, lid]))
+        facing_down = hull.equations[:, 2] < -1e-9
+        touched = np.unique(hull.simplices[facing_down])
+        outline = np.unique(np.vstack([outline, low[touched[touched < len(low)]]]), axis=0)
+    return np.array(outline[np.argsort(np.arctan2(outline[:, 1], outline[:, 0]), kind="stable")])
+
+
+def margin_m(polygon_m: Array) -> float:
+    """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative outside."""
+    here, there = polygon_m[:, :2], np.roll(polygon_m[:, :2], -1, axis=0)
+    side = there - here
+    return float(((here[:, 0] * side[:, 1] - here[:, 1] * side[:, 0]) / np.linalg.norm(side, axis=1)).min())
+
+
+def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
+    """Distance (n,) from the centroid's vertical to the polygon's support line across each azimuth: the planar corner distance."""
+    azimuth = np.deg2rad(np.atleast_1d(np.asarray(azimuth_deg, dtype=np.float64)))
+    return np.asarray((polygon_m[:, :2] @ np.vstack([np.cos(azimuth), np.sin(azimuth)])).max(axis=0))
+
+
+def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg: ArrayLike) -> Array:
+    """Angle α (n,) = atan(b/h) by which the body must turn towards each azimuth before it falls by itself.
+
+    The body turns about the side of the polygon that its support line touches, whose distance is b (docs/model.md, section 1);
+    the height of that vertex above the base plane is left out (it is at most the contact tolerance).
+    """
+    return np.arctan2(corner_m(polygon_m, azimuth_deg), centroid_height_m)
+
+
+def weakest_azimuth_deg(polygon_m: Array) -> float:
+    """Direction across the side of the polygon nearest the centroid's vertical: where the least slenderness lies."""
+    here, there = polygon_m[:, :2], np.roll(polygon_m[:, :2], -1, axis=0)
+    side = there - here
+    distance = (here[:, 0] * side[:, 1] - here[:, 1] * side[:, 0]) / np.linalg.norm(side, axis=1)
+    nearest = side[int(np.argmin(distance))]
+    return float(np.rad2deg(np.arctan2(-nearest[0], nearest[1])) % 360.0)
+
+
+def planar(polygon_m: Array, centroid_height_m: float, inertia_kg_m2: Array, azimuth_deg: float) -> Planar:
+    """The planar parameters b_L, b_R, h, J_G of a body shaken along `azimuth_deg`; `inertia_kg_m2` (3, 3) about the centroid."""
+    right, left = (float(b) for b in corner_m(polygon_m, [azimuth_deg, azimuth_deg + 180.0]))
+    angle = np.deg2rad(azimuth_deg)
+    across = np.array([-np.sin(angle), np.cos(angle), 0.0])
+    return Planar(
+        azimuth_deg=azimuth_deg,
+        corner_left_m=left,
+        corner_right_m=right,
+        centroid_height_m=centroid_height_m,
+        inertia_kg_m2=float(across @ inertia_kg_m2 @ across),
+        slenderness_left_rad=float(np.arctan2(left, centroid_height_m)),
+        slenderness_right_rad=float(np.arctan2(right, centroid_height_m)),
+    )

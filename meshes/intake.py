@@ -1,0 +1,202 @@
+"""A mesh file read into metres with z up: formats, units, up axis. What it cannot use it refuses; it repairs nothing."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh, turn_about_z
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+FORMATS = (".ply", ".obj", ".stl", ".glb", ".gltf")
+UNIT_M = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
+"""Length of each unit in metres."""
+
+UP_ROTATION = {
+    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+}
+"""Rows of the proper rotation that takes the file's up axis to +z."""
+
+TALLEST_M = 50.0
+SHORTEST_M = 0.01
+"""Heights outside these limits mean a wrong unit, not a statue."""
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """Vertices (n, 3) and triangles (m, 3) of a file, in the file's own unit and axes, coincident vertices welded."""
+
+    vertices: Array
+    faces: Faces
+    source: str
+
+
+def read_mesh(path: str | Path) -> RawMesh:
+    """The triangles of a PLY, OBJ, STL, GLB or GLTF file, all its parts in one; raises MeshError if it is not a usable mesh."""
+    file = Path(path)
+    if file.suffix.lower() not in FORMATS:
+        raise MeshError(
+            f"{file}: wanted one of {', '.join(FORMATS)}, got {file.suffix or 'no suffix'} — export the scan as PLY or OBJ"
+        )
+    if not file.is_file():
+        raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
+    if file.stat().st_size == 0:
+        raise MeshError(f"{file}: wanted a mesh, got an empty file — export it again")
+    vertices, faces = _triangles(file)
+    if not np.isfinite(vertices).all():
+        bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
+        count = int((~np.isfinite(vertices).all(axis=1)).sum())
+        raise MeshError(
+            f"{file}: wanted finite coordinates, got {count} vertices that are NaN or infinite (the first is vertex {bad})"
+            " — remove them in the scanning software and export again"
+        )
+    return weld(RawMesh(vertices, faces, str(file)))
+
+
+def _triangles(file: Path) -> tuple[Array, Faces]:
+    """Vertices and triangles by trimesh, whose many parse errors become one MeshError here."""
+    import trimesh
+
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+    try:
+        scene = trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
+        parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    except Exception as error:
+        raise MeshError(
+            f"{file}: wanted a {file.suffix.lower()} mesh, got a file that does not parse ({error}) — export it again"
+        ) from error
+    if not parts:
+        raise MeshError(
+            f"{file}: wanted a surface of triangles, got no face (a point cloud?) — mesh it first, for example by Poisson reconstruction"
+        )
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    vertices = np.vstack([np.asarray(part.vertices, dtype=np.float64) for part in parts])
+    faces = np.vstack(
+        [np.asarray(part.faces, dtype=np.int64) + offset for part, offset in zip(parts, offsets, strict=True)]
+    )
+    return vertices, faces
+
+
+def weld(mesh: RawMesh) -> RawMesh:
+    """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused parts dropped."""
+    extent = float(np.ptp(mesh.vertices, axis=0).max())
+    if extent == 0.0:
+        raise MeshError(f"{mesh.source}: wanted a surface, got all vertices in one place — export it again")
+    keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
+    packed = np.ascontiguousarray(keys).view([("", np.int64)] * 3).ravel()
+    _, first, inverse = np.unique(packed, return_index=True, return_inverse=True)
+    faces = first[inverse.ravel()][mesh.faces]
+    proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    vertices, faces = drop_unused(mesh.vertices, faces[proper])
+    return RawMesh(vertices, faces, mesh.source)
+
+
+def drop_unused(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+    """The vertices that some face uses, in their order, and the faces renumbered."""
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces.ravel()] = True
+    number = np.cumsum(used) - 1
+    return vertices[used], number[faces]
+
+
+def unit_length_m(unit: str | float) -> float:
+    """Metres per unit of the file, from a unit's name or a number of metres; raises MeshError for anything else."""
+    if isinstance(unit, str) and unit in UNIT_M:
+        return UNIT_M[unit]
+    if isinstance(unit, int | float) and not isinstance(unit, bool) and np.isfinite(unit) and unit > 0.0:
+        return float(unit)
+    raise MeshError(f"wanted a unit out of {', '.join(UNIT_M)} or its length in metres, got {unit!r}")
+
+
+def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
+    """The mesh in metres with `up` turned to +z; raises MeshError for an unknown unit or axis, or an absurd height."""
+    if up not in UP_ROTATION:
+        raise MeshError(f"{mesh.source}: wanted an up axis out of {', '.join(UP_ROTATION)}, got {up!r}")
+    vertices = unit_length_m(unit) * mesh.vertices @ np.array(UP_ROTATION[up], dtype=np.float64).T
+    height = float(np.ptp(vertices[:, 2]))
+    if not SHORTEST_M <= height <= TALLEST_M:
+        raise MeshError(
+            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got {height:.4g} m with unit {unit!r}"
+            f" and up {up!r} — check the unit the scan was exported in"
+        )
+    return RawMesh(vertices, mesh.faces, mesh.source)
+
+
+def load_solid(
+    path: str | Path,
+    *,
+    unit: str | float,
+    up: str = "z",
+    azimuth_deg: float = 0.0,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+) -> Solid:
+    """The solid of a clean mesh file, turned by `azimuth_deg` about the vertical (counter-clockwise from above).
+
+    Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that does not
+    stand raises MeshError with what to do.
+    """
+    mesh = to_metres_z_up(read_mesh(path), unit, up)
+    must_be_closed(mesh)
+    if azimuth_deg != 0.0:
+        mesh = RawMesh(mesh.vertices @ turn_about_z(azimuth_deg).T, mesh.faces, mesh.source)
+    try:
+        return solid_from_mesh(
+            mesh.vertices,
+            mesh.faces,
+            density_kg_m3=density_kg_m3,
+            mass_kg=mass_kg,
+            contact_tolerance_m=contact_tolerance_m,
+        )
+    except MeshError as error:
+        raise MeshError(f"{mesh.source}: {error}") from error
+
+
+def must_be_closed(mesh: RawMesh) -> None:
+    """Refuse a surface that does not bound a volume: open, inconsistently wound or branching edges."""
+    count = EdgeCount.of(mesh.faces)
+    if count.closed:
+        return
+    raise MeshError(
+        f"{mesh.source}: wanted a closed surface, got {count.boundary} edges with one face, {count.branching} with more than two and"
+        f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which writes what it changed"
+    )
+
+
+@dataclass(frozen=True)
+class EdgeCount:
+    """How many edges of a triangle mesh keep it from bounding a volume."""
+
+    boundary: int
+    branching: int
+    misoriented: int
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge has two faces that pass it in opposite directions."""
+        return self.boundary == 0 and self.branching == 0 and self.misoriented == 0
+
+    @classmethod
+    def of(cls, faces: Faces) -> EdgeCount:
+        """Counted over the undirected edges of `faces` (m, 3)."""
+        directed = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        low, high = directed.min(axis=1), directed.max(axis=1)
+        key = low * (int(faces.max(initial=0)) + 1) + high
+        order = np.argsort(key, kind="stable")
+        starts = np.flatnonzero(np.r_[True, np.diff(key[order]) != 0])
+        faces_at = np.diff(np.r_[starts, len(order)])
+        balance = np.add.reduceat(np.where(directed[order, 0] == low[order], 1, -1), starts)
+        return cls(int((faces_at == 1).sum()), int((faces_at > 2).sum()), int(((faces_at == 2) & (balance != 0)).sum()))

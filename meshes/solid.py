@@ -1,0 +1,200 @@
+"""A solid in the statue frame: mass properties of a closed mesh and the planar quantities that a rocking model takes.
+
+The statue frame has its origin on the base plane (z = 0) directly below the centroid; x lies in the rocking plane, y across it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes import footprint as base
+from meshes.errors import MeshError
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+CONTACT_TOLERANCE_M = 1e-3
+"""How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan resolves."""
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Volume, centroid (3,) and inertia per unit density about the centroid (3, 3) of a closed mesh."""
+
+    volume_m3: float
+    centroid_m: Array
+    inertia_per_density_m5: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A rigid statue in the statue frame; arrays are read-only float64 (faces int64).
+
+    `vertices_m` (n, 3), `faces` (m, 3) outward by the right-hand rule, `inertia_kg_m2` (3, 3) about the centroid in the statue
+    frame's axes, `footprint_m` (k, 3) the mesh's own touching vertices as a convex polygon, counter-clockwise seen from above,
+    `contact_tolerance_m` the height up to which a vertex counted as touching.
+    """
+
+    vertices_m: Array = field(repr=False)
+    faces: Faces = field(repr=False)
+    mass_kg: float
+    centroid_height_m: float
+    inertia_kg_m2: Array
+    density_kg_m3: float
+    footprint_m: Array
+    height_m: float
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M
+
+    def __post_init__(self) -> None:
+        for array in (self.vertices_m, self.faces, self.inertia_kg_m2, self.footprint_m):
+            array.setflags(write=False)
+
+    @property
+    def corner_right_m(self) -> float:
+        """Distance b_R > 0 from the centroid's vertical to the right corner, in the x-z plane."""
+        return float(self.footprint_m[:, 0].max())
+
+    @property
+    def corner_left_m(self) -> float:
+        """Distance b_L > 0 from the centroid's vertical to the left corner, in the x-z plane."""
+        return float(-self.footprint_m[:, 0].min())
+
+    @property
+    def depth_m(self) -> float:
+        """Extent of the base across the rocking plane."""
+        return float(np.ptp(self.footprint_m[:, 1]))
+
+    @property
+    def inertia_planar_kg_m2(self) -> float:
+        """Inertia J_G about the centroid's axis across the rocking plane."""
+        return float(self.inertia_kg_m2[1, 1])
+
+    @cached_property
+    def section_m(self) -> Array:
+        """Convex silhouette (k, 2) in (x, z), counter-clockwise as drawn with x right and z up, base vertices included."""
+        return base.convex_hull(self.vertices_m[:, [0, 2]])
+
+    @cached_property
+    def base_profile_m(self) -> Array:
+        """Base vertices (k, 2) in (x, z) on which the body can stand or rock, left to right (docs/model.md, section 8)."""
+        touching = self.vertices_m[self.vertices_m[:, 2] <= self.contact_tolerance_m]
+        return base.lower_chain(touching[:, [0, 2]])
+
+    @cached_property
+    def feet_m(self) -> Array:
+        """The mesh's own vertices (k, 3) that a flat support can touch: those on the lower hull of the base, raggedness kept."""
+        return base.feet(self.vertices_m, self.contact_tolerance_m)
+
+    @cached_property
+    def principal(self) -> tuple[Array, Array]:
+        """Principal moments (3,) ascending in kg m² and axes (3, 3) as columns of a right-handed frame."""
+        moments, axes = np.linalg.eigh(self.inertia_kg_m2)
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 0] = -axes[:, 0]
+        return moments, axes
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of everything that can change a simulation: geometry, mass and inertia."""
+        numbers = np.array([self.mass_kg, self.centroid_height_m, self.contact_tolerance_m])
+        sha = hashlib.sha256()
+        for array in (self.vertices_m, self.faces, self.inertia_kg_m2, self.footprint_m, numbers):
+            sha.update(np.ascontiguousarray(array).tobytes())
+        return sha.hexdigest()
+
+    def rotated(self, azimuth_deg: float) -> Solid:
+        """The same statue turned by `azimuth_deg` about the vertical through its centroid, counter-clockwise from above."""
+        turn = turn_about_z(azimuth_deg)
+        vertices = self.vertices_m @ turn.T
+        return replace(
+            self,
+            vertices_m=vertices,
+            inertia_kg_m2=turn @ self.inertia_kg_m2 @ turn.T,
+            footprint_m=base.footprint(vertices, self.contact_tolerance_m),
+        )
+
+
+def turn_about_z(azimuth_deg: float) -> Array:
+    """Rotation matrix (3, 3) about z, counter-clockwise seen from above; quarter turns are exact."""
+    quarter, rest = divmod(azimuth_deg, 90.0)
+    angle = np.deg2rad(rest)
+    cos, sin = float(np.cos(angle)), float(np.sin(angle))
+    for _ in range(int(quarter) % 4):
+        cos, sin = -sin, cos
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def mass_properties(vertices_m: Array, faces: Faces) -> MassProperties:
+    """Volume integrals of the closed mesh `vertices_m` (n, 3), `faces` (m, 3), outward by the right-hand rule.
+
+    The origin is moved into the mesh first, so that a scan far from its file's origin loses no digits.
+    """
+    from trimesh import triangles
+
+    middle = 0.5 * (vertices_m.min(axis=0) + vertices_m.max(axis=0))
+    found = triangles.mass_properties((vertices_m - middle)[faces], density=1.0)
+    return MassProperties(float(found["volume"]), found["center_mass"] + middle, np.asarray(found["inertia"]))
+
+
+def solid_from_mesh(
+    vertices_m: Array,
+    faces: Faces,
+    *,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+) -> Solid:
+    """The solid of a closed mesh standing on its lowest point, z up, with the density given or solved from the weighed mass.
+
+    Raises MeshError if neither or both of density and mass are given, or if the mesh has no volume or does not stand.
+    """
+    properties = mass_properties(vertices_m, faces)
+    density, mass = _density_and_mass(properties.volume_m3, density_kg_m3, mass_kg)
+    origin = np.array([properties.centroid_m[0], properties.centroid_m[1], vertices_m[:, 2].min()])
+    placed = np.ascontiguousarray(vertices_m - origin, dtype=np.float64)
+    polygon = base.footprint(placed, contact_tolerance_m)
+    _must_stand(polygon, contact_tolerance_m)
+    return Solid(
+        vertices_m=placed,
+        faces=np.array(faces, dtype=np.int64),
+        mass_kg=mass,
+        centroid_height_m=float(properties.centroid_m[2] - origin[2]),
+        inertia_kg_m2=density * properties.inertia_per_density_m5,
+        density_kg_m3=density,
+        footprint_m=polygon,
+        height_m=float(placed[:, 2].max()),
+        contact_tolerance_m=contact_tolerance_m,
+    )
+
+
+def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: float | None) -> tuple[float, float]:
+    """The pair (density, mass) from the one that is given."""
+    if not volume_m3 > 0.0:
+        raise MeshError(
+            f"wanted a closed mesh with its faces outward, got a signed volume of {volume_m3:g} m³"
+            " — turn the faces outward (rockcheck mesh prepare does, with an account)"
+        )
+    if (density_kg_m3 is None) == (mass_kg is None):
+        raise MeshError(
+            f"wanted either a density or a weighed mass, got density {density_kg_m3} and mass {mass_kg}"
+            " — give one of them; the other follows from the volume"
+        )
+    density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
+    if not (density > 0.0 and np.isfinite(density)):
+        raise MeshError(f"wanted a positive density or mass, got density {density_kg_m3} and mass {mass_kg}")
+    return density, mass_kg if mass_kg is not None else density * volume_m3
+
+
+def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
+    """Refuse a body whose centroid's vertical (the frame's origin) leaves the touching polygon."""
+    margin = base.margin_m(polygon_m)
+    if margin <= 0.0:
+        raise MeshError(
+            f"wanted a statue that stands, got a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that"
+            f" touch within {1e3 * contact_tolerance_m:g} mm — check the up axis and the base plane, or give a larger contact tolerance"
+        )
