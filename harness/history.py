@@ -132,7 +132,14 @@ class History:
         """Write the history with 17 significant digits, so that it reads back bit for bit."""
         columns = self.columns()
         text = io.StringIO()
-        np.savetxt(text, np.column_stack(list(columns.values())), fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
+        np.savetxt(
+            text,
+            np.column_stack(list(columns.values())),
+            fmt="%.17g",
+            delimiter=",",
+            header=",".join(columns),
+            comments="",
+        )
         path.write_text(text.getvalue(), encoding="utf-8")
 
 
@@ -185,7 +192,9 @@ def read_history(path: Path) -> History:
         columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))
     extra = {name: values for name, values in columns.items() if name not in COLUMNS}
     try:
-        return History(*(columns[name] for name in COLUMNS), extra=extra)
+        return History(
+            t_s, columns["theta_rad"], columns["theta_rate_rad_s"], columns["slip_m"], columns["slip_rate_m_s"], extra
+        )
     except ValueError as error:
         raise InputError(Mistake(str(path), "", "finite columns over increasing times", str(error))) from error
 

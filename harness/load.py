@@ -1,0 +1,209 @@
+"""From a scene file to a scene: meshes and records are read, numbers reconciled, assumptions written down."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from analytic.excitation import Excitation, Rest
+from harness import motions, paths, scene_file
+from harness.errors import InputError, Mistake
+from harness.motions.spec import Component, Motion
+from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
+from harness.scene_file import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+
+if TYPE_CHECKING:
+    from meshes import Solid
+
+RECONCILED: Final = 0.005
+"""Relative difference between a survey's number and the mesh up to which the two are said to agree."""
+PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
+
+
+def load_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+    """Read, validate and resolve a scene.
+
+    `overrides` are `KEY=VALUE` with dotted keys, applied before validation. Raises `InputError` with every mistake found.
+    """
+    path = Path(path)
+    text = scene_file.read(path)
+    model, content = scene_file.parse(text, str(path), overrides)
+    return resolve(model, path, content)
+
+
+def resolve(model: SceneFile, path: Path, content: dict[str, object] | None = None) -> Scene:
+    """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`."""
+    notes: list[str] = []
+    mistakes: list[Mistake] = []
+    shake = _shake(model.motion, path, mistakes)
+    statue = None
+    try:
+        statue = _statue(model.statue, path, notes)
+    except InputError as error:
+        mistakes.extend(error.mistakes)
+    if mistakes or statue is None:
+        raise InputError(mistakes)
+    pedestal = _pedestal(model.pedestal, statue, path)
+    if pedestal is None:
+        notes.append("contact.floor_static and contact.floor_kinetic are not used: there is no pedestal")
+    return Scene(
+        title=model.title,
+        duration_s=model.duration_s,
+        gravity_m_s2=model.gravity_m_s2,
+        form=_form(model.model),
+        statue=statue,
+        pedestal=pedestal,
+        contact=_contact(model.contact),
+        shake=shake,
+        wall=None if model.wall is None else Wall(model.wall.side, model.wall.distance_m),
+        initial=Initial(model.initial.theta_rad, model.initial.theta_rate_rad_s),
+        table=model.table,
+        output_dt_s=model.output.dt_s,
+        source=path,
+        given=content or {},
+        notes=tuple(notes),
+    )
+
+
+def _form(table: ModelTable) -> Form:
+    preset = PRESETS[table.preset]
+    return Form(table.friction_normal or preset.friction_normal, table.pedestal_at_impact or preset.pedestal_at_impact)
+
+
+def _contact(table: ContactTable) -> Contact:
+    ratio = None if table.restitution == "momentum" else float(table.restitution)
+    return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
+
+
+def _shake(motion: Motion, path: Path, mistakes: list[Mistake]) -> Shake:
+    found: dict[str, Excitation] = {}
+    for axis in ("x", "y", "z"):
+        component: Component | None = getattr(motion, axis)
+        try:
+            found[axis] = (
+                Rest()
+                if component is None
+                else motions.build(component, base_dir=path.parent, where=str(path), key=f"motion.{axis}")
+            )
+        except InputError as error:
+            mistakes.extend(error.mistakes)
+            found[axis] = Rest()
+    return Shake(**found)
+
+
+def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedestal | None:
+    if table is None:
+        return None
+    pedestal = Pedestal(table.mass_kg, table.width_m, table.depth_m, table.height_m, table.offset_m)
+    centre = statue.base_centre_m + pedestal.offset_m
+    low, high = centre - 0.5 * pedestal.width_m, centre + 0.5 * pedestal.width_m
+    if low > -statue.corner_left_m + 1e-9 or high < statue.corner_right_m - 1e-9:
+        base = statue.corner_left_m + statue.corner_right_m
+        wanted = f"a pedestal under the whole base (width {base:.4g} m, with the offset)"
+        under = f"a base from {-statue.corner_left_m:.4g} to {statue.corner_right_m:.4g} m"
+        got = f"one from {low:.4g} to {high:.4g} m under {under}"
+        raise InputError(Mistake(str(path), "pedestal.width_m", wanted, got))
+    return pedestal
+
+
+def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
+    if table.mesh is not None:
+        return _statue_from_mesh(table, path, notes)
+    mass, height_c = table.mass_kg, table.centroid_height_m
+    left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
+    if mass is None or height_c is None or left is None or right is None or inertia is None:
+        raise InputError(Mistake(str(path), "statue", ", ".join(scene_file.NUMBERS), "not all of them"))
+    height = table.height_m
+    if height is None:
+        height = 2.0 * height_c
+        notes.append(f"statue.height_m is not given: twice the centroid's height, {height:.4g} m, is assumed")
+    if height <= height_c:
+        wanted = f"more than centroid_height_m = {height_c:g}"
+        raise InputError(Mistake(str(path), "statue.height_m", wanted, f"{height:g}"))
+    depth = table.depth_m
+    if depth is None:
+        depth = left + right
+        notes.append(f"statue.depth_m is not given: the base's width, {depth:.4g} m, is assumed")
+    section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
+    half = 0.5 * depth
+    footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
+    tensor = _block_tensor(mass, inertia, left + right, depth)
+    return Statue(mass, height_c, left, right, inertia, height, depth, section, footprint, tensor)
+
+
+def _block_tensor(mass: float, inertia: float, width: float, depth: float) -> Array:
+    """Full tensor of a block known by its planar inertia: a homogeneous box of that width, depth and inertia about y.
+
+    The box's height follows from the planar inertia, J = m (w² + H²)/12; where J is less than m w²/12 the mass sits nearer the
+    axis and H = 0 is taken. Only the scene's J enters planar motion.
+    """
+    xx, zz = mass * width**2 / 12.0, max(inertia - mass * width**2 / 12.0, 0.0)
+    yy = mass * depth**2 / 12.0
+    return np.diag([yy + zz, inertia, min(xx + yy, yy + zz + inertia)])
+
+
+def _statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue:
+    import meshes
+
+    mesh = table.mesh
+    if mesh is None:
+        raise InputError(Mistake(str(path), "statue.mesh", "a table with the mesh's file", "nothing"))
+    if mesh.density_kg_m3 is None and table.mass_kg is None:
+        raise InputError(
+            Mistake(str(path), "statue.mesh.density_kg_m3", "a density, or statue.mass_kg as weighed", "neither")
+        )
+    file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
+    weighed = table.mass_kg
+    try:
+        solid = meshes.load_solid(
+            file,
+            unit=mesh.unit,
+            up=mesh.up,
+            azimuth_deg=mesh.azimuth_deg,
+            density_kg_m3=None if weighed is not None else mesh.density_kg_m3,
+            mass_kg=weighed,
+        )
+    except meshes.MeshError as error:
+        raise InputError(
+            Mistake(f"{path}: {file.name}", "statue.mesh", "a mesh that can be computed", str(error))
+        ) from error
+    if weighed is not None and mesh.density_kg_m3 is not None:
+        notes.append(_compared("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3, "the weighed mass"))
+    for name, value in _survey(table):
+        notes.append(_compared(f"statue.{name}", value, _of_solid(solid, name), "the mesh"))
+    return statue_of(solid)
+
+
+def _survey(table: StatueTable) -> list[tuple[str, float]]:
+    names = ("centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2", "height_m", "depth_m")
+    return [(name, value) for name in names if (value := getattr(table, name)) is not None]
+
+
+def _of_solid(solid: Solid, name: str) -> float:
+    return float(solid.inertia_planar_kg_m2 if name == "inertia_kg_m2" else getattr(solid, name))
+
+
+def _compared(name: str, given: float, found: float, used: str) -> str:
+    apart = abs(found / given - 1.0)
+    word = "agrees with" if apart <= RECONCILED else "differs from"
+    return f"{name} = {given:.6g} {word} {found:.6g} ({apart:.2%} apart); used: {used}"
+
+
+def statue_of(solid: Solid) -> Statue:
+    """The statue of a solid: every number is the mesh's own."""
+    return Statue(
+        mass_kg=solid.mass_kg,
+        centroid_height_m=solid.centroid_height_m,
+        corner_left_m=solid.corner_left_m,
+        corner_right_m=solid.corner_right_m,
+        inertia_kg_m2=solid.inertia_planar_kg_m2,
+        height_m=solid.height_m,
+        depth_m=solid.depth_m,
+        section_m=solid.section_m,
+        footprint_m=solid.footprint_m,
+        inertia_tensor_kg_m2=solid.inertia_kg_m2,
+        solid=solid,
+    )

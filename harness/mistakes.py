@@ -1,0 +1,176 @@
+"""Turn validation errors into mistakes that name file, key, line, what was wanted and what came."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from harness.errors import Mistake
+
+_WANTED: Mapping[str, str] = {
+    "missing": "this key",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "a text in quotes",
+    "bool_type": "true or false",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "dict_type": "a table",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "finite_number": "a finite number",
+    "union_tag_not_found": "a key `kind`",
+}
+
+
+class Contradiction(ValueError):
+    """Two keys of one table that exclude each other, raised by a model's own validator; `key` is relative to the table."""
+
+    def __init__(self, key: str, wanted: str, got: str) -> None:
+        super().__init__(f"{key}: wanted {wanted}, got {got}")
+        self.key, self.wanted, self.got = key, wanted, got
+
+
+def mistakes_of(error: ValidationError, model: type[BaseModel], where: str, text: str = "") -> list[Mistake]:
+    """All mistakes in a validation error, one for each place, in the order of the file's model."""
+    grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
+    for detail in error.errors(include_url=False):
+        path, _ = _resolve(model, detail["loc"])
+        grouped.setdefault(path, []).append(detail)
+    return [_mistake(path, details, model, where, text) for path, details in grouped.items()]
+
+
+def _mistake(
+    path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], where: str, text: str
+) -> Mistake:
+    detail = details[0]
+    cause = detail.get("ctx", {}).get("error")
+    if isinstance(cause, Contradiction):
+        path = (*path, *cause.key.split("."))
+        return Mistake(_place(where, text, path), ".".join(path), cause.wanted, cause.got)
+    _, owner = _resolve(model, detail["loc"])
+    advice = ""
+    if detail["type"] == "extra_forbidden":
+        known = sorted(owner.model_fields) if owner is not None else []
+        near = get_close_matches(path[-1], known, n=1)
+        wanted = f"a known key ({', '.join(known)})" if known else "no such key"
+        advice = f"did you mean {near[0]}?" if near else ""
+        got = "an unknown key"
+    else:
+        wanted = " or ".join(dict.fromkeys(_wanted(item) for item in details))
+        got = _got(detail)
+    return Mistake(_place(where, text, path), ".".join(path), wanted, got, advice)
+
+
+def _place(where: str, text: str, path: tuple[str, ...]) -> str:
+    line = _line_of(text, path)
+    return f"{where}:{line}" if line else where
+
+
+def _wanted(detail: ErrorDetails) -> str:
+    kind, context = detail["type"], detail.get("ctx", {})
+    if kind in _WANTED:
+        return _WANTED[kind]
+    if kind in ("literal_error", "union_tag_invalid"):
+        return f"one of {context.get('expected', context.get('expected_tags'))}"
+    if kind == "value_error":
+        return str(context["error"])
+    for name, words in (("gt", "more than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most")):
+        if name in context:
+            return f"a number {words} {context[name]:g}"
+    if kind == "string_too_short":
+        return "a text that is not empty"
+    return detail["msg"]
+
+
+def _got(detail: ErrorDetails) -> str:
+    if detail["type"] in ("missing", "union_tag_not_found"):
+        return "nothing"
+    if detail["type"] == "union_tag_invalid":
+        return f"kind = {detail['ctx']['tag']!r}"
+    return _shown(detail["input"])
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "a table with " + ", ".join(map(str, value)) if value else "an empty table"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _resolve(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[tuple[str, ...], type[BaseModel] | None]:
+    """The dotted key of an error's location and the table that owns its last part.
+
+    Pydantic puts tags of unions and names of types into the location; only what is a key of a table, or an index of a
+    list, belongs to the user's file.
+    """
+    owner: type[BaseModel] | None = model
+    candidates: list[type[BaseModel]] = [model]
+    path: list[str] = []
+    for number, part in enumerate(location):
+        last = number == len(location) - 1
+        field = next(
+            (m.model_fields[part] for m in candidates if isinstance(part, str) and part in m.model_fields), None
+        )
+        if field is not None:
+            owner = next(m for m in candidates if part in m.model_fields)
+            path.append(str(part))
+            inner = list(_tables_in(field.annotation))
+            candidates = inner or candidates
+            continue
+        tagged = [m for m in candidates if _tag_of(m) == part]
+        if tagged:
+            candidates = tagged
+        elif isinstance(part, int):
+            path.append(str(part))
+        elif last and not _is_type_name(part):
+            owner = candidates[0] if len(candidates) == 1 else None
+            path.append(part)
+    return tuple(path), owner
+
+
+def _is_type_name(part: str) -> bool:
+    return bool(
+        re.fullmatch(
+            r"(float|int|str|bool|constrained-.*|literal\[.*|function-.*|lax-or-strict.*|tuple.*|list.*|[A-Z]\w*)", part
+        )
+    )
+
+
+def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for item in get_args(annotation):
+        yield from _tables_in(item)
+
+
+def _tag_of(model: type[BaseModel]) -> str | None:
+    field = model.model_fields.get("kind")
+    values = get_args(field.annotation) if field is not None else ()
+    return str(values[0]) if values else None
+
+
+def _line_of(text: str, path: tuple[str, ...]) -> int | None:
+    """The line of a dotted key in TOML text, 1-based: the key in its table, or the table's header."""
+    if not text or not path:
+        return None
+    table: tuple[str, ...] = ()
+    best: int | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+        if header:
+            table = tuple(part.strip().strip('"') for part in header[1].split("."))
+            if table == path[: len(table)]:
+                best = number
+            continue
+        key = re.match(r"\s*([A-Za-z0-9_.\-\"]+)\s*=", line)
+        if key:
+            full = (*table, *(part.strip('"') for part in key[1].split(".")))
+            if full == path[: len(full)]:
+                return number
+    return best
