@@ -98,7 +98,9 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[An
 def _quiet_start(scene: Scene, want: Want) -> Step:
     quiet = first_motion_s(scene)
     yes = f"nothing can move before {quiet:.4g} s"
-    return _step("quiet_start", want, quiet > 0.0, yes, "the motion is not quiet at its start, or the statue starts off rest")
+    return _step(
+        "quiet_start", want, quiet > 0.0, yes, "the motion is not quiet at its start, or the statue starts off rest"
+    )
 
 
 def _quiet_end(scene: Scene, want: Want) -> Step:

@@ -1,0 +1,51 @@
+# make report: set up and run the main job · make test: set up and pass the tests · make bench, stress, lint
+VENV := .venv
+PY := $(VENV)/bin/python
+STAMP := $(VENV)/.installed
+PYTHON ?= $(shell for p in python3.11 python3 python; do \
+	if $$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
+
+.DEFAULT_GOAL := help
+.PHONY: help setup report test lint types contracts bench stress lock clean
+
+help: ## list the targets
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
+
+setup: $(STAMP) ## create the environment in .venv from the lock file
+
+$(STAMP): requirements.lock pyproject.toml
+	@if [ -z "$(PYTHON)" ]; then \
+		echo "rockcheck needs CPython 3.11 (pybullet has no wheels above it): install it, or name it with make PYTHON=/path/to/python3.11" >&2; \
+		exit 1; fi
+	@echo "setting up $(VENV) with $(PYTHON)"
+	@$(PYTHON) -m venv --clear $(VENV) || { \
+		echo "rockcheck needs the venv module of Python 3.11 (on Debian: apt-get install python3.11-venv)" >&2; exit 1; }
+	@$(PY) -m pip install --quiet --disable-pip-version-check --only-binary :all: -r requirements.lock
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+report: $(STAMP) ## run the main job and say where the report is
+	@$(PY) -m reports.main_job
+
+test: $(STAMP) ## pass the tests
+	@$(PY) -m pytest -q
+
+lint: $(STAMP) ## check style, types and import rules
+	@$(VENV)/bin/ruff check .
+	@$(VENV)/bin/ruff format --check .
+	@$(VENV)/bin/mypy
+	@$(VENV)/bin/lint-imports
+
+bench: $(STAMP) ## run time against error, in one run
+	@$(VENV)/bin/rockcheck bench
+
+stress: $(STAMP) ## hard scenes and mutated input
+	@$(VENV)/bin/rockcheck stress
+
+lock: ## renew requirements.lock from pyproject.toml
+	@$(PY) -m pip install --quiet uv
+	@$(VENV)/bin/uv pip compile --quiet pyproject.toml --all-extras --python-version 3.11 \
+		--python-platform x86_64-manylinux_2_28 --no-emit-index-url --no-header -o requirements.lock
+
+clean: ## remove the environment and all output
+	rm -rf $(VENV) out

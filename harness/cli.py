@@ -1,0 +1,181 @@
+"""The commands that compute: run, compare, engines; pages and pictures are added in `reports/cli.py`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from harness.errors import InputError, Mistake
+
+if TYPE_CHECKING:
+    from harness.run import Result
+    from harness.scene import Scene
+
+OK: Final = 0
+FAILED: Final = 1
+WRONG_INPUT: Final = 2
+
+Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
+Engines = Annotated[
+    list[str] | None,
+    typer.Option("--engine", "-e", help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet."),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace one key of the scene, such as motion.x.amplitude_g=0.3."),
+]
+Accuracy = Annotated[
+    float | None, typer.Option("--accuracy", metavar="RAD", help="Wanted accuracy of the rotation. Default: 1e-3.")
+]
+Step = Annotated[
+    float | None, typer.Option("--dt", metavar="S", help="The expert's own time step, instead of --accuracy.")
+]
+NoSkip = Annotated[
+    list[str] | None, typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the record as JSON and nothing else.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but mistakes.")]
+
+
+def add_commands(app: typer.Typer) -> None:
+    """Mount the computing commands on the application."""
+    app.command("engines", help="List the engines: what each computes, its version, whether it runs here.")(engines)
+
+
+def engines(as_json: Json = False) -> None:
+    """List the engines."""
+    from dataclasses import asdict
+
+    from harness.engines import REGISTRY, load
+
+    rows = [
+        {"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order}
+        for name in REGISTRY
+        for engine in [load(name)]
+    ]
+    if as_json:
+        typer.echo(json.dumps(rows, indent=1))
+        return
+    for row in rows:
+        able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
+        state = f"not here: {row['missing']}" if row["missing"] else "ready"
+        typer.echo(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
+
+
+def compute(
+    scene_file: Path,
+    names: Sequence[str] | None,
+    overrides: Sequence[str] | None,
+    accuracy: float | None,
+    dt: float | None,
+    no_skip: Sequence[str] | None,
+    *,
+    quiet: bool,
+) -> Result:
+    """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
+    from harness.engines import DEFAULT_ENGINES
+    from harness.load import load_scene
+    from harness.run import check_target, run_scene
+
+    check_target(accuracy, dt)
+    want = wanted(no_skip)
+    scene = load_scene(scene_file, overrides or ())
+    with Telling(quiet) as telling:
+        return run_scene(
+            scene, names or DEFAULT_ENGINES, accuracy_rad=accuracy, dt_s=dt, want=want, told=telling.engine
+        )
+
+
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> str:
+    """The plan of a scene as text."""
+    from harness.engines import DEFAULT_ENGINES, load
+    from harness.plan import plan
+
+    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip))
+    return "\n".join(map(str, steps))
+
+
+def wanted(no_skip: Sequence[str] | None) -> Any:
+    """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
+    from difflib import get_close_matches
+
+    from harness.engine import SKIPS, Want
+
+    off = set(no_skip or ())
+    unknown = [name for name in off if name not in SKIPS and name != "all"]
+    if unknown:
+        near = get_close_matches(unknown[0], SKIPS, n=1)
+        advice = f"did you mean {near[0]}?" if near else ""
+        raise InputError(Mistake("--no-skip", "", f"all or one of {', '.join(SKIPS)}", repr(unknown[0]), advice))
+    return Want(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
+
+
+class Telling:
+    """Says on stderr what is at work, with a spinner on a terminal; silent when quiet."""
+
+    def __init__(self, quiet: bool) -> None:
+        from rich.console import Console
+
+        self._console = Console(stderr=True, quiet=quiet)
+        self._status = self._console.status("reading the scene")
+
+    def __enter__(self) -> Telling:
+        self._status.__enter__()
+        return self
+
+    def __exit__(self, *details: Any) -> None:
+        self._status.__exit__(None, None, None)
+
+    def engine(self, name: str) -> None:
+        """Tell that an engine has started."""
+        self._status.update(f"running {name}")
+        if not self._console.is_terminal:
+            self._console.print(f"running {name}", highlight=False)
+
+
+def summary(result: Result) -> str:
+    """The result in a few lines of plain words."""
+    lines = [result.scene.title]
+    for name, run in result.runs.items():
+        lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
+    for pair, scores in result.scores.items():
+        lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
+    lines += [f"  note: {note}" for note in result.scene.notes]
+    lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
+    return "\n".join(lines)
+
+
+def _details(run: Any) -> str:
+    if run.outcome.failed:
+        return f": {run.message}"
+    parts = [f"peak {run.peak_theta_rad:+.4f} rad at {run.peak_time_s:.3f} s"]
+    if run.overturn_time_s is not None:
+        parts.append(f"overturned at {run.overturn_time_s:.3f} s")
+    if run.numerical_uncertainty_rad is not None:
+        until = run.reliable_until_s
+        parts.append(
+            f"± {run.numerical_uncertainty_rad:.1e} rad" + (f" until {until:.2f} s" if until is not None else "")
+        )
+    return " (" + ", ".join(parts) + f"; {run.wall_s:.2f} s)"
+
+
+def guarded(action: Any) -> int:
+    """Run a command; a user's mistake becomes a message on stderr and exit code 2, never a traceback."""
+    try:
+        code = action()
+    except InputError as error:
+        for mistake in error.mistakes:
+            print(f"error: {mistake}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        print("interrupted: nothing was written", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILED
+    return int(code or OK)

@@ -1,0 +1,78 @@
+"""A scene as plain values: what a page draws and what a reader needs to repeat the run."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from analytic.excitation import Excitation, Rest
+from harness.record import to_plain
+from harness.scene import Scene
+
+MOTION_SAMPLES: Final = 4001
+"""Most samples of the floor's motion kept for drawing; each is the value of largest size in its interval."""
+
+
+def describe(scene: Scene) -> dict[str, Any]:
+    """The resolved scene as plain JSON values (arrays as lists), without its mesh."""
+    statue = scene.statue
+    record = {
+        "title": scene.title,
+        "file": None if scene.source is None else scene.source.name,
+        "duration_s": scene.duration_s,
+        "gravity_m_s2": scene.gravity_m_s2,
+        "model": {
+            "friction_normal": scene.form.friction_normal,
+            "pedestal_at_impact": scene.form.pedestal_at_impact,
+        },
+        "statue": {
+            "mass_kg": statue.mass_kg,
+            "centroid_height_m": statue.centroid_height_m,
+            "corner_left_m": statue.corner_left_m,
+            "corner_right_m": statue.corner_right_m,
+            "slenderness_left_rad": statue.slenderness_rad(-1),
+            "slenderness_right_rad": statue.slenderness_rad(1),
+            "inertia_kg_m2": statue.inertia_kg_m2,
+            "inertia_tensor_kg_m2": statue.inertia_tensor_kg_m2,
+            "height_m": statue.height_m,
+            "depth_m": statue.depth_m,
+            "section_m": statue.section_m,
+            "footprint_m": statue.footprint_m,
+            "mesh": None
+            if statue.solid is None
+            else {"vertices": len(statue.solid.vertices_m), "faces": len(statue.solid.faces)},
+        },
+        "pedestal": None if scene.pedestal is None else vars(scene.pedestal),
+        "contact": vars(scene.contact),
+        "wall": None if scene.wall is None else {**vars(scene.wall), "touching_rotation_rad": scene.wall_rotation_rad},
+        "initial": vars(scene.initial),
+        "table": scene.table,
+        "output_dt_s": scene.output_dt_s,
+        "toml": scene.given,
+    }
+    plain: dict[str, Any] = to_plain(record)
+    return plain
+
+
+def motion_of(scene: Scene) -> dict[str, Any]:
+    """The floor's accelerations for drawing: `t_s` and `x_m_s2`, `y_m_s2`, `z_m_s2` where they are not at rest."""
+    t_s = np.linspace(0.0, scene.duration_s, MOTION_SAMPLES)
+    found: dict[str, Any] = {"t_s": t_s}
+    for axis, item in (("x", scene.shake.x), ("y", scene.shake.y), ("z", scene.shake.z)):
+        if not isinstance(item, Rest):
+            found[f"{axis}_m_s2"] = _extremes(item, t_s)
+            found[f"{axis}_peak_m_s2"] = item.peak_m_s2
+            found[f"{axis}_is"] = repr(item) if not hasattr(item, "t_s") else f"record of {len(item.t_s)} samples"
+    plain: dict[str, Any] = to_plain(found)
+    return plain
+
+
+def _extremes(item: Excitation, t_s: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The value of largest size among ten samples of each interval, so that no peak is lost in a drawing."""
+    step = t_s[1] - t_s[0]
+    fine = t_s[:, None] + step * (np.arange(10) - 5.0) / 10.0
+    values = np.asarray(item.accel_m_s2(np.clip(fine, 0.0, t_s[-1]).ravel())).reshape(fine.shape)
+    largest = np.argmax(np.abs(values), axis=1)
+    extremes: np.ndarray[Any, np.dtype[np.float64]] = values[np.arange(len(t_s)), largest]
+    return extremes

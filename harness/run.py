@@ -1,0 +1,178 @@
+"""Run one scene with several engines and write the result folder, whole or not at all."""
+
+from __future__ import annotations
+
+import itertools
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from harness import describe, engines, record
+from harness.engine import Engine, EngineFailure, Want
+from harness.errors import InputError, Mistake
+from harness.history import Outcome
+from harness.plan import plan
+from harness.record import SCHEMA_VERSION, Run
+from harness.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.compare import Scores
+
+DEFAULT_ACCURACY_RAD: Final = 1e-3
+FINEST_DT_S: Final = 1e-6
+"""Finer steps than this are refused: 10 s would take ten million of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What all engines said of one scene, with the scores of each pair."""
+
+    scene: Scene
+    runs: Mapping[str, Run]
+    scores: Mapping[str, Scores]
+    plan: Sequence[Mapping[str, Any]]
+    seconds: float
+
+    @property
+    def failed(self) -> bool:
+        """Whether any engine failed to give an answer."""
+        return any(run.outcome.failed for run in self.runs.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """The whole record as it stands in `result.json`."""
+        plain: dict[str, Any] = record.to_plain(
+            {
+                "schema_version": SCHEMA_VERSION,
+                "kind": "run",
+                "title": self.scene.title,
+                "scene": describe.describe(self.scene),
+                "notes": self.scene.notes,
+                "motion": describe.motion_of(self.scene),
+                "runs": {name: run.as_dict() for name, run in self.runs.items()},
+                "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
+                "plan": self.plan,
+                "warnings": [f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
+                "seconds": self.seconds,
+                "versions": record.versions(),
+                "machine": record.machine(),
+            }
+        )
+        return plain
+
+
+def simulate(
+    scene: Scene,
+    engine: str,
+    *,
+    accuracy_rad: float | None = None,
+    dt_s: float | None = None,
+    want: Want | None = None,
+) -> Run:
+    """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
+
+    An engine's own failure is a `Run` whose outcome says so. Raises `InputError` for an unknown engine, an accuracy or step out
+    of range, or both given.
+    """
+    check_target(accuracy_rad, dt_s)
+    return _simulate(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
+
+
+def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
+    """Raise `InputError` unless at most one of the two is given and it is in its range."""
+    if accuracy_rad is not None and dt_s is not None:
+        raise InputError(Mistake("--accuracy and --dt", "", "one of the two", "both"))
+    if accuracy_rad is not None and not 1e-9 <= accuracy_rad <= 0.1:
+        raise InputError(Mistake("--accuracy", "", "a rotation between 1e-9 and 0.1 rad", f"{accuracy_rad!r}"))
+    if dt_s is not None and not FINEST_DT_S <= dt_s <= 0.1:
+        raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
+
+
+def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    reason = engine.missing()
+    if reason is not None:
+        return failed(engine.name, Outcome.UNAVAILABLE, reason)
+    start = time.perf_counter()
+    try:
+        if dt_s is not None and not engine.capabilities.certifies:
+            return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+        from harness.uncertainty import run_to_accuracy
+
+        return run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
+    except EngineFailure as error:
+        return failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
+
+
+def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:
+    """A run that says why there is no answer."""
+    return Run(
+        engine=engine,
+        outcome=outcome,
+        history=None,
+        settings={},
+        steps=0,
+        wall_s=wall_s,
+        peak_theta_rad=0.0,
+        peak_time_s=0.0,
+        end_s=0.0,
+        message=message,
+        warnings=(message,),
+    )
+
+
+def run_scene(
+    scene: Scene,
+    names: Sequence[str] = engines.DEFAULT_ENGINES,
+    *,
+    accuracy_rad: float | None = None,
+    dt_s: float | None = None,
+    want: Want | None = None,
+    told: Callable[[str], None] = lambda text: None,
+) -> Result:
+    """Run a scene with the named engines and score every pair; `told` hears which engine is at work."""
+    from harness.compare import compare
+
+    check_target(accuracy_rad, dt_s)
+    want = want or Want()
+    loaded = [engines.load(name) for name in dict.fromkeys(names)]
+    steps = plan(scene, loaded, want)
+    start = time.perf_counter()
+    runs: dict[str, Run] = {}
+    for engine in loaded:
+        told(engine.name)
+        runs[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
+    pairs = itertools.combinations((run for run in runs.values() if not run.outcome.failed), 2)
+    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b) for a, b in pairs}
+    return Result(scene, runs, scores, [step.as_dict() for step in steps], time.perf_counter() - start)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise `InputError` unless results can be written into `folder` (which may not exist yet)."""
+    existing = next((path for path in (folder, *folder.parents) if path.exists()), None)
+    if existing is not None and not existing.is_dir():
+        raise InputError(Mistake("--out", "", "a folder", f"the file {existing}"))
+
+
+def write_result(result: Result, folder: Path) -> Path:
+    """Write histories, the statue's mesh and `result.json` into `folder`; a killed write leaves the old result whole."""
+    check_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    fresh = Path(tempfile.mkdtemp(dir=folder, prefix=".writing-"))
+    try:
+        for name, run in result.runs.items():
+            if run.history is not None:
+                run.history.write_csv(fresh / f"history_{name}.csv")
+        if result.scene.statue.solid is not None:
+            result.scene.statue.solid.write(fresh / "statue.glb")
+        record.write_json(fresh / "result.json", result.as_dict())
+        for stale in folder.glob("history_*.csv"):
+            stale.unlink()
+        # The record last: a folder with a result.json has everything that it names.
+        for path in sorted(fresh.iterdir(), key=lambda item: item.name == "result.json"):
+            path.replace(folder / path.name)
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+    return folder / "result.json"

@@ -1,0 +1,85 @@
+"""The command `rockcheck`: what computes comes from the harness, pages and pictures are added here."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from harness import cli as harness_cli
+from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step
+
+OUT: Final = Path("out")
+
+app = typer.Typer(
+    name="rockcheck",
+    help="How far can an analytic rocking model be trusted? One scene, several models, one report.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
+
+
+@app.command(
+    epilog="Examples:  `rockcheck run scenes/paestum.toml`  ·  "
+    "`rockcheck run scenes/paestum.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4`"
+)
+def run(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)],
+    engine: Engines = None,
+    overrides: Overrides = None,
+    accuracy: Accuracy = None,
+    dt: Step = None,
+    out: Out = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
+    no_skip: NoSkip = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run one scene with several engines; write histories, scores and a report."""
+    from harness.run import check_folder, write_result
+
+    folder = out or OUT / scene.stem
+    check_folder(folder)
+    if explain:
+        from harness.load import load_scene
+
+        typer.echo(harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip))
+        return
+    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json)
+    write_result(result, folder)
+    page = _page(folder)
+    if as_json:
+        typer.echo(json.dumps(result.as_dict(), indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo(f"{harness_cli.summary(result)}\nreport: {page}")
+    raise typer.Exit(harness_cli.FAILED if result.failed else harness_cli.OK)
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
+) -> None:
+    """Write the report of a result folder again from its records."""
+    typer.echo(f"report: {_page(folder)}")
+
+
+def _page(folder: Path) -> Path:
+    from reports.page import write_report
+
+    return write_report(folder)
+
+
+harness_cli.add_commands(app)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    sys.exit(harness_cli.guarded(app))
