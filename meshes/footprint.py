@@ -1,6 +1,7 @@
 """The part of a body that really touches its support: polygon, corner distances at any azimuth, feet and base profile.
 
-Heights are kept: a base is never planed flat here. Azimuths are directions in the body's own frame, in degrees counter-clockwise
+Heights are kept: a base is never planed flat here. Azimuths are directions in the body's own frame, in degrees
+counter-clockwise
 from x seen from above: the direction towards which the body would topple.
 """
 
@@ -30,7 +31,8 @@ class Planar:
 
 
 def convex_hull(points: Array) -> Array:
-    """Corners (k, 2) of the convex hull of points (n, 2), counter-clockwise, from the points themselves; collinear ones left out.
+    """Corners (k, 2) of the convex hull of points (n, 2), counter-clockwise, from the points themselves; collinear
+    ones left out.
 
     Raises MeshError for points on a line.
     """
@@ -59,7 +61,8 @@ def _hull_indices(points: Array, hull_of: type, failure: type[Exception]) -> NDA
 
 
 def footprint(vertices_m: Array, tolerance_m: float) -> Array:
-    """Touching polygon (k, 3), counter-clockwise from above: the vertices within `tolerance_m` of the lowest, heights kept.
+    """Touching polygon (k, 3), counter-clockwise from above: the vertices within `tolerance_m` of the lowest, heights
+    kept.
 
     Raises MeshError if they do not enclose an area.
     """
@@ -68,7 +71,8 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
     low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
     if len(low) < 3:
         raise MeshError(
-            f"wanted a base of at least three touching vertices, got {len(low)} within {1e3 * tolerance_m:g} mm of the lowest point"
+            f"wanted a base of at least three touching vertices, got {len(low)} within {1e3 * tolerance_m:g} mm of"
+            f" the lowest point"
             " — check the up axis and the base plane, or give a larger contact tolerance"
         )
     return np.array(low[_hull_indices(low[:, :2], ConvexHull, QhullError)])
@@ -93,7 +97,8 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 
 
 def feet(vertices_m: Array, tolerance_m: float) -> Array:
-    """Vertices (k, 3) within `tolerance_m` of the lowest that a flat support can touch, sorted by azimuth about the origin.
+    """Vertices (k, 3) within `tolerance_m` of the lowest that a flat support can touch, sorted by azimuth about the
+    origin.
 
     They are the corners of the footprint polygon and, for a base that is not flat, those on its lower hull.
     """
@@ -111,14 +116,16 @@ def feet(vertices_m: Array, tolerance_m: float) -> Array:
 
 
 def margin_m(polygon_m: Array) -> float:
-    """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative outside."""
+    """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative
+    outside."""
     here, there = polygon_m[:, :2], np.roll(polygon_m[:, :2], -1, axis=0)
     side = there - here
     return float(((here[:, 0] * side[:, 1] - here[:, 1] * side[:, 0]) / np.linalg.norm(side, axis=1)).min())
 
 
 def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
-    """Distance (n,) from the centroid's vertical to the polygon's support line across each azimuth: the planar corner distance."""
+    """Distance (n,) from the centroid's vertical to the polygon's support line across each azimuth: the planar corner
+    distance."""
     azimuth = np.deg2rad(np.atleast_1d(np.asarray(azimuth_deg, dtype=np.float64)))
     return np.asarray((polygon_m[:, :2] @ np.vstack([np.cos(azimuth), np.sin(azimuth)])).max(axis=0))
 
@@ -126,7 +133,8 @@ def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
 def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg: ArrayLike) -> Array:
     """Angle α (n,) = atan(b/h) by which the body must turn towards each azimuth before it falls by itself.
 
-    The body turns about the side of the polygon that its support line touches, whose distance is b (docs/model.md, section 1);
+    The body turns about the side of the polygon that its support line touches, whose distance is b (docs/model.md,
+    section 1);
     the height of that vertex above the base plane is left out (it is at most the contact tolerance).
     """
     return np.arctan2(corner_m(polygon_m, azimuth_deg), centroid_height_m)
@@ -142,7 +150,8 @@ def weakest_azimuth_deg(polygon_m: Array) -> float:
 
 
 def planar(polygon_m: Array, centroid_height_m: float, inertia_kg_m2: Array, azimuth_deg: float) -> Planar:
-    """The planar parameters b_L, b_R, h, J_G of a body shaken along `azimuth_deg`; `inertia_kg_m2` (3, 3) about the centroid."""
+    """The planar parameters b_L, b_R, h, J_G of a body shaken along `azimuth_deg`; `inertia_kg_m2` (3, 3) about the
+    centroid."""
     right, left = (float(b) for b in corner_m(polygon_m, [azimuth_deg, azimuth_deg + 180.0]))
     angle = np.deg2rad(azimuth_deg)
     across = np.array([-np.sin(angle), np.cos(angle), 0.0])

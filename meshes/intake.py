@@ -1,4 +1,5 @@
-"""A mesh file read into metres with z up: formats, units, up axis. What it cannot use it refuses; it repairs nothing."""
+"""A mesh file read into metres with z up: formats, units, up axis. What it cannot use it refuses; it repairs
+nothing."""
 
 from __future__ import annotations
 
@@ -44,11 +45,13 @@ class RawMesh:
 
 
 def read_mesh(path: str | Path) -> RawMesh:
-    """The triangles of a PLY, OBJ, STL, GLB or GLTF file, all its parts in one; raises MeshError if it is not a usable mesh."""
+    """The triangles of a PLY, OBJ, STL, GLB or GLTF file, all its parts in one; raises MeshError if it is not a
+    usable mesh."""
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
         raise MeshError(
-            f"{file}: wanted one of {', '.join(FORMATS)}, got {file.suffix or 'no suffix'} — export the scan as PLY or OBJ"
+            f"{file}: wanted one of {', '.join(FORMATS)}, got {file.suffix or 'no suffix'} — export the scan as PLY"
+            f" or OBJ"
         )
     if not file.is_file():
         raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
@@ -59,7 +62,8 @@ def read_mesh(path: str | Path) -> RawMesh:
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         count = int((~np.isfinite(vertices).all(axis=1)).sum())
         raise MeshError(
-            f"{file}: wanted finite coordinates, got {count} vertices that are NaN or infinite (the first is vertex {bad})"
+            f"{file}: wanted finite coordinates, got {count} vertices that are NaN or infinite (the first is vertex"
+            f" {bad})"
             " — remove them in the scanning software and export again"
         )
     return weld(RawMesh(vertices, faces, str(file)))
@@ -79,7 +83,8 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         ) from error
     if not parts:
         raise MeshError(
-            f"{file}: wanted a surface of triangles, got no face (a point cloud?) — mesh it first, for example by Poisson reconstruction"
+            f"{file}: wanted a surface of triangles, got no face (a point cloud?) — mesh it first, for example by"
+            f" Poisson reconstruction"
         )
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     vertices = np.vstack([np.asarray(part.vertices, dtype=np.float64) for part in parts])
@@ -90,7 +95,8 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
 
 
 def weld(mesh: RawMesh) -> RawMesh:
-    """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused parts dropped."""
+    """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused
+    parts dropped."""
     extent = float(np.ptp(mesh.vertices, axis=0).max())
     if extent == 0.0:
         raise MeshError(f"{mesh.source}: wanted a surface, got all vertices in one place — export it again")
@@ -128,7 +134,8 @@ def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
     height = float(np.ptp(vertices[:, 2]))
     if not SHORTEST_M <= height <= TALLEST_M:
         raise MeshError(
-            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got {height:.4g} m with unit {unit!r}"
+            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got {height:.4g} m"
+            f" with unit {unit!r}"
             f" and up {up!r} — check the unit the scan was exported in"
         )
     return RawMesh(vertices, mesh.faces, mesh.source)
@@ -146,7 +153,8 @@ def load_solid(
 ) -> Solid:
     """The solid of a clean mesh file, turned by `azimuth_deg` about the vertical (counter-clockwise from above).
 
-    Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that does not
+    Nothing is repaired: a mesh with holes, with edges of more than two faces, of several bodies, inside out, or that
+    does not
     stand raises MeshError with what to do.
     """
     mesh = to_metres_z_up(read_mesh(path), unit, up)
@@ -171,8 +179,10 @@ def must_be_closed(mesh: RawMesh) -> None:
     if count.closed:
         return
     raise MeshError(
-        f"{mesh.source}: wanted a closed surface, got {count.boundary} edges with one face, {count.branching} with more than two and"
-        f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which writes what it changed"
+        f"{mesh.source}: wanted a closed surface, got {count.boundary} edges with one face, {count.branching} with"
+        f" more than two and"
+        f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which"
+        f" writes what it changed"
     )
 
 

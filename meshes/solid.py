@@ -1,6 +1,7 @@
 """A solid in the statue frame: mass properties of a closed mesh and the planar quantities that a rocking model takes.
 
-The statue frame has its origin on the base plane (z = 0) directly below the centroid; x lies in the rocking plane, y across it.
+The statue frame has its origin on the base plane (z = 0) directly below the centroid; x lies in the rocking plane, y
+across it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 CONTACT_TOLERANCE_M = 1e-3
-"""How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan resolves."""
+"""How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan
+resolves."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +37,10 @@ class MassProperties:
 class Solid:
     """A rigid statue in the statue frame; arrays are read-only float64 (faces int64).
 
-    `vertices_m` (n, 3), `faces` (m, 3) outward by the right-hand rule, `inertia_kg_m2` (3, 3) about the centroid in the statue
-    frame's axes, `footprint_m` (k, 3) the mesh's own touching vertices as a convex polygon, counter-clockwise seen from above,
+    `vertices_m` (n, 3), `faces` (m, 3) outward by the right-hand rule, `inertia_kg_m2` (3, 3) about the centroid in
+    the statue
+    frame's axes, `footprint_m` (k, 3) the mesh's own touching vertices as a convex polygon, counter-clockwise seen
+    from above,
     `contact_tolerance_m` the height up to which a vertex counted as touching.
     """
 
@@ -76,18 +80,21 @@ class Solid:
 
     @cached_property
     def section_m(self) -> Array:
-        """Convex silhouette (k, 2) in (x, z), counter-clockwise as drawn with x right and z up, base vertices included."""
+        """Convex silhouette (k, 2) in (x, z), counter-clockwise as drawn with x right and z up, base vertices
+        included."""
         return base.convex_hull(self.vertices_m[:, [0, 2]])
 
     @cached_property
     def base_profile_m(self) -> Array:
-        """Base vertices (k, 2) in (x, z) on which the body can stand or rock, left to right (docs/model.md, section 8)."""
+        """Base vertices (k, 2) in (x, z) on which the body can stand or rock, left to right (docs/model.md, section
+        8)."""
         touching = self.vertices_m[self.vertices_m[:, 2] <= self.contact_tolerance_m]
         return base.lower_chain(touching[:, [0, 2]])
 
     @cached_property
     def feet_m(self) -> Array:
-        """The mesh's own vertices (k, 3) that a flat support can touch: those on the lower hull of the base, raggedness kept."""
+        """The mesh's own vertices (k, 3) that a flat support can touch: those on the lower hull of the base,
+        raggedness kept."""
         return base.feet(self.vertices_m, self.contact_tolerance_m)
 
     @cached_property
@@ -108,7 +115,8 @@ class Solid:
         return sha.hexdigest()
 
     def rotated(self, azimuth_deg: float) -> Solid:
-        """The same statue turned by `azimuth_deg` about the vertical through its centroid, counter-clockwise from above."""
+        """The same statue turned by `azimuth_deg` about the vertical through its centroid, counter-clockwise from
+        above."""
         turn = turn_about_z(azimuth_deg)
         vertices = self.vertices_m @ turn.T
         return replace(
@@ -149,7 +157,8 @@ def solid_from_mesh(
     mass_kg: float | None = None,
     contact_tolerance_m: float = CONTACT_TOLERANCE_M,
 ) -> Solid:
-    """The solid of a closed mesh standing on its lowest point, z up, with the density given or solved from the weighed mass.
+    """The solid of a closed mesh standing on its lowest point, z up, with the density given or solved from the
+    weighed mass.
 
     Raises MeshError if neither or both of density and mass are given, or if the mesh has no volume or does not stand.
     """
@@ -195,6 +204,8 @@ def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
     margin = base.margin_m(polygon_m)
     if margin <= 0.0:
         raise MeshError(
-            f"wanted a statue that stands, got a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that"
-            f" touch within {1e3 * contact_tolerance_m:g} mm — check the up axis and the base plane, or give a larger contact tolerance"
+            f"wanted a statue that stands, got a centroid {-margin:.4g} m outside the polygon of its"
+            f" {len(polygon_m)} vertices that"
+            f" touch within {1e3 * contact_tolerance_m:g} mm — check the up axis and the base plane, or give a"
+            f" larger contact tolerance"
         )

@@ -1,0 +1,22 @@
+"""Tolerances of the mesh tests, each with the sentence that derives it."""
+
+SURVEY_REL = 1e-9
+"""The togatus is solved by a root-finder to 1e-10 of its targets; the constants in the source carry 16 digits."""
+
+SURVEY_ASKED_REL = 5e-3
+"""The generated statue must agree with the survey within half a per cent, as every recovered scan must."""
+
+RESOLVED_ABS = 1e-8
+"""Two starts of the root-finder agree to its relative step of 1e-10 on proportions of order one, with a margin of 100."""
+
+ROUND_OFF_REL = 1e-12
+"""Sums over a few thousand float64 terms: a few hundred units in the last place."""
+
+FACET_REL = 2e-3
+"""A cylinder of 128 facets holds (1 - sin(x)/x), x = 2π/128, that is 4e-4, less volume than the round one."""
+
+CENTROID_TOLERANCE_M = 1e-3
+"""The brief of the statue: its centroid at mid-depth within a millimetre."""
+
+FLAT_BASE_M = 1e-12
+"""The plinth's lower corners are typed as z = 0 and only translated: rounding alone."""

@@ -1,0 +1,82 @@
+"""The generated statue: the surveyed numbers, a closed surface, and nothing but its base within reach of the
+support."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import Solid, load_solid, togatus
+from meshes.intake import EdgeCount
+from tests.budgets_meshes import CENTROID_TOLERANCE_M, FLAT_BASE_M, RESOLVED_ABS, SURVEY_ASKED_REL, SURVEY_REL
+
+FREE_ROTATION_RAD = 0.6
+
+
+@pytest.fixture(scope="module")
+def statue() -> Solid:
+    return togatus.build()
+
+
+@pytest.mark.parametrize(
+    ("name", "survey"),
+    [
+        ("mass_kg", 707.0),
+        ("centroid_height_m", 0.774),
+        ("corner_right_m", 0.0682),
+        ("corner_left_m", 0.3585),
+        ("depth_m", 0.72),
+    ],
+)
+def test_surveyed_numbers(statue: Solid, name: str, survey: float) -> None:
+    assert getattr(statue, name) == pytest.approx(survey, rel=SURVEY_REL)
+
+
+def test_height(statue: Solid) -> None:
+    assert statue.height_m == pytest.approx(1.46, rel=SURVEY_ASKED_REL)
+
+
+def test_kept_proportions_are_the_solution() -> None:
+    rough = togatus.Proportions(girth=1.0, taper=0.1, lean=0.0, sway=0.0)
+    solved, kept = togatus.solve(rough), togatus.SOLVED
+    for name in ("girth", "taper", "lean", "sway"):
+        assert getattr(solved, name) == pytest.approx(getattr(kept, name), abs=RESOLVED_ABS)
+
+
+def test_closed_with_one_flat_base_of_four_corners(statue: Solid) -> None:
+    assert EdgeCount.of(statue.faces).closed
+    assert 5_000 < len(statue.faces) < 25_000
+    assert statue.footprint_m.shape == (4, 3)
+    np.testing.assert_allclose(statue.footprint_m[:, 2], 0.0, atol=FLAT_BASE_M)
+    np.testing.assert_allclose(statue.base_profile_m, [[-0.3585, 0.0], [0.0682, 0.0]], atol=1e-9)
+    y_middle = 0.5 * (statue.footprint_m[:, 1].max() + statue.footprint_m[:, 1].min())
+    assert abs(y_middle) < CENTROID_TOLERANCE_M
+
+
+def test_products_of_inertia_are_small_but_real(statue: Solid) -> None:
+    inertia = statue.inertia_kg_m2
+    for across in (inertia[0, 1], inertia[1, 2]):
+        assert 1e-4 * inertia[1, 1] < abs(across) < 0.1 * inertia[1, 1]
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_nothing_but_the_base_touches(statue: Solid, side: float) -> None:
+    """Rotated by 0.6 rad about either corner, every vertex above the plinth's lower face stays above the support."""
+    corner = statue.corner_right_m if side > 0 else statue.corner_left_m
+    above = statue.vertices_m[statue.vertices_m[:, 2] > statue.contact_tolerance_m]
+    reach = side * above[:, 0] - corner
+    height = above[:, 2] * np.cos(FREE_ROTATION_RAD) - reach * np.sin(FREE_ROTATION_RAD)
+    assert height.min() > 0.0
+
+
+@pytest.mark.parametrize("suffix", ["ply", "obj", "stl", "glb"])
+def test_written_and_read_again(statue: Solid, tmp_path: Path, suffix: str) -> None:
+    """Every format keeps the solid: STL, GLB and PLY round to float32 (6e-8 relative), OBJ prints 8 decimals."""
+    file = tmp_path / f"statue.{suffix}"
+    togatus.write(file)
+    again = load_solid(file, unit="m", density_kg_m3=togatus.DENSITY_KG_M3)
+    assert again.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
+    assert again.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
+    assert again.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
