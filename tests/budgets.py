@@ -1,0 +1,8 @@
+"""Tolerances of the harness's own tests, each with the sentence that derives it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+HERMITE_ROUNDING: Final = 4e-16
+"""A cubic is reproduced exactly; a handful of operations on numbers below one leave a few units of 1.1e-16."""

@@ -1,0 +1,59 @@
+"""The import rules of pyproject.toml hold, and each is seen to catch a violation."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+VIOLATIONS = {
+    "imports point one way": ("analytic/block.py", "import harness.errors"),
+    "pymunk is imported by its own adapter only": ("harness/plan.py", "import pymunk"),
+    "pybullet is imported by its own adapter only": ("reports/page.py", "import pybullet"),
+    "mujoco is imported by its own adapter only": ("harness/engines/munk2d.py", "import mujoco"),
+    "comparator, records and reports know no engine": ("harness/compare.py", "import harness.engines"),
+    "engines are leaves: none knows another": ("harness/engines/munk2d.py", "import harness.engines.twoblock"),
+    "the analytic model stands alone": ("analytic/block.py", "import trimesh"),
+}
+
+
+def lint(folder: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from importlinter.cli import lint_imports_command as c; c()", "--no-cache"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def copy(root: Path, tmp_path: Path) -> Path:
+    for name in ("analytic", "meshes", "harness", "reports"):
+        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(root / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_every_rule_has_a_violation_here(root: Path) -> None:
+    rules = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    assert {rule["name"] for rule in rules} == set(VIOLATIONS)
+
+
+def test_the_tree_keeps_the_rules(copy: Path) -> None:
+    done = lint(copy)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("rule", VIOLATIONS)
+def test_a_violation_is_caught(copy: Path, rule: str) -> None:
+    name, line = VIOLATIONS[rule]
+    path = copy / name
+    path.write_text(
+        path.read_text().replace(
+            "from __future__ import annotations\n", f"from __future__ import annotations\n{line}\n", 1
+        )
+    )
+    done = lint(copy)
+    assert done.returncode != 0, done.stdout
+    broken = [text for text in done.stdout.splitlines() if text.endswith("BROKEN")]
+    assert f"{rule} BROKEN" in [text.strip() for text in broken], done.stdout
