@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +14,7 @@ from harness import motions, paths, scene_file
 from harness.errors import InputError, Mistake
 from harness.motions.spec import Component, Motion
 from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
-from harness.scene_file import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.scene_file import ContactTable, MeshTable, ModelTable, PedestalTable, SceneFile, StatueTable
 
 if TYPE_CHECKING:
     from meshes import Solid
@@ -158,14 +159,7 @@ def _statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statu
     file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
     weighed = table.mass_kg
     try:
-        solid = meshes.load_solid(
-            file,
-            unit=mesh.unit,
-            up=mesh.up,
-            azimuth_deg=mesh.azimuth_deg,
-            density_kg_m3=None if weighed is not None else mesh.density_kg_m3,
-            mass_kg=weighed,
-        )
+        solid = _solid(file, file.stat().st_mtime_ns, mesh, weighed)
     except meshes.MeshError as error:
         raise InputError(
             Mistake(f"{path}: {file.name}", "statue.mesh", "a mesh that can be computed", str(error))
@@ -175,6 +169,21 @@ def _statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statu
     for name, value in _survey(table):
         notes.append(_compared(f"statue.{name}", value, _of_solid(solid, name), "the mesh"))
     return statue_of(solid)
+
+
+@lru_cache(maxsize=8)
+def _solid(file: Path, changed_ns: int, mesh: MeshTable, weighed_kg: float | None) -> Solid:
+    """The solid of a mesh file, read once for all scenes that use it as it is (`changed_ns` is its time of change)."""
+    import meshes
+
+    return meshes.load_solid(
+        file,
+        unit=mesh.unit,
+        up=mesh.up,
+        azimuth_deg=mesh.azimuth_deg,
+        density_kg_m3=None if weighed_kg is not None else mesh.density_kg_m3,
+        mass_kg=weighed_kg,
+    )
 
 
 def _survey(table: StatueTable) -> list[tuple[str, float]]:

@@ -1,0 +1,133 @@
+"""From a study file to its cases: every combination of what varies, each a scene of its own."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from harness import load, scene_file
+from harness.errors import InputError, Mistake
+from harness.mistakes import mistakes_of
+from harness.scene import Scene
+from harness.scene_file import SceneFile
+from harness.study_file import Scatter, StudyFile, Variant, Vary
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case: its number in the study, the variant that it belongs to, and the keys that it sets."""
+
+    number: int
+    variant: str
+    engines: tuple[str, ...]
+    varied: Mapping[str, Any]
+    """What varies (without the variant's own keys), as it stands in tables."""
+    setting: Mapping[str, Any]
+    """All keys set in the base scene, the variant's included."""
+    position: tuple[int, ...]
+    """Index on each varied axis (for neighbours on the grid), the sample's number last."""
+
+
+@dataclass(frozen=True)
+class Base:
+    """The base scene's content and where it stands."""
+
+    path: Path
+    content: Mapping[str, Any]
+
+    def scene(self, setting: Mapping[str, Any]) -> Scene:
+        """The base scene with some keys set. Raises `InputError` that names the keys."""
+        content = copy.deepcopy(dict(self.content))
+        for key, value in setting.items():
+            put(content, key, value)
+        where = f"{self.path} with {', '.join(f'{key} = {value}' for key, value in setting.items()) or 'nothing set'}"
+        try:
+            model = SceneFile.model_validate(content)
+        except ValidationError as error:
+            raise InputError(mistakes_of(error, SceneFile, where)) from error
+        return load.resolve(model, self.path, content)
+
+
+def base_of(study: StudyFile, path: Path) -> Base:
+    """The study's base scene, checked. Raises `InputError`."""
+    scene_path = path.parent / study.scene
+    text = scene_file.read(scene_path)
+    _, content = scene_file.parse(text, str(scene_path))
+    return Base(scene_path, content)
+
+
+def put(content: dict[str, Any], key: str, value: Any) -> None:
+    """Set one dotted key; `"keep"` leaves it, `"none"` removes it. Raises `InputError` where the path is no table."""
+    if value == "keep":
+        return
+    *tables, last = key.split(".")
+    table: Any = content
+    for part in tables:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(Mistake("study", key, "a key inside a table", f"{part} is a value"))
+    if value == "none":
+        table.pop(last, None)
+    else:
+        table[last] = value
+
+
+def expand(study: StudyFile, base: Base) -> Iterator[Case]:
+    """All cases of a study in a fixed order: axes in the file's order, samples innermost, variants last."""
+    axes = [_values(item) for item in study.vary]
+    draws = _draws(study.scatter, base, study.samples, study.seed)
+    number = itertools.count()
+    for indices in itertools.product(*(range(len(values)) for values in axes)):
+        point = {item.key: axes[axis][i] for axis, (item, i) in enumerate(zip(study.vary, indices, strict=True))}
+        for sample, drawn in enumerate(draws):
+            varied = {**point, **drawn}
+            for variant in study.variant:
+                yield _case(next(number), variant, varied, (*indices, sample))
+
+
+def _case(number: int, variant: Variant, varied: Mapping[str, Any], position: tuple[int, ...]) -> Case:
+    return Case(number, variant.name, tuple(variant.engines), varied, {**varied, **variant.set}, position)
+
+
+def _values(item: Vary) -> Sequence[Any]:
+    if item.values is not None:
+        return item.values
+    if item.start is None or item.stop is None or item.count is None:
+        raise InputError(Mistake("study", f"vary {item.key}", "start, stop and count", "not all of them"))
+    space = np.geomspace if item.spacing == "log" else np.linspace
+    # Twelve digits: a grid's value reads the same in a table as in the store.
+    return [float(f"{value:.12g}") for value in space(item.start, item.stop, item.count)]
+
+
+def _draws(scatter: Sequence[Scatter], base: Base, samples: int, seed: int) -> list[dict[str, float]]:
+    """The drawn values of every sample; each key has a stream of its own, so that adding one changes no other."""
+    columns = {}
+    for item in scatter:
+        stream = np.random.default_rng([seed, *item.key.encode()])
+        columns[item.key] = _drawn(item, base, stream, samples)
+    return [{key: float(values[i]) for key, values in columns.items()} for i in range(samples)]
+
+
+def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> Any:
+    if item.low is not None and item.high is not None:
+        return stream.uniform(item.low, item.high, samples)
+    centre: Any = base.content
+    for part in item.key.split("."):
+        centre = centre.get(part) if isinstance(centre, Mapping) else None
+    if isinstance(centre, bool) or not isinstance(centre, (int, float)):
+        raise InputError(Mistake(str(base.path), item.key, "a number to scatter around", repr(centre)))
+    width = item.relative or 0.0
+    if item.distribution == "normal":
+        return centre * (1.0 + width * stream.standard_normal(samples))
+    if item.distribution == "lognormal":
+        sigma = math.sqrt(math.log1p(width**2))
+        return centre * np.exp(sigma * stream.standard_normal(samples))
+    return centre * (1.0 + width * stream.uniform(-1.0, 1.0, samples))

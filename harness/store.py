@@ -1,0 +1,227 @@
+"""One SQLite file that keeps every result once, keyed by the content of scene, engine, settings and version."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.errors import InputError, Mistake
+from harness.history import COLUMNS, History
+from harness.record import Run, to_plain
+
+STORE_VERSION: Final = 1
+BUSY_MS: Final = 60_000
+"""Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
+
+_SCHEMA: Final = """
+CREATE TABLE IF NOT EXISTS run (
+    key TEXT PRIMARY KEY, engine TEXT NOT NULL, outcome TEXT NOT NULL, peak_theta_rad REAL, no_return_time_s REAL,
+    overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL
+) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS history (key TEXT PRIMARY KEY, columns TEXT NOT NULL, data BLOB NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS plan (
+    study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
+    PRIMARY KEY (study, number, engine)
+) WITHOUT ROWID;
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One stored result: its key and its record (a run as plain values)."""
+
+    key: str
+    record: Mapping[str, Any]
+
+
+class Store:
+    """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
+
+    Raises `InputError` when the file cannot be opened, written or is no store; the message says what can still be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with self._told("opened"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
+        with self._told("read"):
+            self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
+            self._db.execute("PRAGMA journal_mode=WAL")
+            # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
+            self._db.execute("PRAGMA synchronous=NORMAL")
+            version = self._db.execute("PRAGMA user_version").fetchone()[0]
+            if version not in (0, STORE_VERSION):
+                wanted = f"a store of version {STORE_VERSION}"
+                raise InputError(Mistake(str(path), "", wanted, f"version {version}", "use another file"))
+            self._db.executescript(_SCHEMA)
+            self._db.execute(f"PRAGMA user_version={STORE_VERSION}")
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self._db.close()
+
+    def known(self, keys: Iterable[str]) -> set[str]:
+        """Which of the keys have a result."""
+        wanted = set(keys)
+        with self._told("read"):
+            return {key for (key,) in self._db.execute("SELECT key FROM run") if key in wanted}
+
+    def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
+        """Store finished runs, each in a transaction of its own; a key that is there already is kept as it is."""
+        for key, run in results:
+            with self._told("written"), self._transaction():
+                self._put(key, run, histories)
+
+    def _put(self, key: str, run: Run, histories: bool) -> None:
+        plain = run.as_dict()
+        # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
+        seconds = plain.pop("wall_s")
+        values = (
+            key,
+            run.engine,
+            run.outcome.value,
+            run.peak_theta_rad,
+            run.no_return_time_s,
+            run.overturn_time_s,
+            run.peak_slip_m,
+            run.numerical_uncertainty_rad,
+            run.reliable_until_s,
+            json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":")),
+        )
+        self._db.execute("INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?)", values)
+        self._db.execute("INSERT OR IGNORE INTO timing VALUES (?,?)", (key, seconds))
+        if histories and run.history is not None:
+            columns = run.history.columns()
+            data = zlib.compress(np.column_stack(list(columns.values())).astype("<f8").tobytes(), 1)
+            self._db.execute("INSERT OR IGNORE INTO history VALUES (?,?,?)", (key, ",".join(columns), data))
+
+    def get(self, key: str) -> Row | None:
+        """The stored result of a key, or None."""
+        with self._told("read"):
+            found = self._db.execute("SELECT record FROM run WHERE key=?", (key,)).fetchone()
+        return None if found is None else Row(key, json.loads(found[0]))
+
+    def seconds(self, key: str) -> float | None:
+        """What the run took when it was computed."""
+        with self._told("read"):
+            found = self._db.execute("SELECT seconds FROM timing WHERE key=?", (key,)).fetchone()
+        return None if found is None else float(found[0])
+
+    def history(self, key: str) -> History | None:
+        """The stored history of a key, or None."""
+        with self._told("read"):
+            found = self._db.execute("SELECT columns, data FROM history WHERE key=?", (key,)).fetchone()
+        if found is None:
+            return None
+        names = found[0].split(",")
+        table = np.frombuffer(zlib.decompress(found[1]), dtype="<f8").reshape(-1, len(names))
+        columns = dict(zip(names, table.T, strict=True))
+        extra = {name: values for name, values in columns.items() if name not in COLUMNS}
+        return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
+
+    def write_plan(self, study: str, rows: Sequence[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
+        """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
+        plain = [
+            (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
+            for n, engine, key, why, what in rows
+        ]
+        with self._told("written"), self._transaction():
+            self._db.execute("DELETE FROM plan WHERE study=?", (study,))
+            self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
+
+    def rows(self, study: str) -> Iterator[dict[str, Any]]:
+        """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
+        with self._told("read"):
+            query = (
+                "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, run.record FROM plan "
+                "LEFT JOIN run ON run.key = plan.key WHERE study=? ORDER BY plan.number, plan.engine"
+            )
+            for number, engine, key, reason, what, record in self._db.execute(query, (study,)):
+                found = None if record is None else json.loads(record)
+                yield {
+                    "number": number,
+                    "engine": engine,
+                    "key": key,
+                    "reason": reason,
+                    "varied": json.loads(what),
+                    "run": found,
+                }
+
+    def check(self) -> str | None:
+        """What SQLite says of the file's integrity: None when whole, else its first finding."""
+        with self._told("read"):
+            found = self._db.execute("PRAGMA quick_check(1)").fetchone()[0]
+        return None if found == "ok" else str(found)
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._db.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            # A full disk may already have rolled it back.
+            if self._db.in_transaction:
+                self._db.execute("ROLLBACK")
+            raise
+        self._db.execute("COMMIT")
+
+    @contextmanager
+    def _told(self, done: str) -> Iterator[None]:
+        try:
+            yield
+        except (sqlite3.Error, OSError) as error:
+            advice = (
+                "free some space and run again with --resume: what was finished is kept"
+                if "full" in str(error)
+                else "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
+            )
+            raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error
+
+
+def salvage(damaged: Path, fresh: Path) -> int:
+    """Copy every result of a damaged store that can still be read into a new one; returns how many.
+
+    Raises `InputError` when the new file exists or nothing can be read.
+    """
+    if fresh.exists():
+        raise InputError(Mistake(str(fresh), "", "a file that does not exist yet", "an existing one"))
+    if not damaged.is_file():
+        raise InputError(Mistake(str(damaged), "", "an existing store", "nothing"))
+    rows = {table: list(_readable(damaged, table)) for table in ("run", "timing", "history", "plan")}
+    if not rows["run"]:
+        raise InputError(Mistake(str(damaged), "", "a store of which something can be read", "nothing readable"))
+    with Store(fresh):
+        pass
+    with closing(sqlite3.connect(fresh)) as db, db:
+        for table, found in rows.items():
+            if found:
+                marks = ",".join("?" * len(found[0]))
+                db.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", found)
+    return len(rows["run"])
+
+
+def _readable(path: Path, table: str) -> Iterator[tuple[Any, ...]]:
+    """Rows of a table from its first to the first damaged page, then from its last page backwards."""
+    seen: set[tuple[Any, ...]] = set()
+    for order in ("ASC", "DESC"):
+        try:
+            with closing(sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True)) as db:
+                for row in db.execute(f"SELECT * FROM {table} ORDER BY 1 {order}"):
+                    if row[:3] in seen:
+                        break
+                    seen.add(row[:3])
+                    yield row
+        except sqlite3.Error:
+            continue

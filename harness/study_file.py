@@ -1,0 +1,130 @@
+"""The study file: a base scene, what varies, which engines answer, validated strictly."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from harness.errors import InputError, Mistake
+from harness.mistakes import Contradiction, mistakes_of
+from harness.scene_file import Table, read
+
+Value = float | int | str | bool
+EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco"]
+Name = Annotated[str, Field(min_length=1)]
+
+
+class Vary(Table):
+    """`[[vary]]`: one key of the scene and its values: a list, or a grid from … to … of `count` values.
+
+    The values `"keep"` and `"none"` leave the key as the scene has it and remove it (`pedestal = "none"`).
+    """
+
+    key: Name
+    values: list[Value] | None = Field(default=None, min_length=1)
+    start: float | None = None
+    stop: float | None = None
+    count: Annotated[int, Field(ge=1)] | None = None
+    spacing: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Vary:
+        grid = (self.start, self.stop, self.count)
+        if (self.values is None) == all(item is None for item in grid):
+            raise Contradiction("values", "either values, or start, stop and count", "both or neither")
+        if self.values is None and any(item is None for item in grid):
+            raise Contradiction("count", "start, stop and count together", "not all three")
+        if self.spacing == "log" and (self.start is None or self.stop is None or min(self.start, self.stop) <= 0.0):
+            raise Contradiction("spacing", "positive start and stop for a logarithmic grid", "no such grid")
+        return self
+
+
+class Scatter(Table):
+    """`[[scatter]]`: one key drawn at random around its value in the scene (`normal` and `uniform` relative, or absolute)."""
+
+    key: Name
+    distribution: Literal["normal", "lognormal", "uniform"]
+    relative: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    low: float | None = None
+    high: float | None = None
+
+    @model_validator(mode="after")
+    def _bounds(self) -> Scatter:
+        absolute = self.low is not None and self.high is not None
+        if (self.relative is None) == (not absolute):
+            raise Contradiction("relative", "either relative, or low and high", "both or neither")
+        if absolute and self.distribution != "uniform":
+            raise Contradiction("distribution", "'uniform' with low and high", repr(self.distribution))
+        if self.low is not None and self.high is not None and self.low >= self.high:
+            raise Contradiction("low", f"less than high = {self.high:g}", f"{self.low:g}")
+        return self
+
+
+class Variant(Table):
+    """`[[variant]]`: keys set for all cases of this variant, and the engines that answer it."""
+
+    name: Name
+    engines: list[EngineName] = Field(min_length=1)
+    set: dict[str, Value] = Field(default_factory=dict)
+
+
+class Ask(Table):
+    """`[ask]`: which cases go to the contact engines, after the analytic model has run them all.
+
+    `all`; `boundary`: those whose analytic outcome is near a change (a neighbour on the grid differs, or the peak lies within
+    `margin` of the balance point), and of the rest a random `audit` share.
+    """
+
+    cases: Literal["all", "boundary"] = "all"
+    margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.25
+    audit: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1
+    histories: bool = False
+
+
+class StudyFile(Table):
+    """A whole study file."""
+
+    title: Name
+    scene: Name
+    seed: Annotated[int, Field(ge=0)] = 0
+    samples: Annotated[int, Field(ge=1, le=1_000_000)] = 1
+    vary: list[Vary] = Field(default_factory=list)
+    scatter: list[Scatter] = Field(default_factory=list)
+    variant: list[Variant] = Field(min_length=1)
+    accuracy: dict[Literal["analytic", "pymunk", "pybullet", "mujoco"], Annotated[float, Field(ge=1e-9, le=0.1)]] = (
+        Field(default_factory=dict)
+    )
+    ask: Ask = Ask()
+    claims: Literal["paper"] | None = None
+
+    @model_validator(mode="after")
+    def _whole(self) -> StudyFile:
+        names = [variant.name for variant in self.variant]
+        if len(set(names)) != len(names):
+            raise Contradiction("variant", "variants of different names", ", ".join(names))
+        keys = [item.key for item in self.vary] + [item.key for item in self.scatter]
+        if len(set(keys)) != len(keys):
+            raise Contradiction("vary", "each key varied once", ", ".join(keys))
+        if (self.samples > 1) != bool(self.scatter):
+            raise Contradiction(
+                "samples", "more than one sample exactly where something is scattered", str(self.samples)
+            )
+        return self
+
+
+def load_study(path: Path | str) -> StudyFile:
+    """Read and validate a study file. Raises `InputError` with every mistake."""
+    path = Path(path)
+    text = read(path)
+    try:
+        content: Mapping[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
+    try:
+        return StudyFile.model_validate(content)
+    except ValidationError as error:
+        raise InputError(mistakes_of(error, StudyFile, str(path), text)) from error
