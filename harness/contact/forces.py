@@ -1,0 +1,100 @@
+"""Forces and energy of a trajectory, from the balance of momentum of each body in each step.
+
+An engine that adds impulses to velocities obeys Δv = g Δt + impulse/m exactly, so these are the engine's own contact
+impulses, read without asking it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact.trajectory import Trajectory
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+
+WINDOW: Final = 8
+"""Steps over which impulses are summed before a ratio is formed: a solver's noise from step to step is not a force."""
+LEAST_SHARE: Final = 0.02
+"""A normal impulse below this share of the weight's is no contact to form a ratio with."""
+
+
+@dataclass(frozen=True, eq=False)
+class Impulses:
+    """Cumulative impulses, N s, shape (n,), on the statue at its base and on the whole at the floor."""
+
+    statue_x: Array
+    statue_z: Array
+    floor_x: Array
+    floor_z: Array
+
+
+def impulses(scene: Scene, trajectory: Trajectory) -> Impulses:
+    """Cumulative contact impulses of a trajectory; without a pedestal both are the same."""
+    step = np.diff(trajectory.t_s)[:, None]
+    gravity = trajectory.gravity_xz_m_s2 * step
+    statue = scene.statue.mass_kg * (np.diff(trajectory.statue_rate_m_s, axis=0) - gravity)
+    floor = statue
+    if scene.pedestal is not None and trajectory.pedestal_rate_m_s is not None:
+        floor = statue + scene.pedestal.mass_kg * (np.diff(trajectory.pedestal_rate_m_s, axis=0) - gravity)
+    total = [np.concatenate([[0.0], np.cumsum(part[:, axis])]) for part in (statue, floor) for axis in (0, 1)]
+    return Impulses(*total)
+
+
+def mean_force(t_s: Array, impulse_n_s: Array, grid_s: Array) -> Array:
+    """Mean force, N, over the interval before each time of the grid (the first repeats the second), shape of the grid."""
+    if grid_s.size < 2:
+        return np.zeros_like(grid_s)
+    at = np.interp(grid_s, t_s, impulse_n_s)
+    force = np.diff(at) / np.diff(grid_s)
+    return np.concatenate([force[:1], force])
+
+
+def force_limits(scene: Scene, trajectory: Trajectory, found: Impulses) -> dict[str, float]:
+    """Greatest friction ratio needed at the statue's base, least normal forces there and at the floor."""
+    width = min(WINDOW, trajectory.t_s.size - 1)
+    if width < 1:
+        return {}
+    span = trajectory.t_s[width:] - trajectory.t_s[:-width]
+    normal = (found.statue_z[width:] - found.statue_z[:-width]) / span
+    shear = (found.statue_x[width:] - found.statue_x[:-width]) / span
+    floor = (found.floor_z[width:] - found.floor_z[:-width]) / span
+    held = normal > LEAST_SHARE * scene.statue.mass_kg * scene.gravity_m_s2
+    needed = float(np.max(np.abs(shear[held]) / normal[held])) if np.any(held) else 0.0
+    return {
+        "statue_friction_needed": needed,
+        "statue_normal_least_n": float(np.min(normal)),
+        "floor_normal_least_n": float(np.min(floor)),
+    }
+
+
+def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
+    """Mechanical energy in the table's frame, J, shape (n,): kinetic and potential in gravity, zero as at rest upright."""
+    statue, gravity = scene.statue, scene.gravity_m_s2
+    rise = trajectory.statue_xz_m[:, 1] - trajectory.statue_xz_m[0, 1]
+    total = 0.5 * statue.mass_kg * np.sum(trajectory.statue_rate_m_s**2, axis=1)
+    total += 0.5 * statue.inertia_kg_m2 * trajectory.theta_rate_rad_s**2 + statue.mass_kg * gravity * rise
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None and trajectory.pedestal_rate_m_s is not None:
+        lifted = trajectory.pedestal_xz_m[:, 1] - trajectory.pedestal_xz_m[0, 1]
+        total += scene.pedestal.mass_kg * (0.5 * np.sum(trajectory.pedestal_rate_m_s**2, axis=1) + gravity * lifted)
+    energy: Array = total
+    return energy
+
+
+def energy_gained_j(scene: Scene, trajectory: Trajectory) -> float:
+    """Largest rise, J, of the energy above what the table's motion has put in: contacts may only take energy away."""
+    given = np.zeros(trajectory.t_s.size)
+    extra = trajectory.gravity_xz_m_s2 + np.array([0.0, scene.gravity_m_s2])
+    step = np.diff(trajectory.t_s)
+    bodies = [(scene.statue.mass_kg, trajectory.statue_rate_m_s)]
+    if scene.pedestal is not None and trajectory.pedestal_rate_m_s is not None:
+        bodies.append((scene.pedestal.mass_kg, trajectory.pedestal_rate_m_s))
+    for mass, rate in bodies:
+        power = mass * np.sum(extra * 0.5 * (rate[1:] + rate[:-1]), axis=1)
+        given[1:] += np.cumsum(power * step)
+    lost = given - energy_j(scene, trajectory)
+    return float(np.max(np.maximum.accumulate(lost) - lost))

@@ -1,0 +1,41 @@
+"""Two coefficients of friction in an engine that knows one.
+
+The rule, for each step: if the pedestal is stuck when the step begins, the step is computed with the static coefficient; if
+it then slides at the step's end, the static limit was passed inside the step, and the step is computed again from its
+beginning with the kinetic coefficient (docs/model.md, sections 2 and 3: sticking holds while |F| ≤ μ_s N, else
+F = −μ_k N, in motion and in an impact alike). A step that begins sliding is computed with the kinetic coefficient; when the
+velocity comes to rest or changes sign in it, the next one begins stuck. Without the repetition the first sliding step, or an
+impact that breaks the pedestal loose, acts with μ_s: at an impact that is an error of (μ_s − μ_k) P_n that no step size cures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from harness.scene import Scene
+
+STUCK_SHARE: Final = 0.02
+"""A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""
+
+
+@dataclass(frozen=True)
+class FloorFriction:
+    """Coefficients of the pedestal on the floor; `stuck_below_m_s` is the velocity that counts as rest."""
+
+    static: float
+    kinetic: float
+    stuck_below_m_s: float
+
+    @property
+    def switches(self) -> bool:
+        """Whether the two numbers differ, so that the coefficient must follow the sliding state."""
+        return self.static != self.kinetic
+
+
+def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:
+    """The floor's friction for steps of `dt_s`."""
+    contact = scene.contact
+    return FloorFriction(
+        contact.floor_static, contact.floor_kinetic, STUCK_SHARE * contact.floor_kinetic * scene.gravity_m_s2 * dt_s
+    )
