@@ -128,6 +128,7 @@ def plan_cases(
     planned: list[Planned] = []
     jobs: dict[str, Job] = {}
     loaded = {name: engines.load(name) for name in names}
+    accuracies: dict[str, float] = {**study.accuracy}
     for case in cases:
         asked = [name for name in case.engines if name in names]
         if not asked:
@@ -138,7 +139,7 @@ def plan_cases(
             if scene is None or why is None:
                 planned.append(Planned(case, name, None, "not sent: the analytic outcome is far from a change"))
                 continue
-            accuracy = dict(study.accuracy).get(name, DEFAULT_ACCURACY_RAD)
+            accuracy = accuracies.get(name, DEFAULT_ACCURACY_RAD)
             key = run_key(loaded[name], scene_digest(scene, loaded[name].capabilities), accuracy, study.ask.histories)
             planned.append(Planned(case, name, key, why))
             jobs.setdefault(key, Job(key, name, base, tuple(case.setting.items()), accuracy, study.ask.histories))
