@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -141,7 +142,8 @@ def _ii(answers: Sequence[Answer]) -> tuple[int, int, str]:
     pairs = _pairs(answers)
     saved = [f.condition for f, p in pairs if f.overturned and not p.overturned]
     lost = sum(p.overturned and not f.overturned for f, p in pairs)
-    text = f"prevented in {len(saved)} of {sum(f.overturned for f, _ in pairs)} conditions that overturn without; caused in {lost}"
+    falling = sum(f.overturned for f, _ in pairs)
+    text = f"prevented in {len(saved)} of {falling} conditions that overturn without; caused in {lost}"
     # One case is enough for "in some cases".
     return min(len(saved), 1), 1 if pairs else 0, text
 
@@ -176,7 +178,7 @@ def _iv(answers: Sequence[Answer]) -> tuple[int, int, str]:
     for members in series.values():
         peaks = [item.peak_rad for item in sorted(members, key=lambda item: item.frequency_hz)]
         steps += len(peaks) - 1
-        falls += sum(after <= before for before, after in zip(peaks, peaks[1:], strict=False))
+        falls += sum(after <= before for before, after in pairwise(peaks))
     return falls, steps, f"the peak falls in {falls} of {steps} steps to the next frequency"
 
 

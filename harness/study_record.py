@@ -1,0 +1,153 @@
+"""The record of a study: what its page shows, taken from the store."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import claims, record
+from harness.cases import base_of
+from harness.describe import describe
+from harness.record import SCHEMA_VERSION
+from harness.scene import Scene
+from harness.store import Store
+from harness.study import Summary, audit, study_name
+from harness.study_file import StudyFile
+
+Array = NDArray[np.float64]
+
+CURVE_POINTS: Final = 400
+"""Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
+SHOWN: Final = (
+    "engine",
+    "outcome",
+    "peak_theta_rad",
+    "peak_time_s",
+    "no_return_time_s",
+    "overturn_time_s",
+    "peak_slip_m",
+    "residual_slip_m",
+    "numerical_uncertainty_rad",
+    "reliable_until_s",
+    "steps",
+    "labels",
+    "warnings",
+    "validity",
+)
+
+
+def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float) -> dict[str, Any]:
+    """Everything that the page of a study holds, as plain values."""
+    base = base_of(study, path)
+    scene = base.scene({})
+    rows = list(store.rows(study_name(study)))
+    found: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "kind": "study",
+        "title": study.title,
+        "file": path.name,
+        "scene": describe(scene),
+        "notes": scene.notes,
+        "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
+        "summary": {**vars(summary), "sentence": str(summary)},
+        "seconds": seconds,
+        "engine_seconds": _seconds(rows, store),
+        "rows": [_shown(row) for row in rows],
+        "audit": audit(rows) if study.ask.cases == "boundary" else None,
+        "versions": record.versions(),
+        "machine": record.machine(),
+    }
+    if study.claims == "paper":
+        verdicts = claims.judge(rows, top_displacement(scene))
+        found["claims"] = [verdict.as_dict() for verdict in verdicts]
+        found["headline"] = claims.headline(verdicts)
+        found["panels"] = panels(rows, store)
+    plain: dict[str, Any] = record.to_plain(found)
+    return plain
+
+
+def top_displacement(scene: Scene) -> Any:
+    """Horizontal displacement (m) of the silhouette's topmost point at a rotation about the wider side's corner."""
+    section = scene.statue.section_m
+    side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
+    corner = np.array([side * scene.statue.corner_m(side), 0.0])
+    top = section[np.argmax(section[:, 1])] - corner
+
+    def displaced(theta_rad: float) -> float:
+        # Clockwise positive: x' = x cos θ + z sin θ.
+        turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
+        return float(abs(turned - top[0]))
+
+    return displaced
+
+
+def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[dict[str, Any]]:
+    """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
+    found: dict[tuple[float, float, float], dict[str, Any]] = {}
+    drawn: dict[str, Any] = {}
+    for row in rows:
+        varied, key = row["varied"], row["key"]
+        if row["run"] is None or key is None:
+            continue
+        if key not in drawn:
+            history = store.history(key)
+            if history is None:
+                continue
+            drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
+        place = (varied["contact.restitution"], varied["motion.x.amplitude_g"], varied["motion.x.frequency_hz"])
+        panel = found.setdefault(
+            place, {"restitution": place[0], "amplitude_g": place[1], "frequency_hz": place[2], "curves": {}}
+        )
+        model = f"{row['engine']} ({varied['variant']})"
+        setting = "floor" if varied["pedestal"] == "none" else "pedestal"
+        panel["curves"].setdefault(model, {})[setting] = drawn[key]
+    return [found[place] for place in sorted(found)]
+
+
+def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> dict[str, list[float]]:
+    keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
+    return {
+        "t_s": [round(float(value), 4) for value in t_s[keep]],
+        "theta_rad": [float(f"{value:.5g}") for value in theta_rad[keep]],
+        "slip_m": [float(f"{value:.5g}") for value in slip_m[keep]],
+    }
+
+
+def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
+    """Indices that keep the first, the last and the least and largest of every curve in each of `points`/2 stretches."""
+    size = curves[0].size
+    if size <= points:
+        return np.arange(size)
+    edges = np.linspace(0, size, points // 2 + 1).astype(int)
+    kept = {0, size - 1}
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for curve in curves:
+            kept |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
+    return np.array(sorted(kept))
+
+
+def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
+    run = row["run"]
+    kept = None if run is None else {name: run[name] for name in SHOWN} | {"impacts": len(run["impact_times_s"])}
+    return {
+        "number": row["number"],
+        "engine": row["engine"],
+        "reason": row["reason"],
+        "varied": row["varied"],
+        "run": kept,
+    }
+
+
+def _seconds(rows: Sequence[Mapping[str, Any]], store: Store) -> dict[str, float]:
+    total: dict[str, float] = {}
+    for key, engine in {(row["key"], row["engine"]) for row in rows if row["key"] is not None}:
+        total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
+    return total
+
+
+def _order(value: Any) -> tuple[bool, Any]:
+    return isinstance(value, str), value
