@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any, Final
 
@@ -31,6 +32,9 @@ SENTENCES: Final[Mapping[str, str]] = {
     "v": "the pedestal's displacement stays within a few centimetres",
     "vi": "0.50 rad, 0.70 m at the top, is the limit set by the wall",
 }
+
+
+Test = Callable[[Sequence["Answer"]], tuple[int, int, str]]
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,7 @@ def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float
     verdicts = []
     for model, answers in models.items():
         imposed = "imposed" in model
-        tests = (_i, _ii, _iii, _iv, _v, lambda found: _vi(found, top_displacement_m))
+        tests: tuple[Test, ...] = (_i, _ii, _iii, _iv, _v, partial(_vi, top_displacement_m=top_displacement_m))
         for claim, test in zip(SENTENCES, tests, strict=True):
             held, cases, evidence = test(answers)
             verdicts.append(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -124,7 +125,7 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
         return np.arange(size)
     edges = np.linspace(0, size, points // 2 + 1).astype(int)
     kept = {0, size - 1}
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         for curve in curves:
             kept |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
     return np.array(sorted(kept))

@@ -63,6 +63,38 @@ def run(
     raise typer.Exit(harness_cli.FAILED if result.failed else harness_cli.OK)
 
 
+@app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")
+def study(
+    study_file: Annotated[Path, typer.Argument(metavar="STUDY", help="A study file (TOML).", show_default=False)],
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a study begun in this folder.")] = False,
+    dask: Annotated[
+        str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+    ] = None,
+    export: Annotated[
+        Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
+    ] = None,
+    out: Out = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run many scenes with several engines; what is finished is kept, and never computed again."""
+    from harness import study_cli
+    from harness.run import check_folder
+
+    folder = out or OUT / study_file.stem
+    check_folder(folder)
+    found, summary = study_cli.run(
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, quiet=quiet or as_json
+    )
+    page = _page(folder)
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo(f"{study_file.name}: {summary}\nreport: {page}")
+    raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
+
+
 @app.command()
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],

@@ -1,0 +1,96 @@
+"""The study command: run what is missing, write the record."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+from harness import record
+from harness.errors import InputError, Mistake
+from harness.executors import DaskPool, LocalPool, Pool
+from harness.export import export_csv, export_parquet
+from harness.store import Store
+from harness.study import Summary, run_study, study_name
+from harness.study_file import StudyFile, load_study
+from harness.study_record import study_record
+
+STORE_NAME: Final = "store.sqlite"
+
+
+def run(
+    path: Path,
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    resume: bool = False,
+    dask: str | None = None,
+    export: Path | None = None,
+    quiet: bool = False,
+) -> tuple[dict[str, Any], Summary]:
+    """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
+
+    Raises `InputError` for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
+    """
+    study = load_study(path)
+    _check(study, folder, jobs, resume, export)
+    start = time.perf_counter()
+    pool: Pool = LocalPool(jobs) if dask is None else DaskPool(dask)
+    with Store(folder / STORE_NAME) as store, progress(study.title, quiet) as told:
+        summary = run_study(study, path, store, pool, told)
+        found = study_record(study, path, store, summary, time.perf_counter() - start)
+        record.write_json(folder / "result.json", found)
+        if export is not None:
+            writer = export_parquet if export.suffix == ".parquet" else export_csv
+            writer(store, study_name(study), export)
+    return found, summary
+
+
+def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:
+    if jobs is not None and jobs < 1:
+        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+    if export is not None and export.suffix not in (".csv", ".parquet"):
+        raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
+    if export is not None and not export.resolve().parent.is_dir():
+        raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    if resume and not (folder / STORE_NAME).is_file():
+        wanted = f"a study that was begun in {folder}"
+        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
+@contextmanager
+def progress(title: str, quiet: bool) -> Iterator[Any]:
+    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True, quiet=quiet)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, disable=quiet or not console.is_terminal) as bar:
+        task = bar.add_task(title, total=None)
+        said = -1
+
+        def told(done: int, total: int) -> None:
+            nonlocal said
+            bar.update(task, completed=done, total=total)
+            tenth = 10 * done // total if total else 10
+            if not console.is_terminal and tenth != said:
+                said = tenth
+                console.print(f"{title}: {done} of {total} runs", highlight=False)
+
+        yield told
