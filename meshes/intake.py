@@ -4,14 +4,16 @@ nothing."""
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
+from meshes.mesh import RawMesh, weld
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh, turn_about_z
+from meshes.stance import turn_axis
+from meshes.topology import EdgeCount
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -20,28 +22,9 @@ FORMATS = (".ply", ".obj", ".stl", ".glb", ".gltf")
 UNIT_M = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
 """Length of each unit in metres."""
 
-UP_ROTATION = {
-    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
-    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
-    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
-    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
-}
-"""Rows of the proper rotation that takes the file's up axis to +z."""
-
 TALLEST_M = 50.0
 SHORTEST_M = 0.01
 """Heights outside these limits mean a wrong unit, not a statue."""
-
-
-@dataclass(frozen=True)
-class RawMesh:
-    """Vertices (n, 3) and triangles (m, 3) of a file, in the file's own unit and axes, coincident vertices welded."""
-
-    vertices: Array
-    faces: Faces
-    source: str
 
 
 def read_mesh(path: str | Path) -> RawMesh:
@@ -94,29 +77,6 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
     return vertices, faces
 
 
-def weld(mesh: RawMesh) -> RawMesh:
-    """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused
-    parts dropped."""
-    extent = float(np.ptp(mesh.vertices, axis=0).max())
-    if extent == 0.0:
-        raise MeshError(f"{mesh.source}: wanted a surface, got all vertices in one place — export it again")
-    keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
-    packed = np.ascontiguousarray(keys).view([("", np.int64)] * 3).ravel()
-    _, first, inverse = np.unique(packed, return_index=True, return_inverse=True)
-    faces = first[inverse.ravel()][mesh.faces]
-    proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    vertices, faces = drop_unused(mesh.vertices, faces[proper])
-    return RawMesh(vertices, faces, mesh.source)
-
-
-def drop_unused(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
-    """The vertices that some face uses, in their order, and the faces renumbered."""
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces.ravel()] = True
-    number = np.cumsum(used) - 1
-    return vertices[used], number[faces]
-
-
 def unit_length_m(unit: str | float) -> float:
     """Metres per unit of the file, from a unit's name or a number of metres; raises MeshError for anything else."""
     if isinstance(unit, str) and unit in UNIT_M:
@@ -128,9 +88,7 @@ def unit_length_m(unit: str | float) -> float:
 
 def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
     """The mesh in metres with `up` turned to +z; raises MeshError for an unknown unit or axis, or an absurd height."""
-    if up not in UP_ROTATION:
-        raise MeshError(f"{mesh.source}: wanted an up axis out of {', '.join(UP_ROTATION)}, got {up!r}")
-    vertices = unit_length_m(unit) * mesh.vertices @ np.array(UP_ROTATION[up], dtype=np.float64).T
+    vertices = unit_length_m(unit) * mesh.vertices @ turn_axis(up).T
     height = float(np.ptp(vertices[:, 2]))
     if not SHORTEST_M <= height <= TALLEST_M:
         raise MeshError(
@@ -184,29 +142,3 @@ def must_be_closed(mesh: RawMesh) -> None:
         f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which"
         f" writes what it changed"
     )
-
-
-@dataclass(frozen=True)
-class EdgeCount:
-    """How many edges of a triangle mesh keep it from bounding a volume."""
-
-    boundary: int
-    branching: int
-    misoriented: int
-
-    @property
-    def closed(self) -> bool:
-        """Whether every edge has two faces that pass it in opposite directions."""
-        return self.boundary == 0 and self.branching == 0 and self.misoriented == 0
-
-    @classmethod
-    def of(cls, faces: Faces) -> EdgeCount:
-        """Counted over the undirected edges of `faces` (m, 3)."""
-        directed = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        low, high = directed.min(axis=1), directed.max(axis=1)
-        key = low * (int(faces.max(initial=0)) + 1) + high
-        order = np.argsort(key, kind="stable")
-        starts = np.flatnonzero(np.r_[True, np.diff(key[order]) != 0])
-        faces_at = np.diff(np.r_[starts, len(order)])
-        balance = np.add.reduceat(np.where(directed[order, 0] == low[order], 1, -1), starts)
-        return cls(int((faces_at == 1).sum()), int((faces_at > 2).sum()), int(((faces_at == 2) & (balance != 0)).sum()))

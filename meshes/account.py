@@ -1,0 +1,97 @@
+"""The written account of a preparation: every change, its extent, and what it did to volume, centroid and inertia."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from meshes.mesh import RawMesh
+from meshes.solid import MassProperties
+from meshes.topology import rims
+
+
+@dataclass(frozen=True)
+class Change:
+    """One change of the mesh: what was done to how many things, and its effect (None where it has no meaning)."""
+
+    step: str
+    what: str
+    count: int
+    volume_rel: float | None = None
+    centroid_m: float | None = None
+    inertia_rel: float | None = None
+
+    def __str__(self) -> str:
+        if self.volume_rel is None or self.centroid_m is None or self.inertia_rel is None:
+            return f"{self.step}: {self.what}"
+        effect = (
+            f"volume {100 * self.volume_rel:+.3f} %, centroid moved {1e3 * self.centroid_m:.3f} mm,"
+            f" inertia {100 * self.inertia_rel:+.3f} %"
+        )
+        return f"{self.step}: {self.what} ({effect})"
+
+
+@dataclass(frozen=True)
+class Account:
+    """All changes of one preparation in order, and what was found but left as it was."""
+
+    source: str
+    changes: tuple[Change, ...] = ()
+    found: tuple[str, ...] = ()
+
+    def and_found(self, sentence: str) -> Account:
+        """The account with one more finding."""
+        return replace(self, found=(*self.found, sentence))
+
+    def and_changed(self, change: Change) -> Account:
+        """The account with one more change."""
+        return replace(self, changes=(*self.changes, change))
+
+    def scaled(self, unit_m: float) -> Account:
+        """The account with centroid shifts so far in the file's unit turned into metres."""
+        turned = [
+            change if change.centroid_m is None else replace(change, centroid_m=unit_m * change.centroid_m)
+            for change in self.changes
+        ]
+        return replace(self, changes=tuple(turned))
+
+    @property
+    def volume_rel(self) -> float:
+        """All changes of volume together, signs ignored: what the limit on repair is held against."""
+        return sum(abs(change.volume_rel) for change in self.changes if change.volume_rel is not None)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The account as plain values."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        lines = [f"{self.source}", "changed:"]
+        lines += [f"  {number}. {change}" for number, change in enumerate(self.changes, 1)] or ["  nothing"]
+        lines += ["found and left as it is:", *(f"  - {sentence}" for sentence in self.found)] if self.found else []
+        return "\n".join(lines)
+
+
+def measure(mesh: RawMesh) -> MassProperties:
+    """Mass properties of a mesh that may still have holes: as if each were closed by a cone to the middle of all
+    rims."""
+    from trimesh import triangles
+
+    open_rims = rims(mesh.faces)
+    middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    if open_rims:
+        middle = mesh.vertices[np.concatenate(open_rims)].mean(axis=0)
+    found = triangles.mass_properties((mesh.vertices - middle)[mesh.faces], density=1.0)
+    return MassProperties(float(found["volume"]), found["center_mass"] + middle, np.asarray(found["inertia"]))
+
+
+def change(step: str, what: str, count: int, before: MassProperties, after: MassProperties) -> Change:
+    """The change with its effect; a volume that was nothing before (an open or inside-out mesh) gives no ratio."""
+    if before.volume_m3 <= 0.0 or after.volume_m3 <= 0.0:
+        return Change(step, what, count)
+    shift = float(np.linalg.norm(after.centroid_m - before.centroid_m))
+    trace_before, trace_after = (float(np.trace(p.inertia_per_density_m5)) for p in (before, after))
+    inertia = trace_after / trace_before - 1.0 if trace_before > 0.0 else math.nan
+    return Change(step, what, count, after.volume_m3 / before.volume_m3 - 1.0, shift, inertia)

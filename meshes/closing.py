@@ -1,0 +1,128 @@
+"""Holes closed: the open base of a scan by a plane under its rim, every other hole by triangles over its own rim."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+from meshes.mesh import RawMesh
+from meshes.stance import area_vector
+from meshes.topology import Indices, rims
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+BASE_LEVEL = 0.25
+"""The open base lies within this share of the height from the lowest point."""
+BASE_AREA = 0.05
+"""The open base covers at least this share of the plan of the bounding box (a bust overhangs its foot)."""
+BASE_FACING = 0.8
+"""The open base faces down: cosine of the angle between its normal and down."""
+
+
+@dataclass(frozen=True)
+class BaseClosed:
+    """What closing the base did: vertices of the rim, its raggedness in z, and how far smoothing moved the outline."""
+
+    mesh: RawMesh
+    rim: int
+    ragged_m: float
+    smoothed_m: float
+
+
+def base_rim(mesh: RawMesh) -> Indices | None:
+    """The rim of the open base of a body with z up, or None."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    best, best_area = None, BASE_AREA * float(np.prod((high - low)[:2]))
+    for rim in rims(mesh.faces):
+        points = mesh.vertices[rim]
+        vector = area_vector(points[::-1])
+        area = float(np.linalg.norm(vector))
+        near = points[:, 2].mean() - low[2] < BASE_LEVEL * (high[2] - low[2])
+        if near and area > best_area and -vector[2] > BASE_FACING * area:
+            best, best_area = rim, area
+    return best
+
+
+def close_base(mesh: RawMesh, rim: Indices, smoothing_m: float) -> BaseClosed:
+    """The body let down from its ragged rim, straight, to the plane through its lowest point, and closed there.
+
+    The outline on that plane is the rim's, averaged along the rim over `smoothing_m` so that the scan's noise does
+    not widen
+    the footprint; no scanned vertex is moved.
+    """
+    points = mesh.vertices[rim]
+    floor = float(mesh.vertices[:, 2].min())
+    outline = _along_rim(points[:, :2], smoothing_m)
+    below = np.column_stack([outline, np.full(len(rim), floor)])
+    new = len(mesh.vertices) + np.arange(len(rim))
+    ahead, new_ahead = np.roll(rim, -1), np.roll(new, -1)
+    skirt = np.vstack([np.column_stack([ahead, rim, new]), np.column_stack([ahead, new, new_ahead])])
+    cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
+    closed = RawMesh(np.vstack([mesh.vertices, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
+    moved = float(np.linalg.norm(outline - points[:, :2], axis=1).max())
+    return BaseClosed(closed, len(rim), float(np.ptp(points[:, 2])), moved)
+
+
+def _along_rim(outline: Array, window_m: float) -> Array:
+    """Closed polyline (n, 2) averaged along its length over `window_m`; coarser than that it is left as it is.
+
+    Fewer than three edges within the window leave nothing to average.
+    """
+    edge = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
+    half = int(0.5 * window_m / max(float(np.median(edge)), 1e-12))
+    half = min(half, (len(outline) - 1) // 6)
+    if half < 1:
+        return outline
+    return np.asarray(np.mean([np.roll(outline, shift, axis=0) for shift in range(-half, half + 1)], axis=0))
+
+
+def triangulated(polygon: Array, normal: Array) -> Faces:
+    """Triangles (n - 2, 3) over a closed polygon (n, 3), seen flat along `normal`, in the polygon's own sense."""
+    from manifold3d import triangulate
+
+    normal = normal / np.linalg.norm(normal)
+    helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    right = np.cross(helper, normal)
+    right /= np.linalg.norm(right)
+    flat = np.column_stack([polygon @ right, polygon @ np.cross(normal, right)])
+    return np.asarray(triangulate([flat]), dtype=np.int64).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class HolesClosed:
+    """What closing the other holes did: their number, and the widest in metres."""
+
+    mesh: RawMesh
+    holes: int
+    widest_m: float
+
+
+def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
+    """Every hole closed over its own rim without new vertices; raises MeshError for a hole wider than allowed."""
+    added, widest = [], 0.0
+    found = rims(mesh.faces)
+    for rim in found:
+        points = mesh.vertices[rim]
+        width = float(np.linalg.norm(np.ptp(points, axis=0)))
+        if width > widest_allowed_m:
+            middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
+            raise MeshError(
+                f"{mesh.source}: wanted holes no wider than {widest_allowed_m:.3g} m, got one of {width:.3g} m"
+                f" around ({middle}) with"
+                f" {len(rim)} edges — too much would be invented: scan that part again, or close it in MeshLab"
+                f" (Filters, Remeshing,"
+                " Close Holes) or Blender (Fill, then sculpt)"
+            )
+        widest = max(widest, width)
+        around = rim[::-1]
+        vector = area_vector(mesh.vertices[around])
+        if np.linalg.norm(vector) == 0.0:
+            fan = np.arange(1, len(rim) - 1)
+            added.append(around[np.column_stack([np.zeros_like(fan), fan, fan + 1])])
+        else:
+            added.append(around[triangulated(mesh.vertices[around], vector)])
+    return HolesClosed(RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source), len(found), widest)

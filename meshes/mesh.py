@@ -1,0 +1,62 @@
+"""A triangle mesh as it is handed from step to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class RawMesh:
+    """Vertices (n, 3), triangles (m, 3) and where they came from; unit and axes are what the step says."""
+
+    vertices: Array
+    faces: Faces
+    source: str
+
+    def with_faces(self, faces: Faces) -> RawMesh:
+        """The same vertices under other faces; vertices that none uses are dropped."""
+        return RawMesh(*drop_unused(self.vertices, faces), self.source)
+
+    def moved(self, vertices: Array) -> RawMesh:
+        """The same faces over moved vertices."""
+        return RawMesh(vertices, self.faces, self.source)
+
+
+def drop_unused(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+    """The vertices that some face uses, in their order, and the faces renumbered."""
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces.ravel()] = True
+    number = np.cumsum(used) - 1
+    return vertices[used], number[faces]
+
+
+def double_areas(vertices: Array, faces: Faces) -> Array:
+    """Normals (m, 3) of the faces, outward by the right-hand rule, as long as twice the face's area."""
+    first = vertices[faces[:, 0]]
+    return np.cross(vertices[faces[:, 1]] - first, vertices[faces[:, 2]] - first)
+
+
+def weld(mesh: RawMesh) -> RawMesh:
+    """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused
+    parts dropped."""
+    extent = float(np.ptp(mesh.vertices, axis=0).max())
+    if extent == 0.0:
+        raise MeshError(f"{mesh.source}: wanted a surface, got all vertices in one place — export it again")
+    keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
+    order = np.lexsort(keys.T)
+    new = np.r_[True, (np.diff(keys[order], axis=0) != 0).any(axis=1)]
+    first = np.minimum.reduceat(order, np.flatnonzero(new))
+    faces = np.empty(len(order), dtype=np.int64)
+    faces[order] = first[np.cumsum(new) - 1]
+    faces = faces[mesh.faces]
+    proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    vertices, faces = drop_unused(mesh.vertices, faces[proper])
+    return RawMesh(vertices, faces, mesh.source)

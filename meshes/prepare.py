@@ -1,0 +1,253 @@
+"""A scan made into a closed body standing on its base, with a written account; what goes too far is refused with
+advice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from meshes import mending
+from meshes.account import Account, Change, change, measure
+from meshes.closing import base_rim, close_base, close_holes
+from meshes.crossing import crossing_faces
+from meshes.decimation import Bounds, decimate
+from meshes.errors import MeshError
+from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
+from meshes.mesh import RawMesh
+from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
+from meshes.stance import find_stance, turn_axis
+from meshes.topology import EdgeCount
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a repair may go before it is refused; each is a choice that the caller may change knowingly.
+
+    `crumb_area` is the largest share of the main part's area that is a crumb; `hole_share` the widest hole and
+    `ragged_share`
+    the raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the
+    edges and
+    faces; `volume_rel` all changes of volume together.
+    """
+
+    crumb_area: float = 0.02
+    hole_share: float = 0.15
+    ragged_share: float = 0.05
+    branching_share: float = 1e-3
+    crossing_share: float = 5e-3
+    volume_rel: float = 0.05
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the caller knows of the scan: unit or true height, up axis; None is found (up) or refused (scale)."""
+
+    unit: str | float | None = None
+    height_m: float | None = None
+    up: str | None = None
+    rim_smoothing_m: float = 0.03
+    max_faces: int = 50_000
+    limits: Limits = field(default_factory=Limits)
+    bounds: Bounds = field(default_factory=Bounds)
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A closed mesh in metres, z up, and the account of what was done to it."""
+
+    mesh: RawMesh
+    account: Account
+
+    def solid(
+        self,
+        *,
+        density_kg_m3: float | None = None,
+        mass_kg: float | None = None,
+        contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+    ) -> Solid:
+        """The solid of the prepared mesh; raises MeshError if it does not stand."""
+        return solid_from_mesh(
+            self.mesh.vertices,
+            self.mesh.faces,
+            density_kg_m3=density_kg_m3,
+            mass_kg=mass_kg,
+            contact_tolerance_m=contact_tolerance_m,
+        )
+
+    def write(self, path: str | Path) -> None:
+        """Write the mesh in metres, z up, in the format of the path's suffix."""
+        import trimesh
+
+        trimesh.Trimesh(self.mesh.vertices, self.mesh.faces, process=False).export(Path(path))
+
+
+def prepare(path: str | Path, wanted: Wanted | None = None) -> Prepared:
+    """Prepare a scan; raises MeshError where a repair would go beyond its limit."""
+    return prepare_mesh(read_mesh(path), wanted or Wanted(), suffix=Path(path).suffix.lower())
+
+
+def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
+    """Prepare a mesh already read; `suffix` tells whether its format fixes the unit (GLB and GLTF are in metres)."""
+    state = Prepared(mesh, Account(mesh.source))
+    _must_have_thickness(mesh)
+    state = _mended(state, wanted)
+    state = _stood_up(state, wanted)
+    state = _scaled(state, wanted, suffix)
+    state = _closed(state, wanted)
+    state = _checked(state, wanted)
+    fewer, made = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
+    if made is not None:
+        state = Prepared(fewer, state.account.and_changed(made))
+    return state
+
+
+def _must_have_thickness(mesh: RawMesh) -> None:
+    """Refuse a flat sheet before anything is made of it."""
+    extent = np.ptp(mesh.vertices, axis=0)
+    if extent.min() < 0.01 * extent.max():
+        raise MeshError(
+            f"{mesh.source}: wanted a body, got a flat sheet of {extent[0]:.4g} × {extent[1]:.4g} × {extent[2]:.4g}"
+            f" units"
+            " — scan it from all sides"
+        )
+
+
+def _mended(state: Prepared, wanted: Wanted) -> Prepared:
+    """Duplicates, crumbs, several bodies, branching edges and orientation put right, in this order."""
+    limits = wanted.limits
+    for step in (
+        mending.drop_duplicates,
+        lambda mesh: mending.drop_crumbs(mesh, limits.crumb_area),
+        lambda mesh: mending.open_branches(mesh, limits.branching_share),
+        mending.wind_alike,
+        mending.join_bodies,
+    ):
+        mesh, made = step(state.mesh)
+        if made is not None:
+            state = Prepared(mesh, state.account.and_changed(made))
+    return state
+
+
+def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
+    """The up axis turned to +z: as set, or found together with the base plane, which is then level."""
+    mesh, account = state.mesh, state.account
+    if wanted.up is not None:
+        turned = mesh.moved(mesh.vertices @ turn_axis(wanted.up).T)
+        if wanted.up != "z":
+            account = account.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
+        return Prepared(turned, account)
+    stance = find_stance(mesh)
+    what = (
+        f"{stance.axis} of the file turned to z and tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}"
+    )
+    if stance.axis != "z" or stance.tilt_rad > 1e-6:
+        account = account.and_changed(Change("up axis", what, 1))
+    return Prepared(mesh.moved(mesh.vertices @ stance.rotation.T), account)
+
+
+def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
+    """The mesh in metres, from the unit, the true height, or the unit that the format fixes."""
+    height = float(np.ptp(state.mesh.vertices[:, 2]))
+    if wanted.unit is not None and wanted.height_m is not None:
+        raise MeshError(f"{state.mesh.source}: wanted the unit or the true height, got both — give one of them")
+    if wanted.height_m is not None:
+        if not (np.isfinite(wanted.height_m) and wanted.height_m > 0.0):
+            raise MeshError(f"{state.mesh.source}: wanted a positive height in metres, got {wanted.height_m}")
+        unit_m, why = wanted.height_m / height, f"from the true height of {wanted.height_m:g} m"
+    elif wanted.unit is not None:
+        unit_m, why = unit_length_m(wanted.unit), f"unit {wanted.unit}, as set"
+    elif suffix in (".glb", ".gltf"):
+        unit_m, why = 1.0, "metres, as the glTF standard says"
+    else:
+        raise MeshError(
+            f"{state.mesh.source}: wanted a scale, got a file without units, {height:.4g} units high (that is"
+            f" {1e-3 * height:.3g} m in"
+            f" mm, {1e-2 * height:.3g} m in cm, {height:.3g} m in m) — give the unit (--unit) or the true height"
+            f" (--height)"
+        )
+    if not SHORTEST_M <= unit_m * height <= TALLEST_M:
+        raise MeshError(
+            f"{state.mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got"
+            f" {unit_m * height:.4g} m ({why})"
+            " — check the unit the scan was exported in"
+        )
+    account = state.account.scaled(unit_m)
+    if unit_m != 1.0:
+        account = account.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
+    return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), account)
+
+
+def _closed(state: Prepared, wanted: Wanted) -> Prepared:
+    """The open base closed by a plane, then every other hole over its rim."""
+    mesh, account, limits = state.mesh, state.account, wanted.limits
+    height = float(np.ptp(mesh.vertices[:, 2]))
+    rim = base_rim(mesh)
+    if rim is not None:
+        before = measure(mesh)
+        closed = close_base(mesh, rim, wanted.rim_smoothing_m)
+        if closed.ragged_m > limits.ragged_share * height:
+            raise MeshError(
+                f"{mesh.source}: wanted an open base ragged by at most {limits.ragged_share * height:.3g} m, got a"
+                f" rim that rises by"
+                f" {closed.ragged_m:.3g} m — cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or"
+                f" set the up axis"
+            )
+        what = (
+            f"open base closed by the plane through its rim's lowest point: {closed.rim} rim edges, ragged by"
+            f" {1e3 * closed.ragged_m:.1f} mm, outline smoothed by at most {1e3 * closed.smoothed_m:.1f} mm"
+        )
+        account = account.and_changed(change("base", what, closed.rim, before, measure(closed.mesh)))
+        mesh = closed.mesh
+    before = measure(mesh)
+    holes = close_holes(mesh, limits.hole_share * height)
+    if holes.holes:
+        what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
+        account = account.and_changed(change("holes", what, holes.holes, before, measure(holes.mesh)))
+    return Prepared(holes.mesh, account)
+
+
+def _checked(state: Prepared, wanted: Wanted) -> Prepared:
+    """Inside-out turned; what is still open, crosses itself too much or was changed too much is refused."""
+    mesh, account, limits = state.mesh, state.account, wanted.limits
+    count = EdgeCount.of(mesh.faces)
+    if not count.closed:
+        raise MeshError(
+            f"{mesh.source}: wanted a closed surface after repair, got {count.boundary} open, {count.branching}"
+            f" branching and"
+            f" {count.misoriented} misoriented edges — repair it in MeshLab (Repair filters) or Blender (3D Print"
+            f" toolbox)"
+        )
+    properties = measure(mesh)
+    if properties.volume_m3 < 0.0:
+        mesh = RawMesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), mesh.source)
+        account = account.and_changed(Change("orientation", "inside out: all faces turned outward", len(mesh.faces)))
+    if account.volume_rel > limits.volume_rel:
+        raise MeshError(
+            f"{mesh.source}: wanted repairs that change the volume by at most {100 * limits.volume_rel:g} %, got"
+            f" {100 * account.volume_rel:.3g} % — too much would be invented; scan again what is missing\n{account}"
+        )
+    return Prepared(mesh, _crossings(mesh, account, limits))
+
+
+def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
+    """The account with the self-intersections found; refused beyond the limit. A dense scan is looked at after
+    decimation."""
+    looked_at = mesh
+    if len(mesh.faces) > 100_000:
+        looked_at, _ = decimate(mesh, 60_000, CONTACT_TOLERANCE_M, Bounds())
+    crossing = crossing_faces(looked_at.vertices, looked_at.faces)
+    share = len(crossing) / len(looked_at.faces)
+    if share > limits.crossing_share:
+        raise MeshError(
+            f"{mesh.source}: wanted a surface that does not pass through itself, got {len(crossing)} of"
+            f" {len(looked_at.faces)} faces that"
+            " do — select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
+            " (Voxel Remesh)"
+        )
+    if len(crossing):
+        return account.and_found(
+            f"{len(crossing)} of {len(looked_at.faces)} faces pass through another one ({100 * share:.3f} %)"
+        )
+    return account

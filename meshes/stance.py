@@ -1,0 +1,124 @@
+"""Which way is up: the base plane of a scan found from its open rim or its largest flat face, and the body levelled
+on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+from meshes.mesh import RawMesh, double_areas
+from meshes.topology import rims
+
+Array = NDArray[np.float64]
+
+BASE_RIM_SHARE = 0.02
+"""A rim counts as the open base of a scan from this share of the largest face of the bounding box."""
+CLEAR_RATIO = 0.8
+"""The second-best base plane must have less than this share of the best one's area, or the up axis is not clear."""
+SAME_DIRECTION_RAD = np.deg2rad(10.0)
+"""Flat faces whose normals are closer than this are one base."""
+FLAT_SHARE = 0.005
+"""A face belongs to a base plane if it is within this share of the body's extent from it."""
+
+UP_ROTATION = {
+    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+}
+"""Rows of the proper rotation that takes the file's up axis to +z."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """A rotation (3, 3) that puts a body upright, the file axis nearest to up, the tilt left to it, and why."""
+
+    rotation: Array
+    axis: str
+    tilt_rad: float
+    why: str
+
+
+def turn_axis(up: str) -> Array:
+    """Rotation (3, 3) that takes the file's axis `up` to +z; raises MeshError for an unknown one."""
+    if up not in UP_ROTATION:
+        raise MeshError(f"wanted an up axis out of {', '.join(UP_ROTATION)}, got {up!r}")
+    return np.array(UP_ROTATION[up], dtype=np.float64)
+
+
+def find_stance(mesh: RawMesh) -> Stance:
+    """The base plane of a scan: its large open rim if it has one, else the flat face with the largest contact area.
+
+    Raises MeshError if no plane stands out, with the advice to set the up axis.
+    """
+    normal = _rim_normal(mesh)
+    if normal is not None:
+        return upright(-normal, "the plane of the largest open rim, taken to be the base that was not scanned")
+    return upright(-_flat_normal(mesh), "the largest flat face that the body can stand on")
+
+
+def upright(up: Array, why: str) -> Stance:
+    """The rotation that takes the direction `up` (3,) to +z: the nearest file axis first, then the least tilt."""
+    up = up / np.linalg.norm(up)
+    axis = max(UP_ROTATION, key=lambda name: float(np.array(UP_ROTATION[name], dtype=np.float64)[2] @ up))
+    swap = turn_axis(axis)
+    return Stance(least_turn(swap @ up) @ swap, axis, float(np.arccos(min(1.0, (swap @ up)[2]))), why)
+
+
+def least_turn(direction: Array) -> Array:
+    """The smallest rotation (3, 3) that takes a unit vector with positive z to +z (Rodrigues' formula)."""
+    x, y, z = direction
+    cross = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + z))
+
+
+def area_vector(points: Array) -> Array:
+    """Area vector (3,) of a closed polygon (n, 3) in space (Newell): its normal, as long as its area."""
+    centred = points - points.mean(axis=0)
+    return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0))
+
+
+def _rim_normal(mesh: RawMesh) -> Array | None:
+    """Outward normal of the open base, or None if no rim is large enough."""
+    extent = np.sort(np.ptp(mesh.vertices, axis=0))
+    vectors = [area_vector(mesh.vertices[rim[::-1]]) for rim in rims(mesh.faces)]
+    largest = max(vectors, key=lambda vector: float(np.linalg.norm(vector)), default=None)
+    if largest is None or np.linalg.norm(largest) < BASE_RIM_SHARE * extent[1] * extent[2]:
+        return None
+    return largest
+
+
+def _flat_normal(mesh: RawMesh) -> Array:
+    """Outward normal of the hull plane on which most of the mesh's own area lies."""
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(mesh.vertices)
+    corners = mesh.vertices[hull.simplices]
+    hull_area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    vectors = double_areas(mesh.vertices, mesh.faces)
+    areas = np.linalg.norm(vectors, axis=1)
+    centres = mesh.vertices[mesh.faces].mean(axis=1)
+    extent = float(np.ptp(mesh.vertices, axis=0).max())
+    found: list[tuple[float, Array]] = []
+    for facet in np.argsort(hull_area)[::-1][:60]:
+        normal = hull.equations[facet, :3]
+        if any(other @ normal > np.cos(SAME_DIRECTION_RAD) for _, other in found):
+            continue
+        near = centres @ normal > -hull.equations[facet, 3] - FLAT_SHARE * extent
+        near &= vectors @ normal > np.cos(SAME_DIRECTION_RAD) * areas
+        touching = vectors[near].sum(axis=0)
+        direction = touching / np.linalg.norm(touching) if near.any() else normal
+        found.append((0.5 * float(areas[near].sum()), direction))
+    found.sort(key=lambda pair: pair[0], reverse=True)
+    if len(found) > 1 and found[1][0] > CLEAR_RATIO * found[0][0]:
+        raise MeshError(
+            f"{mesh.source}: wanted one base plane that stands out, got two of {found[0][0]:.4g} and"
+            f" {found[1][0]:.4g} square units"
+            " — set the up axis (--up)"
+        )
+    return found[0][1]
