@@ -124,7 +124,7 @@ class DaskPool:
     @property
     def workers(self) -> int:
         """Threads of all workers of the cluster."""
-        return max(sum(self._client.nthreads().values()), 1)
+        return max(sum(int(count) for count in self._client.nthreads().values()), 1)
 
     def run(
         self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any | BaseException], None]

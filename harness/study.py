@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import random
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from harness import engines, record
+from harness import asking, engines, record
 from harness.cases import Base, Case, base_of, expand
 from harness.digest import scene_digest
 from harness.engine import Engine, Want
@@ -49,6 +48,25 @@ class Planned:
     key: str | None
     reason: str
 
+    @property
+    def place(self) -> tuple[int, str]:
+        """Its row in the plan."""
+        return self.case.number, self.engine
+
+
+@dataclass
+class Counts:
+    """What has been done so far in one call."""
+
+    found: set[str] = field(default_factory=set)
+    mine: set[str] = field(default_factory=set)
+    failed: int = 0
+
+    @property
+    def computed(self) -> int:
+        """Runs computed in this call."""
+        return len(self.mine)
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -84,30 +102,105 @@ def run_study(
 ) -> Summary:
     """Run what the study asks and the store does not hold; `told(done, all)` hears of progress.
 
-    Every result is in the store as soon as it is finished. Raises `InputError` for a case that is no scene.
+    The analytic model runs first, then the others in as many rounds as the question takes. Every result is in the store as soon
+    as it is finished. Raises `InputError` for a case that is no scene.
     """
     base = base_of(study, path)
     cases = list(expand(study, base))
-    first = [("analytic", "the analytic model runs every case")]
-    planned, jobs = plan_cases(study, base, cases, {name for name, _ in first}, lambda case: first[0][1])
-    name = study_name(study)
-    done = _compute(store, pool, jobs, told)
-    others = {engine for case in cases for engine in case.engines} - {"analytic"}
-    reasons = _reasons(study, planned, store)
-    more, later = plan_cases(study, base, cases, others, reasons.get)
-    rows = sorted([*planned, *more], key=lambda item: (item.case.number, item.engine))
-    store.write_plan(name, [(p.case.number, p.engine, p.key, p.reason, described(p.case)) for p in rows])
-    done = _merged(done, _compute(store, pool, later, told))
-    keys = [item.key for item in rows if item.key is not None]
+    keys = Keys(study, base)
+    answers: dict[tuple[str, str], dict[asking.Place, asking.Answer]] = {}
+    counts = Counts()
+    rows: dict[tuple[int, str], Planned] = {}
+    for names in _rounds(cases):
+        while True:
+            fresh = [item for item in _planned(study, cases, names, answers, keys) if rows.get(item.place) != item]
+            new = [item for item in fresh if item.key is not None]
+            rows.update({item.place: item for item in fresh})
+            if not new:
+                break
+            _compute(store, pool, [keys.job(item) for item in new], told, counts)
+            _learn(store, new, answers)
+    ordered = [rows[place] for place in sorted(rows)]
+    store.write_plan(
+        study_name(study), [(p.case.number, p.engine, p.key, p.reason, described(p.case)) for p in ordered]
+    )
+    sent = [item.key for item in ordered if item.key is not None]
     return Summary(
         cases=len(cases),
-        wanted=len(keys),
-        distinct=len(set(keys)),
-        found=done["found"],
-        computed=done["computed"],
-        not_sent=len(rows) - len(keys),
-        failed=done["failed"],
+        wanted=len(sent),
+        distinct=len(set(sent)),
+        found=len(counts.found),
+        computed=counts.computed,
+        not_sent=len(ordered) - len(sent),
+        failed=counts.failed,
     )
+
+
+def _rounds(cases: Sequence[Case]) -> list[list[str]]:
+    """The reference first, then all others together."""
+    names = sorted({name for case in cases for name in case.engines}, key=lambda name: COST_ORDER[name])
+    others = [name for name in names if name != asking.REFERENCE]
+    return [group for group in ([asking.REFERENCE] if asking.REFERENCE in names else [], others) if group]
+
+
+def _planned(
+    study: StudyFile,
+    cases: Sequence[Case],
+    names: Sequence[str],
+    answers: asking.Answers,
+    keys: Keys,
+) -> Iterator[Planned]:
+    """What each of these engines is asked, as far as is known now."""
+    by_variant: dict[str, list[Case]] = defaultdict(list)
+    for case in cases:
+        by_variant[case.variant].append(case)
+    for variant, members in by_variant.items():
+        for name in names:
+            if name not in members[0].engines:
+                continue
+            reasons = asking.wanted(study, [case.position for case in members], name, variant, answers)
+            for case in members:
+                why = reasons.get(case.position)
+                key = None if why is None else keys.of(case, name)
+                yield Planned(case, name, key, why or asking.left_out(study))
+
+
+def _learn(
+    store: Store, items: Sequence[Planned], answers: dict[tuple[str, str], dict[asking.Place, asking.Answer]]
+) -> None:
+    for item in items:
+        row = store.get(item.key) if item.key is not None else None
+        if row is not None:
+            share = row.record["validity"].get("peak_over_slenderness") or abs(row.record["peak_theta_rad"])
+            known = answers.setdefault((item.engine, item.case.variant), {})
+            known[item.case.position] = asking.Answer(str(row.record["outcome"]), float(share))
+
+
+class Keys:
+    """Keys and jobs of cases, each scene resolved once."""
+
+    def __init__(self, study: StudyFile, base: Base) -> None:
+        self._study, self._base = study, base
+        self._known: dict[tuple[int, str], str] = {}
+
+    def of(self, case: Case, engine: str) -> str:
+        """The key of a case for an engine."""
+        place = (case.number, engine)
+        if place not in self._known:
+            loaded = engines.load(engine)
+            digest = scene_digest(self._base.scene(case.setting), loaded.capabilities)
+            self._known[place] = run_key(loaded, digest, self._accuracy(engine), self._study.ask.histories)
+        return self._known[place]
+
+    def job(self, item: Planned) -> Job:
+        """What a worker needs for a planned case."""
+        setting = tuple(item.case.setting.items())
+        accuracy, key = self._accuracy(item.engine), self.of(item.case, item.engine)
+        return Job(key, item.engine, self._base, setting, accuracy, self._study.ask.histories)
+
+    def _accuracy(self, engine: str) -> float:
+        given = [value for name, value in self._study.accuracy.items() if name == engine]
+        return given[0] if given else DEFAULT_ACCURACY_RAD
 
 
 def study_name(study: StudyFile) -> str:
@@ -121,31 +214,6 @@ def described(case: Case) -> dict[str, Any]:
     return {"variant": case.variant, **case.varied}
 
 
-def plan_cases(
-    study: StudyFile, base: Base, cases: Sequence[Case], names: set[str], reason: Callable[[Case], str | None]
-) -> tuple[list[Planned], list[Job]]:
-    """Key and reason of each case for these engines, and the distinct jobs; `reason(case)` None: not sent."""
-    planned: list[Planned] = []
-    jobs: dict[str, Job] = {}
-    loaded = {name: engines.load(name) for name in names}
-    accuracies: dict[str, float] = {**study.accuracy}
-    for case in cases:
-        asked = [name for name in case.engines if name in names]
-        if not asked:
-            continue
-        why = reason(case)
-        scene = base.scene(case.setting) if why is not None else None
-        for name in asked:
-            if scene is None or why is None:
-                planned.append(Planned(case, name, None, "not sent: the analytic outcome is far from a change"))
-                continue
-            accuracy = accuracies.get(name, DEFAULT_ACCURACY_RAD)
-            key = run_key(loaded[name], scene_digest(scene, loaded[name].capabilities), accuracy, study.ask.histories)
-            planned.append(Planned(case, name, key, why))
-            jobs.setdefault(key, Job(key, name, base, tuple(case.setting.items()), accuracy, study.ask.histories))
-    return planned, list(jobs.values())
-
-
 def run_key(engine: Engine, digest: str, accuracy_rad: float, histories: bool) -> str:
     """The name of a result: scene, engine, settings, versions, and whether its history was asked."""
     versions = record.versions()
@@ -154,26 +222,30 @@ def run_key(engine: Engine, digest: str, accuracy_rad: float, histories: bool) -
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int, int], None]) -> dict[str, int]:
-    """Run the jobs that the store does not hold, in batches, longest first."""
-    known = store.known(job.key for job in jobs)
-    left = [job for job in jobs if job.key not in known]
+def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int, int], None], counts: Counts) -> None:
+    """Run the jobs that the store does not hold, each once, in batches, longest first."""
+    distinct = {job.key: job for job in jobs}
+    known = store.known(distinct)
+    left = [job for key, job in distinct.items() if key not in known]
     left.sort(key=lambda job: COST_ORDER[job.engine])
-    counts = {"found": len(known), "computed": 0, "failed": 0}
+    counts.found |= known - counts.mine
+    finished = 0
 
     def done(batch: Sequence[Job], results: Sequence[Run] | BaseException) -> None:
+        nonlocal finished
         if isinstance(results, Crash):
             results = [failed(job.engine, Outcome.CRASHED, f"the engine's process died: {results}") for job in batch]
         elif isinstance(results, BaseException):
             raise results
         store.put([(job.key, run) for job, run in zip(batch, results, strict=True)], histories=batch[0].histories)
-        counts["computed"] += len(batch)
-        counts["failed"] += sum(run.outcome.failed for run in results)
-        told(counts["computed"], len(left))
+        counts.mine.update(job.key for job in batch)
+        counts.failed += sum(run.outcome.failed for run in results)
+        finished += len(batch)
+        told(finished, len(left))
 
-    told(0, len(left))
-    pool.run(work, list(batches(left)), done)
-    return counts
+    if left:
+        told(0, len(left))
+        pool.run(work, batches(left), done)
 
 
 def batches(jobs: Sequence[Job]) -> list[tuple[Job, ...]]:
@@ -197,66 +269,6 @@ def work(batch: Sequence[Job]) -> list[Run]:
     ]
 
 
-def _merged(a: Mapping[str, int], b: Mapping[str, int]) -> dict[str, int]:
-    return {name: a[name] + b[name] for name in a}
-
-
-def _reasons(study: StudyFile, planned: Sequence[Planned], store: Store) -> Any:
-    """Why a case is sent to the contact engines, by the analytic runs that are now in the store."""
-    if study.ask.cases == "all":
-        return _Always("every case is asked")
-    return Boundary.of(study, planned, store)
-
-
-@dataclass(frozen=True)
-class _Always:
-    reason: str
-
-    def get(self, case: Case) -> str | None:
-        """The same reason for every case."""
-        return self.reason
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """Which points are near a change of the analytic outcome, and which of the rest are audited."""
-
-    near: Mapping[tuple[int, ...], str]
-
-    @staticmethod
-    def of(study: StudyFile, planned: Sequence[Planned], store: Store) -> Boundary:
-        """Judge every point from its analytic runs."""
-        outcomes: dict[tuple[int, ...], set[str]] = defaultdict(set)
-        margins: dict[tuple[int, ...], float] = {}
-        for item in planned:
-            row = store.get(item.key) if item.key is not None else None
-            if row is None:
-                continue
-            outcomes[item.case.position].add(str(row.record["outcome"]))
-            share = row.record["validity"].get("peak_over_slenderness", abs(row.record["peak_theta_rad"]))
-            margins[item.case.position] = max(margins.get(item.case.position, 0.0), float(share))
-        chosen = {}
-        stream = random.Random(study.seed)
-        for place in sorted(outcomes):
-            around = [outcomes[other] for other in neighbours(place) if other in outcomes]
-            if len(outcomes[place]) > 1 or any(other != outcomes[place] for other in around):
-                chosen[place] = "near a change of the analytic outcome"
-            elif abs(margins[place] - 1.0) <= study.ask.margin:
-                chosen[place] = "the analytic peak is near the balance point"
-            elif stream.random() < study.ask.audit:
-                chosen[place] = "random audit"
-        return Boundary(chosen)
-
-    def get(self, case: Case) -> str | None:
-        """Why this case is sent, or None."""
-        return self.near.get(case.position)
-
-
-def neighbours(place: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """The next points along each axis."""
-    return [(*place[:axis], place[axis] + step, *place[axis + 1 :]) for axis in range(len(place)) for step in (-1, 1)]
-
-
 def audit(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How the audited cases came out: of those far from a change, how many engines' outcomes differ from the analytic one."""
     said: dict[tuple[int, str], dict[str, Any]] = defaultdict(dict)
@@ -267,7 +279,7 @@ def audit(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     for answers in said.values():
         reference = answers.get("analytic")
         for engine, (outcome, reason) in answers.items():
-            if engine != "analytic" and reason == "random audit" and reference is not None:
+            if engine != "analytic" and reason == asking.AUDIT and reference is not None:
                 audited += 1
                 differ += outcome != reference[0]
     return {"audited": audited, "differ": differ}

@@ -76,10 +76,11 @@ class Ask(Table):
     """`[ask]`: which cases go to the contact engines, after the analytic model has run them all.
 
     `all`; `boundary`: those whose analytic outcome is near a change (a neighbour on the grid differs, or the peak lies within
-    `margin` of the balance point), and of the rest a random `audit` share.
+    `margin` of the balance point), and of the rest a random `audit` share; `adaptive`: a map over the two axes given as grids,
+    refined for each engine where its own outcome changes, with the same audit.
     """
 
-    cases: Literal["all", "boundary"] = "all"
+    cases: Literal["all", "boundary", "adaptive"] = "all"
     margin: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.25
     audit: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1
     histories: bool = False
@@ -112,6 +113,11 @@ class StudyFile(Table):
         if (self.samples > 1) != bool(self.scatter):
             raise Contradiction(
                 "samples", "more than one sample exactly where something is scattered", str(self.samples)
+            )
+        grids = [item.key for item in self.vary if item.values is None]
+        if self.ask.cases == "adaptive" and (len(grids) != 2 or self.samples > 1):
+            raise Contradiction(
+                "ask.cases", "exactly two grids and no samples for an adaptive map", f"{len(grids)} grids"
             )
         return self
 

@@ -1,0 +1,151 @@
+"""Which cases an engine is asked: all, those near the boundary of the outcome, or a map refined where it changes."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from harness.study_file import StudyFile
+
+Place = tuple[int, ...]
+
+REFERENCE: Final = "analytic"
+"""The model that runs every case first; it costs next to nothing."""
+EVERY: Final = "every case is asked"
+NEAR: Final = "near a change of the analytic outcome"
+MARGIN: Final = "the analytic peak is near the balance point"
+AUDIT: Final = "random audit"
+COARSE: Final = "on the map's coarse grid"
+REFINED: Final = "beside a change of this engine's outcome on the map"
+NOT_SENT: Final = "not sent: the analytic outcome is far from a change"
+SAME_CELL: Final = "not sent: the map's points around it agree"
+COARSEST: Final = 8
+"""Stride of the map's first grid: every eighth point along each axis."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one run said: its outcome and its peak as a share of the slenderness on that side."""
+
+    outcome: str
+    share: float
+
+
+Answers = Mapping[tuple[str, str], Mapping[Place, Answer]]
+"""By engine and variant, then by place on the study's axes."""
+
+
+def wanted(study: StudyFile, places: Sequence[Place], engine: str, variant: str, answers: Answers) -> dict[Place, str]:
+    """Why each place is asked of this engine, from what is known so far; call again until nothing is added."""
+    if engine == REFERENCE or study.ask.cases == "all":
+        return dict.fromkeys(places, EVERY)
+    if study.ask.cases == "boundary":
+        return near_boundary(answers.get((REFERENCE, variant), {}), study.ask.margin, study.ask.audit, study.seed)
+    axes = map_axes(study)
+    return refined(places, answers.get((engine, variant), {}), axes) | audited(places, study.ask.audit, study.seed)
+
+
+def left_out(study: StudyFile) -> str:
+    """Why the others are not asked."""
+    return SAME_CELL if study.ask.cases == "adaptive" else NOT_SENT
+
+
+def map_axes(study: StudyFile) -> tuple[int, int]:
+    """The two axes given as grids, which make the map (the study file's own check: there are exactly two)."""
+    first, second = (axis for axis, item in enumerate(study.vary) if item.values is None)
+    return first, second
+
+
+def near_boundary(known: Mapping[Place, Answer], margin: float, share: float, seed: int) -> dict[Place, str]:
+    """Places whose neighbour's outcome differs or whose peak is near the balance point; of the rest a random share."""
+    found = {}
+    stream = random.Random(seed)
+    for place in sorted(known):
+        draw = stream.random()
+        around = (known[other] for other in neighbours(place) if other in known)
+        if any(other.outcome != known[place].outcome for other in around):
+            found[place] = NEAR
+        elif abs(known[place].share - 1.0) <= margin:
+            found[place] = MARGIN
+        elif draw < share:
+            found[place] = AUDIT
+    return found
+
+
+def audited(places: Iterable[Place], share: float, seed: int) -> dict[Place, str]:
+    """A random share of all places, the same for every engine and every call."""
+    stream = random.Random(seed)
+    return {place: AUDIT for place in sorted(set(places)) if stream.random() < share}
+
+
+def neighbours(place: Place) -> list[Place]:
+    """The next places along each axis."""
+    return [(*place[:axis], place[axis] + step, *place[axis + 1 :]) for axis in range(len(place)) for step in (-1, 1)]
+
+
+def refined(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
+    """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
+    found: dict[Place, str] = {}
+    for fixed, plane in slices(places, axes).items():
+        sizes = [sorted({place[axis] for place in plane}) for axis in axes]
+        lines = [_line(values[-1], COARSEST) for values in sizes]
+        for cell in itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])):
+            _refine(cell, fixed, axes, known, found, COARSE)
+    return found
+
+
+def _refine(
+    cell: tuple[tuple[int, int], tuple[int, int]],
+    fixed: Place,
+    axes: tuple[int, int],
+    known: Mapping[Place, Answer],
+    found: dict[Place, str],
+    reason: str,
+) -> None:
+    corners = [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
+    for corner in corners:
+        found.setdefault(corner, reason)
+    outcomes = {known[corner].outcome for corner in corners if corner in known}
+    unknown = any(corner not in known for corner in corners)
+    # A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
+    if unknown or len(outcomes) == 1:
+        return
+    halves = [sorted({low, (low + high) // 2, high}) for low, high in cell]
+    parts = list(itertools.product(itertools.pairwise(halves[0]), itertools.pairwise(halves[1])))
+    if len(parts) > 1:
+        for part in parts:
+            _refine(part, fixed, axes, known, found, REFINED)
+
+
+def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[Place]]:
+    """The places of each map: those that agree on every other axis (their indices on the map's axes set to 0)."""
+    planes: dict[Place, list[Place]] = {}
+    for place in places:
+        planes.setdefault(_placed(place, axes, (0, 0)), []).append(place)
+    return planes
+
+
+def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
+    """The outcome of every place of a map: its own where computed, else that of the agreeing corners around it."""
+    outcome = {place: answer.outcome for place, answer in known.items()}
+    for fixed, plane in slices(places, axes).items():
+        done = [place for place in plane if place in known]
+        for place in plane:
+            if place not in outcome and done:
+                nearest = min(done, key=lambda other: sum(abs(other[axis] - place[axis]) for axis in axes))
+                outcome[_placed(fixed, axes, (place[axes[0]], place[axes[1]]))] = known[nearest].outcome
+    return outcome
+
+
+def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Place:
+    changed = list(place)
+    for axis, index in zip(axes, indices, strict=True):
+        changed[axis] = index
+    return tuple(changed)
+
+
+def _line(last: int, stride: int) -> list[int]:
+    return sorted({*range(0, last + 1, stride), last})
