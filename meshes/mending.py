@@ -36,7 +36,8 @@ def drop_crumbs(mesh: RawMesh, largest_share: float) -> Mended:
         return mesh, None
     kept = mesh.with_faces(mesh.faces[~small[number]])
     count = int(small.sum())
-    what = f"{count} floating crumbs removed, the largest {100 * areas[small].max() / areas.max():.3g} % of the main part's area"
+    share = 100.0 * areas[small].max() / areas.max()
+    what = f"{count} floating crumbs removed, the largest {share:.3g} % of the main part's area"
     return kept, change("crumbs", what, count, measure(mesh), measure(kept))
 
 

@@ -139,9 +139,8 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
             account = account.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
         return Prepared(turned, account)
     stance = find_stance(mesh)
-    what = (
-        f"{stance.axis} of the file turned to z and tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}"
-    )
+    tilt = f"tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}"
+    what = tilt if stance.axis == "z" else f"{stance.axis} of the file turned to z, {tilt}"
     if stance.axis != "z" or stance.tilt_rad > 1e-6:
         account = account.and_changed(Change("up axis", what, 1))
     return Prepared(mesh.moved(mesh.vertices @ stance.rotation.T), account)
@@ -247,7 +246,6 @@ def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
             " (Voxel Remesh)"
         )
     if len(crossing):
-        return account.and_found(
-            f"{len(crossing)} of {len(looked_at.faces)} faces pass through another one ({100 * share:.3f} %)"
-        )
+        among = f"{len(crossing)} of {len(looked_at.faces)} faces"
+        return account.and_found(f"{among} pass through another one ({100 * share:.3f} %)")
     return account

@@ -4,13 +4,18 @@ on it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
 from meshes.mesh import RawMesh, double_areas
+from meshes.solid import mass_properties
 from meshes.topology import rims
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 Array = NDArray[np.float64]
 
@@ -59,7 +64,7 @@ def find_stance(mesh: RawMesh) -> Stance:
     normal = _rim_normal(mesh)
     if normal is not None:
         return upright(-normal, "the plane of the largest open rim, taken to be the base that was not scanned")
-    return upright(-_flat_normal(mesh), "the largest flat face that the body can stand on")
+    return upright(-_standing_normal(mesh), "the facet of the base on which its weight rests")
 
 
 def upright(up: Array, why: str) -> Stance:
@@ -93,11 +98,33 @@ def _rim_normal(mesh: RawMesh) -> Array | None:
     return largest
 
 
-def _flat_normal(mesh: RawMesh) -> Array:
-    """Outward normal of the hull plane on which most of the mesh's own area lies."""
+def _standing_normal(mesh: RawMesh) -> Array:
+    """Outward normal of the hull facet that the weight's line meets when the body stands on its largest flat face."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(mesh.vertices)
+    normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
+    flat = _flat_normal(mesh, hull)
+    centroid = mass_properties(mesh.vertices, mesh.faces).centroid_m
+    down, seen = flat, set[int]()
+    while True:
+        falling = normals @ down
+        depth = np.where(falling > 1e-9, -(offsets + normals @ centroid) / np.maximum(falling, 1e-9), np.inf)
+        facet = int(np.argmin(depth))
+        if facet in seen:
+            break
+        seen.add(facet)
+        down = normals[facet]
+    if down @ flat < np.cos(SAME_DIRECTION_RAD):
+        raise MeshError(
+            f"{mesh.source}: wanted a statue that stands on its largest flat face, got one that falls over from it"
+            " — set the up axis (--up) if it was taken for another, or mend the base"
+        )
+    return np.asarray(down)
+
+
+def _flat_normal(mesh: RawMesh, hull: ConvexHull) -> Array:
+    """Outward normal of the hull plane on which most of the mesh's own area lies."""
     corners = mesh.vertices[hull.simplices]
     hull_area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     vectors = double_areas(mesh.vertices, mesh.faces)
