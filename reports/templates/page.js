@@ -1,0 +1,105 @@
+"use strict";
+/* Draws the charts of this page from its own data. No network. */
+const rockcheck = { charts: {}, whenReady: [], time: 0 };
+window.rockcheck = rockcheck;
+
+rockcheck.unpack = async (id) => {
+  const packed = document.getElementById(id).textContent;
+  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+};
+
+rockcheck.run = async (id) => {
+  const script = document.createElement("script");
+  script.textContent = await rockcheck.unpack(id);
+  document.head.append(script);
+};
+
+const isNarrow = () => window.innerWidth < 760;
+
+const fitted = (layout) => {
+  const narrow = isNarrow();
+  return {
+    ...layout,
+    font: { family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif", size: narrow ? 11 : 13, color: "#1c2430" },
+    margin: { l: narrow ? 46 : 66, r: narrow ? 10 : 22, t: layout.margin_top || 40, b: narrow ? 42 : 48 },
+    paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: narrow ? false : "zoom",
+    hoverlabel: { font: { size: 12 }, bgcolor: "rgba(255,255,255,.94)" },
+  };
+};
+
+const config = { responsive: true, displaylogo: false, scrollZoom: false, doubleClick: "reset",
+  modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
+  toImageButtonOptions: { format: "svg" } };
+
+rockcheck.draw = async () => {
+  for (const holder of document.querySelectorAll("script.chart-data")) {
+    const name = holder.dataset.chart;
+    const box = document.getElementById(`chart-${name}`);
+    const figure = JSON.parse(holder.textContent);
+    box.replaceChildren();
+    await Plotly.newPlot(box, figure.data, fitted(figure.layout), config);
+    rockcheck.charts[name] = { box, views: figure.views || null };
+  }
+};
+
+/* Buttons do what the mouse does, for keyboards and fingers. */
+const clampRange = (low, high, end) => {
+  const width = Math.min(high - low, end);
+  const start = Math.max(0, Math.min(low, end - width));
+  return [start, start + width];
+};
+const zoom = { in: [0.25, 0.75], out: [-0.5, 1.5], earlier: [-0.5, 0.5], later: [0.5, 1.5] };
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("button[data-for]");
+  const chart = button && rockcheck.charts[button.dataset.for];
+  if (!chart) return;
+  const { box, views } = chart;
+  const action = button.dataset.do;
+  if (action === "all") {
+    Plotly.relayout(box, views ? { "xaxis.range": [0, views.duration_s], "yaxis.range": views.near } : { "xaxis.autorange": true, "yaxis.autorange": true });
+  } else if (action === "height") {
+    const whole = button.getAttribute("aria-pressed") !== "true";
+    button.setAttribute("aria-pressed", String(whole));
+    Plotly.relayout(box, { "yaxis.range": whole ? views.whole : views.near });
+  } else {
+    const [low, high] = box.layout.xaxis.range.map(Number);
+    const [a, b] = zoom[action];
+    const wanted = [low + a * (high - low), low + b * (high - low)];
+    Plotly.relayout(box, { "xaxis.range": views ? clampRange(wanted[0], wanted[1], views.duration_s) : wanted });
+  }
+});
+
+/* A cursor over the histories, kept outside the chart so that moving it draws nothing anew. */
+rockcheck.addCursor = (name) => {
+  const { box } = rockcheck.charts[name];
+  const line = document.createElement("div");
+  line.className = "cursor";
+  box.append(line);
+  const place = () => {
+    const axis = box._fullLayout.xaxis, size = box._fullLayout._size;
+    const [low, high] = axis.range.map(Number);
+    const share = (rockcheck.time - low) / (high - low);
+    line.style.display = share >= 0 && share <= 1 ? "block" : "none";
+    line.style.transform = `translateX(${size.l + share * size.w}px)`;
+    line.style.top = `${size.t}px`;
+    line.style.height = `${size.h}px`;
+  };
+  box.on("plotly_relayout", place);
+  box.on("plotly_afterplot", place);
+  return place;
+};
+
+const start = async () => {
+  if (!("DecompressionStream" in window)) {
+    for (const note of document.querySelectorAll(".wait")) note.textContent = "This browser is too old to draw charts; every number stands in the tables.";
+    return;
+  }
+  await new Promise((done) => setTimeout(done, 0));
+  await rockcheck.run("plotly-js");
+  await rockcheck.draw();
+  for (const next of rockcheck.whenReady) await next();
+  rockcheck.readyMs = performance.now();
+  document.documentElement.dataset.ready = "yes";
+};
+document.addEventListener("DOMContentLoaded", start);

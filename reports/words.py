@@ -1,0 +1,156 @@
+"""The verdict in plain words, every clause computed from the record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.history import Outcome
+from reports.numbers import angle, count_word, length, listed, spread, unit
+from reports.posing import section
+from reports.source import RunSource
+
+SIDES = {1: "right", -1: "left"}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a page says first: `tone` is `agree`, `differ` or `failed`; `points` are the sentences under the headline."""
+
+    headline: str
+    tone: str
+    points: Sequence[str]
+
+
+def run_verdict(source: RunSource) -> Verdict:
+    """The verdict on one scene."""
+    answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
+    silent = [f"{name} gave no answer: {source.runs[name]['message']}" for name in source.runs if name not in answered]
+    if not answered:
+        return Verdict("No model could compute this scene", "failed", silent)
+    groups: dict[str, list[str]] = {}
+    for name, run in answered.items():
+        groups.setdefault(run["outcome"], []).append(name)
+    points = [*_outcome_times(answered), *_lean(source, answered), *_reach(source), *_slip(source, answered)]
+    points += [*_scores(source.record), *_trust(source, answered), *silent]
+    return Verdict(_headline(groups, len(answered)), "agree" if len(groups) == 1 else "differ", points)
+
+
+def _headline(groups: Mapping[str, list[str]], count: int) -> str:
+    if len(groups) == 1:
+        sentence = Outcome(next(iter(groups))).sentence
+        if count == 1:
+            return f"One model was run ({next(iter(groups.values()))[0]}): {sentence}"
+        agree = "Both models agree" if count == 2 else f"All {count_word(count)} models agree"
+        return f"{agree}: {sentence}"
+    parts = [
+        f"{Outcome(outcome).sentence} ({', '.join(names)})"
+        for outcome, names in sorted(groups.items(), key=lambda item: -len(item[1]))
+    ]
+    return "The models disagree: " + "; ".join(parts)
+
+
+def _outcome_times(answered: Mapping[str, Any]) -> list[str]:
+    times = {name: run["no_return_time_s"] for name, run in answered.items() if run["no_return_time_s"] is not None}
+    if not times:
+        return []
+    each = listed(f"{unit(value, 's')} ({name})" for name, value in times.items())
+    return [f"The statue passes its balance point for the last time at {each}."]
+
+
+def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
+    standing = [name for name in answered if answered[name]["outcome"] == Outcome.STANDS and name in source.histories]
+    found = []
+    for name in standing:
+        theta = source.histories[name].theta_rad
+        if not np.any(theta):
+            continue
+        side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
+        found.append((float(np.abs(theta).max()), side, name))
+    if not found:
+        return ["The statue does not rock."] if standing else []
+    sides = {side for _, side, _ in found}
+    if len(sides) > 1:
+        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
+        return [f"Largest lean: {each}."]
+    side = sides.pop()
+    balance = source.scene["statue"]["slenderness_right_rad" if side > 0 else "slenderness_left_rad"]
+    peaks = [peak for peak, _, _ in found]
+    share = spread([100.0 * peak / balance for peak in peaks], "%", 2)
+    return [
+        f"Largest lean: {spread(peaks, 'rad')} ({spread([math.degrees(peak) for peak in peaks], '°', 2)}) to the "
+        f"{SIDES[side]}, {share} of the {angle(balance)} at which the statue balances on that edge."
+    ]
+
+
+def _reach(source: RunSource) -> list[str]:
+    shape = section(source.scene)
+    wall = source.scene["wall"]
+    sentences = []
+    tops = {
+        name: float(np.abs(shape.top_displacement_m(item.theta_rad, item.slip_m)).max())
+        for name, item in source.histories.items()
+        if source.runs[name]["outcome"] == Outcome.STANDS
+    }
+    if tops and max(tops.values()) > 0.0:
+        name = max(tops, key=lambda item: tops[item])
+        sentences.append(f"The top of the statue moves at most {length(tops[name])} ({name}).")
+    if wall is not None:
+        touching = [name for name, run in source.runs.items() if run["outcome"] == Outcome.TOUCHES_WALL]
+        where = f"the wall on the {wall['side']}, {length(wall['distance_m'])} from the base"
+        if touching:
+            sentences.append(f"The statue touches {where}, in {listed(touching)}.")
+        else:
+            side = 1 if wall["side"] == "right" else -1
+            most = max(
+                float(shape.overhang_m(item.theta_rad, item.slip_m, side).max()) for item in source.histories.values()
+            )
+            sentences.append(f"It comes within {length(wall['distance_m'] - most)} of {where}.")
+    return sentences
+
+
+def _slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
+    if source.scene["pedestal"] is None:
+        return []
+    peaks = [run["peak_slip_m"] for run in answered.values()]
+    if max(peaks) == 0.0:
+        return ["The pedestal does not slide."]
+    low, high = length(min(peaks)), length(max(peaks))
+    return [f"The pedestal slides by at most {low if low == high else f'{low} to {high}, depending on the model'}."]
+
+
+def _scores(record: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{pair.replace('_vs_', ' against ')}: {scores['verdict_sentence']}"
+        for pair, scores in record["scores"].items()
+        if scores.get("verdict_sentence")
+    ]
+
+
+def _trust(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
+    known = {name: run for name, run in answered.items() if run["numerical_uncertainty_rad"] is not None}
+    if not known:
+        return []
+    each = listed(f"±{unit(run['numerical_uncertainty_rad'], 'rad', 2)} ({name})" for name, run in known.items())
+    sentences = [f"Numerical error of the rotations: {each}."]
+    until = horizon_s(source)
+    if until is not None and until < source.scene["duration_s"]:
+        sentences.append(
+            f"After {unit(until, 's')} the histories are not to be compared instant by instant: at least one model's own "
+            "numerical spread exceeds its aim there. Outcomes and peaks beyond that time are one possibility among several."
+        )
+    return sentences
+
+
+def horizon_s(source: RunSource) -> float | None:
+    """Up to when every model's history is reliable: the least `reliable_until_s`; None when no model states one."""
+    times = [
+        float(run["reliable_until_s"])
+        for run in source.runs.values()
+        if run["reliable_until_s"] is not None and run["reliable_until_s"] < run["end_s"]
+    ]
+    return min(times) if times else None

@@ -1,0 +1,132 @@
+"""An invented result folder for the pages' own tests: the shape is the harness's, the motion is made up on purpose."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analytic.excitation import Harmonic
+from harness.history import History, Outcome
+from harness.record import Pattern, Run
+from harness.run import Result, write_result
+from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue, Wall
+
+MASS_KG = 707.0
+
+
+@dataclass(frozen=True)
+class InventedScores:
+    """Stands in for the comparator's scores, which have their own tests."""
+
+    sentence: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values as a record holds them."""
+        return {
+            "rms_theta_rad": 1.25e-4,
+            "peak_ratio": 0.997,
+            "together_until_s": 4.5,
+            "verdict": "agree",
+            "verdict_sentence": self.sentence,
+        }
+
+
+def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
+    """The paper's statue as a block by its numbers."""
+    section = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])
+    foot = np.array([[-0.3585, -0.36, 0.0], [0.0682, -0.36, 0.0], [0.0682, 0.36, 0.0], [-0.3585, 0.36, 0.0]])
+    statue = Statue(MASS_KG, 0.774, 0.3585, 0.0682, 152.4, 1.46, 0.72, section, foot, np.diag([150.0, 152.4, 40.0]))
+    return Scene(
+        title="An invented <statue> & its pedestal",
+        duration_s=10.0,
+        gravity_m_s2=9.81,
+        form=Form(),
+        statue=statue,
+        pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
+        contact=Contact(0.2, 0.15, 1.0),
+        shake=Shake(x=Harmonic(0.429 * 9.81, 3.0)),
+        wall=Wall("left", 0.70) if wall else None,
+        given={"title": "invented", "duration_s": 10.0, "motion": {"x": {"kind": "harmonic", "frequency_hz": 3.0}}},
+        notes=("the statue is invented",),
+    )
+
+
+def write_figure(folder: Path) -> Statue:
+    """Write the generated figure's mesh into a folder as the harness would; its numbers as a statue."""
+    import trimesh
+
+    from harness.load import statue_of
+    from meshes import togatus
+
+    solid = togatus.build()
+    trimesh.Trimesh(solid.vertices_m, solid.faces, process=False).export(folder / "statue.glb")
+    return replace(statue_of(solid), solid=None)
+
+
+def invented_history(phase_rad: float, *, falls: bool = False, samples: int = 10001) -> History:
+    """A made-up rocking history; `falls` ends it at 1.5 rad."""
+    t = np.linspace(0.0, 10.0, samples)
+    theta = 0.11 * np.sin(5.0 * t + phase_rad * t) * np.abs(np.sin(0.7 * t)) * np.exp(-0.08 * t)
+    theta[t < 0.2] = 0.0
+    if falls:
+        theta = theta + np.where(t > 6.0, 0.4 * np.maximum(t - 6.0, 0.0) ** 2, 0.0)
+        end = int(np.argmax(theta >= 1.5))
+        t, theta = t[: end + 1], theta[: end + 1]
+    slip = 0.02 * np.cumsum(np.cos(3.0 * t + phase_rad)) / len(t)
+    return History(t, theta, np.gradient(theta, t), slip, np.gradient(slip, t))
+
+
+def invented_run(engine: str, history: History, outcome: Outcome, uncertainty_rad: float | None) -> Run:
+    """A run around an invented history."""
+    t, theta = history.t_s, history.theta_rad
+    peak = int(np.argmax(np.abs(theta)))
+    edges = np.linspace(0.2, float(t[-1]), 40)
+    names = ("rocking", "both", "sliding", "both")
+    patterns = [Pattern(0.0, 0.2, "rest")]
+    patterns += [Pattern(float(a), float(b), names[i % 4]) for i, (a, b) in enumerate(itertools.pairwise(edges))]
+    falls = outcome.overturned
+    return Run(
+        engine=engine,
+        outcome=outcome,
+        history=history,
+        settings={"dt_s": 2.5e-4, "expected_error_rad": 1e-4},
+        steps=40_000,
+        wall_s=0.31,
+        peak_theta_rad=float(theta[peak]),
+        peak_time_s=float(t[peak]),
+        end_s=float(t[-1]),
+        overturn_time_s=float(t[-1]) if falls else None,
+        no_return_time_s=float(t[-1]) - 0.9 if falls else None,
+        impact_times_s=[0.8, 1.4, 2.0],
+        peak_slip_m=float(np.abs(history.slip_m).max()),
+        patterns=patterns,
+        validity={"friction_needed_at_pivot": 0.41, "least_normal_force_n": 6100.0},
+        numerical_uncertainty_rad=uncertainty_rad,
+        reliable_until_s=4.6 if uncertainty_rad and uncertainty_rad > 1e-6 else float(t[-1]),
+        skipped=("nothing was integrated before 0.2 s",) if engine == "pymunk" else (),
+        warnings=("one friction coefficient only",) if engine == "pybullet" else (),
+    )
+
+
+def write_invented(folder: Path, *, disagree: bool = False, mesh: bool = False, pedestal: bool = True) -> Path:
+    """Write an invented result folder; `disagree` lets one engine's statue fall."""
+    scene = block_scene(pedestal=pedestal)
+    folder.mkdir(parents=True, exist_ok=True)
+    scene = scene.but(statue=write_figure(folder)) if mesh else scene
+    fallen = Outcome.OVERTURNED_RIGHT if disagree else Outcome.STANDS
+    runs = {
+        "analytic": invented_run("analytic", invented_history(0.0), Outcome.STANDS, 1e-10),
+        "pymunk": invented_run("pymunk", invented_history(0.01), Outcome.STANDS, 4e-4),
+        "pybullet": invented_run("pybullet", invented_history(0.02, falls=disagree), fallen, 2e-3),
+    }
+    scores = {
+        "analytic_vs_pymunk": InventedScores("they agree within their numerical errors"),
+        "analytic_vs_pybullet": InventedScores("they agree until 4.5 s"),
+    }
+    plan = [{"skip": "quiet_start", "engine": "*", "applies": True, "reason": "nothing can move before 0.2 s"}]
+    write_result(Result(scene, runs, scores, plan, 1.9), folder)  # type: ignore[arg-type]
+    return folder
