@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from harness.compare import compare
+    from harness.comparator import compare
     from harness.errors import InputError, Mistake
     from harness.history import History, Outcome
     from harness.load import load_scene
@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "compare": "harness.compare",
+    "compare": "harness.comparator",
     "InputError": "harness.errors",
     "Mistake": "harness.errors",
     "History": "harness.history",

@@ -20,7 +20,7 @@ from harness.record import SCHEMA_VERSION, Run
 from harness.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.compare import Scores
+    from harness.comparator import Scores
 
 DEFAULT_ACCURACY_RAD: Final = 1e-3
 FINEST_DT_S: Final = 1e-6
@@ -133,7 +133,7 @@ def run_scene(
     told: Callable[[str], None] = lambda text: None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work."""
-    from harness.compare import compare
+    from harness.comparator import compare
 
     check_target(accuracy_rad, dt_s)
     want = want or Want()
@@ -145,7 +145,7 @@ def run_scene(
         told(engine.name)
         runs[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
     pairs = itertools.combinations((run for run in runs.values() if not run.outcome.failed), 2)
-    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b) for a, b in pairs}
+    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b, scene=scene) for a, b in pairs}
     return Result(scene, runs, scores, [step.as_dict() for step in steps], time.perf_counter() - start)
 
 

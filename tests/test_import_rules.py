@@ -15,7 +15,7 @@ VIOLATIONS = {
     "pymunk is imported by its own adapter only": ("harness/plan.py", "import pymunk"),
     "pybullet is imported by its own adapter only": ("reports/page.py", "import pybullet"),
     "mujoco is imported by its own adapter only": ("harness/engines/munk2d.py", "import mujoco"),
-    "comparator, records and reports know no engine": ("harness/compare.py", "import harness.engines"),
+    "comparator, records and reports know no engine": ("harness/comparator.py", "import harness.engines"),
     "engines are leaves: none knows another": ("harness/engines/munk2d.py", "import harness.engines.twoblock"),
     "the analytic model stands alone": ("analytic/block.py", "import trimesh"),
 }

@@ -1,0 +1,204 @@
+"""Two answers to one scene, scored; knows no engine."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.errors import InputError, Mistake
+from harness.history import Array, History, Outcome, read_history
+from harness.record import Run
+from harness.scene import Scene
+from harness.scores import energy, events, pointwise
+from harness.scores.grid import Pair, pair
+from harness.scores.matched import after_horizon, event_scores, numerical_uncertainty
+from harness.scores.result import Scores
+from harness.verdict import LEVER_M, Judgement, Side, judge, side_of
+
+__all__ = ["Scores", "compare", "compare_files"]
+
+TOGETHER_RAD: Final = 0.01
+"""Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
+
+
+def compare(
+    a: Run | History,
+    b: Run | History,
+    *,
+    scene: Scene | None = None,
+    names: tuple[str, str] | None = None,
+    horizons_s: tuple[float | None, float | None] = (None, None),
+    together_rad: float = TOGETHER_RAD,
+    iso: bool = False,
+) -> Scores:
+    """Score answer a against answer b, which is the reference.
+
+    `scene` gives the energies in J and the lever between rotation and slip; `horizons_s` are the horizons of prediction of
+    each model where they were computed (`harness.horizon`). Raises `InputError` naming the answer when there is nothing to
+    compare, or when the two do not overlap in time.
+    """
+    names = names or (_name(a, "a"), _name(b, "b"))
+    _check(a, names[0])
+    _check(b, names[1])
+    sides = side_of(a, names[0], horizons_s[0]), side_of(b, names[1], horizons_s[1])
+    lever = LEVER_M if scene is None else scene.statue.centroid_height_m
+    history_a, history_b = _history(a), _history(b)
+    if history_a is None or history_b is None:
+        return _without_histories(a, b, sides, lever, together_rad)
+    both = _paired(history_a, history_b, a, b, names)
+    found = events.excursions(history_a), events.excursions(history_b)
+    inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
+    peaks = pointwise.peak(history_a), pointwise.peak(history_b)
+    judgement = judge(*sides, both, (peaks[0].theta_rad, peaks[1].theta_rad), lever)
+    return Scores(
+        a=names[0],
+        b=names[1],
+        **_pointwise(both, sides, together_rad, max(history_a.duration_s, history_b.duration_s)),
+        **_peaks(*peaks),
+        **event_scores(*found, inertia),
+        residual_theta_difference_rad=_residual(a, b, history_a.theta_rad, history_b.theta_rad),
+        residual_slip_difference_m=_residual(a, b, history_a.slip_m, history_b.slip_m),
+        **_outcomes(a, b),
+        after_horizon=after_horizon(found, min(side.until_s for side in sides), both.end_s),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, lever),
+        **_judged(judgement),
+        iso=_iso(both) if iso else None,
+    )
+
+
+def compare_files(a: Path, b: Path, *, iso: bool = False) -> dict[str, Any]:
+    """Score history file a against history file b, the reference, of whatever software; raises `InputError`."""
+    scores = compare(read_history(a), read_history(b), names=(a.name, b.name), iso=iso)
+    return scores.as_dict()
+
+
+def _name(answer: Run | History, otherwise: str) -> str:
+    return answer.engine if isinstance(answer, Run) else otherwise
+
+
+def _history(answer: Run | History) -> History | None:
+    return answer.history if isinstance(answer, Run) else answer
+
+
+def _check(answer: Run | History, name: str) -> None:
+    if isinstance(answer, Run) and answer.outcome.failed:
+        raise InputError(Mistake(name, "", "a run with an answer", f"{answer.outcome.sentence} ({answer.message})"))
+    if isinstance(answer, Run) and not np.isfinite(answer.peak_theta_rad):
+        raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
+
+
+def _paired(history_a: History, history_b: History, a: Run | History, b: Run | History, names: tuple[str, str]) -> Pair:
+    try:
+        return pair(history_a, history_b, hold_a=_rests(a), hold_b=_rests(b))
+    except ValueError as error:
+        raise InputError(
+            Mistake(f"{names[0]} and {names[1]}", "t_s", "a common stretch of time", str(error))
+        ) from error
+
+
+def _rests(answer: Run | History) -> bool:
+    """Whether the run was ended early because nothing moves any more, so that its last value holds."""
+    return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
+
+
+def _pointwise(both: Pair, sides: tuple[Side, Side], together_rad: float, longest_s: float) -> dict[str, Any]:
+    until = min(side.until_s for side in sides)
+    reliable = both.until(until) if until < both.end_s else both
+    geers = pointwise.sprague_geers(both)
+    whole = longest_s - both.start_s
+    return {
+        "compared_from_s": both.start_s,
+        "compared_until_s": both.end_s,
+        "coverage": (both.end_s - both.start_s) / whole if whole > 0.0 else 1.0,
+        "rms_theta_rad": pointwise.rms_rad(both),
+        "rms_reliable_rad": pointwise.rms_rad(reliable) if until > both.start_s else None,
+        "reliable_until_s": min(until, both.end_s),
+        "largest_difference_rad": float(np.max(np.abs(both.difference_rad))),
+        "rms_slip_m": pointwise.rms_slip_m(both),
+        "together_until_s": pointwise.together_until_s(both, together_rad),
+        "together_tolerance_rad": together_rad,
+        "magnitude": geers.magnitude,
+        "phase": geers.phase,
+        "combined": geers.combined,
+    }
+
+
+def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
+    both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
+    ratio = abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None)
+    return {
+        "peak_theta_a_rad": a.theta_rad,
+        "peak_theta_b_rad": b.theta_rad,
+        "peak_ratio": ratio,
+        "peak_time_difference_s": 0.0 if both_still else a.time_s - b.time_s,
+    }
+
+
+def _residual(a: Run | History, b: Run | History, values_a: Array, values_b: Array) -> float | None:
+    """Difference of the last values; None when a run did not end standing, for then nothing has come to rest."""
+    if any(isinstance(answer, Run) and answer.outcome is not Outcome.STANDS for answer in (a, b)):
+        return None
+    return float(values_a[-1] - values_b[-1])
+
+
+def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
+    outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
+    times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
+    known = outcomes[0] is not None and outcomes[1] is not None
+    return {
+        "outcome_a": outcomes[0],
+        "outcome_b": outcomes[1],
+        "outcome_agrees": outcomes[0] is outcomes[1] if known else None,
+        "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
+    }
+
+
+def _judged(judgement: Judgement) -> dict[str, Any]:
+    return {
+        "verdict": judgement.verdict,
+        "verdict_sentence": judgement.sentence,
+        "evidence": judgement.evidence,
+    }
+
+
+def _iso(both: Pair) -> dict[str, Any]:
+    from harness.scores import iso
+
+    return iso.rate(both)
+
+
+def _without_histories(
+    a: Run | History, b: Run | History, sides: tuple[Side, Side], lever_m: float, together_rad: float
+) -> Scores:
+    """What can be said when a run kept only its outcome."""
+    peaks = tuple(_peak_alone(answer) for answer in (a, b))
+    none = events.NO_EXCURSIONS
+    blank: dict[str, Any] = {
+        field.name: None
+        for field in fields(Scores)
+        if field.name.startswith(("compared", "coverage", "rms", "reliable", "largest", "residual", "after"))
+    }
+    return Scores(
+        a=sides[0].name,
+        b=sides[1].name,
+        **blank,
+        together_until_s=None,
+        together_tolerance_rad=together_rad,
+        magnitude=None,
+        phase=None,
+        combined=None,
+        **_peaks(*peaks),
+        **event_scores(none, none, None),
+        **_outcomes(a, b),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none), lever_m),
+        **_judged(judge(*sides, None, (peaks[0].theta_rad, peaks[1].theta_rad), lever_m)),
+    )
+
+
+def _peak_alone(answer: Run | History) -> pointwise.Peak:
+    if isinstance(answer, Run):
+        return pointwise.Peak(answer.peak_theta_rad, answer.peak_time_s)
+    return pointwise.peak(answer)

@@ -1,0 +1,70 @@
+"""The scores of one pair of answers, as they stand in the record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from harness.history import Outcome
+from harness.record import to_plain
+from harness.verdict import Verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
+
+    Times in s, rotations in rad, differences a − b. `impact_*` are over matched impacts, `*_alone_*` count those without a
+    partner. `rms_reliable_rad` is over the time up to `reliable_until_s` in which the numerical uncertainties hold;
+    `numerical_uncertainty` gives, beside each score, what the stated numerical errors of both sides can change in it.
+    `after_horizon` compares distributions beyond that time, where no pointwise score means anything.
+    """
+
+    a: str
+    b: str
+    compared_from_s: float | None
+    compared_until_s: float | None
+    coverage: float | None
+    rms_theta_rad: float | None
+    rms_reliable_rad: float | None
+    reliable_until_s: float | None
+    largest_difference_rad: float | None
+    rms_slip_m: float | None
+    peak_theta_a_rad: float
+    peak_theta_b_rad: float
+    peak_ratio: float | None
+    peak_time_difference_s: float | None
+    together_until_s: float | None
+    together_tolerance_rad: float
+    uplift_time_differences_s: Sequence[float]
+    uplifts_alone_a: int
+    uplifts_alone_b: int
+    impact_times_a_s: Sequence[float]
+    impact_time_differences_s: Sequence[float]
+    impacts_alone_a: int
+    impacts_alone_b: int
+    impact_energy_share_lost_a: Sequence[float]
+    impact_energy_share_lost_b: Sequence[float]
+    impact_energy_lost_a_j: Sequence[float] | None
+    impact_energy_lost_b_j: Sequence[float] | None
+    residual_theta_difference_rad: float | None
+    residual_slip_difference_m: float | None
+    magnitude: float | None
+    phase: float | None
+    combined: float | None
+    outcome_a: Outcome | None
+    outcome_b: Outcome | None
+    outcome_agrees: bool | None
+    no_return_time_difference_s: float | None
+    after_horizon: Mapping[str, Any] | None
+    numerical_uncertainty: Mapping[str, Any]
+    verdict: Verdict
+    verdict_sentence: str
+    evidence: Mapping[str, Any]
+    iso: Mapping[str, Any] | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """All scores as plain JSON values."""
+        plain: dict[str, Any] = to_plain({field.name: getattr(self, field.name) for field in fields(self)})
+        return plain

@@ -1,0 +1,201 @@
+"""Why two runs differ, computed from the record: numerical error, model, horizon, or a model outside its domain."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Final
+
+import numpy as np
+
+from harness.history import History, Outcome
+from harness.record import Run
+from harness.scores.grid import Pair
+from harness.scores.pointwise import first_beyond_s
+
+COVERAGE: Final = 2.0
+"""A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
+
+Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
+number that calls no pair of equal models different and misses no effect above three times the uncertainty.
+"""
+ROUNDING_RAD: Final = 1e-12
+"""Differences below this are rounding of numbers of order one through some thousand operations."""
+LEVER_M: Final = 1.0
+"""Lever by which an uncertainty in rotation becomes one in slip where no scene is given (see `slip_lever_m`)."""
+
+
+class Verdict(StrEnum):
+    """Why two answers differ, if they do."""
+
+    AGREE = "agree within numerical error"
+    MODEL = "differ: model"
+    HORIZON = "differ: beyond the horizon"
+    DOMAIN = "differ: the model left its domain"
+
+
+@dataclass(frozen=True)
+class Side:
+    """What the verdict needs to know of one run; None: not stated.
+
+    `uncertainty_rad` bounds the rotation's numerical error up to `reliable_until_s`; `horizon_s` is how far the model's own
+    perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions, `left_domain_by`
+    which.
+    """
+
+    name: str
+    outcome: Outcome | None = None
+    uncertainty_rad: float | None = None
+    reliable_until_s: float | None = None
+    horizon_s: float | None = None
+    left_domain_s: float | None = None
+    left_domain_by: str = ""
+
+    @property
+    def until_s(self) -> float:
+        """The time up to which this side's uncertainty holds and its problem is predictable."""
+        known = [t for t in (self.reliable_until_s, self.horizon_s) if t is not None]
+        return min(known, default=math.inf)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict with its sentence and the numbers that it follows from."""
+
+    verdict: Verdict
+    sentence: str
+    evidence: Mapping[str, Any]
+
+
+def side_of(answer: Run | History, name: str, horizon_s: float | None = None) -> Side:
+    """What is known of one answer; a bare history states neither outcome nor uncertainty."""
+    if isinstance(answer, History):
+        return Side(name, horizon_s=horizon_s)
+    left_s, by = left_domain(answer)
+    return Side(
+        name,
+        answer.outcome,
+        answer.numerical_uncertainty_rad,
+        answer.reliable_until_s,
+        horizon_s,
+        left_s,
+        by,
+    )
+
+
+def left_domain(run: Run) -> tuple[float | None, str]:
+    """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
+
+    Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
+    friction paradox leaves at its end.
+    """
+    stated = run.validity.get("left_domain_s")
+    if stated is not None:
+        return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
+    if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
+        return run.end_s, run.outcome.sentence
+    return None, ""
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """The quantities that decide: the limit, when it is first exceeded, by how much at most before the horizon."""
+
+    limit_rad: float
+    exceeded_s: float | None
+    largest_rad: float
+    largest_reliable_rad: float
+    until_s: float
+    end_s: float
+
+
+def judge(a: Side, b: Side, both: Pair | None, peaks_rad: tuple[float, float], lever_m: float = LEVER_M) -> Judgement:
+    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing."""
+    joint = (a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)
+    limit = max(COVERAGE * joint, ROUNDING_RAD)
+    until = min(a.until_s, b.until_s)
+    facts = _from_peaks(peaks_rad, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
+    flips = a.outcome is not None and b.outcome is not None and a.outcome is not b.outcome
+    verdict, left = _decide(a, b, facts, flips)
+    evidence = {
+        "uncertainty_a_rad": a.uncertainty_rad,
+        "uncertainty_b_rad": b.uncertainty_rad,
+        "limit_rad": limit,
+        "coverage": COVERAGE,
+        "exceeded_s": facts.exceeded_s,
+        "largest_difference_rad": facts.largest_rad,
+        "largest_reliable_difference_rad": facts.largest_reliable_rad,
+        "horizon_s": until if math.isfinite(until) else None,
+        "compared_until_s": facts.end_s,
+        "left_domain_s": None if left is None else left.left_domain_s,
+        "left_domain_by": "" if left is None else f"{left.name}: {left.left_domain_by}",
+        "outcome_flips_within_uncertainty": flips and verdict in (Verdict.AGREE, Verdict.HORIZON),
+    }
+    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips), evidence)
+
+
+def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _Facts:
+    apart = np.abs(both.difference_rad)
+    # Without floor friction M du + m h dθ = 0, so an error in rotation moves the pedestal by at most h times it.
+    worst = np.maximum(apart, np.abs(both.slip_a_m - both.slip_b_m) / lever_m)
+    inside = both.t_s <= until
+    reliable = float(np.max(apart[inside])) if inside.any() else 0.0
+    return _Facts(limit, first_beyond_s(both.t_s, worst, limit), float(np.max(apart)), reliable, until, both.end_s)
+
+
+def _from_peaks(peaks_rad: tuple[float, float], limit: float, until: float) -> _Facts:
+    apart = abs(peaks_rad[0] - peaks_rad[1])
+    # Without histories nothing says when they parted: what is reliable to the end counts as reliable throughout.
+    exceeded = None if apart <= limit else (math.inf if math.isfinite(until) else 0.0)
+    return _Facts(limit, exceeded, apart, 0.0 if math.isfinite(until) else apart, until, math.inf)
+
+
+def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side | None]:
+    """The verdict, and the side that left its domain where that decides."""
+    exits = [side for side in (a, b) if side.left_domain_s is not None]
+    first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
+    left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
+    if facts.exceeded_s is None:
+        if not flips:
+            return Verdict.AGREE, None
+        if left_s < math.inf:
+            return Verdict.DOMAIN, first
+        return (Verdict.HORIZON if facts.until_s < facts.end_s else Verdict.AGREE), None
+    if facts.exceeded_s <= min(left_s, facts.until_s):
+        return Verdict.MODEL, None
+    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (Verdict.HORIZON, None)
+
+
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool) -> str:
+    names = f"{a.name} and {b.name}"
+    when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
+    bound = f"twice their joint numerical error ({facts.limit_rad:.2g} rad)"
+    if verdict is Verdict.AGREE:
+        text = (
+            f"{names} agree within their numerical error: at most {facts.largest_rad:.2g} rad apart, less than {bound}"
+        )
+    elif verdict is Verdict.MODEL:
+        text = f"{names} differ by their models: more than {bound} apart{when}"
+        text += f", before the horizon at {facts.until_s:.4g} s" if math.isfinite(facts.until_s) else ""
+    elif verdict is Verdict.HORIZON:
+        text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
+    else:
+        side = left or a
+        text = f"{names} differ{when}, after {side.name} left its domain at {side.left_domain_s or 0.0:.4g} s"
+        text += f" ({side.left_domain_by})"
+    if flips and verdict in (Verdict.AGREE, Verdict.HORIZON):
+        text += "; the outcome flips within the stated uncertainty"
+    unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
+    if unstated:
+        text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
+    return text + "."
+
+
+def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
+    """The share of each of the four verdicts over a set; all zero for an empty one."""
+    counts = Counter(verdicts)
+    total = sum(counts.values())
+    return {verdict.value: counts[verdict] / total if total else 0.0 for verdict in Verdict}

@@ -1,0 +1,123 @@
+"""The four verdicts follow from the record, and from nothing else."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from harness import Outcome, Run, compare
+from harness.history import History
+from harness.verdict import COVERAGE, Verdict, left_domain, shares
+from tests import doubles
+
+U_RAD = 1e-4
+
+
+def certain(history: History, name: str, until_s: float = 10.0, **fields: Any) -> Run:
+    return doubles.run_of(history, name, **{"numerical_uncertainty_rad": U_RAD, "reliable_until_s": until_s} | fields)
+
+
+@pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
+def test_the_limit_is_twice_the_joint_uncertainty(apart: float, verdict: Verdict) -> None:
+    history = doubles.rocking()
+    limit = COVERAGE * 2.0 * U_RAD
+    scores = compare(certain(doubles.raised(history, apart * limit), "a"), certain(history, "b"))
+    assert scores.verdict is verdict
+    assert scores.evidence["limit_rad"] == pytest.approx(limit)
+
+
+def test_apart_before_the_horizon_is_the_model() -> None:
+    history = doubles.rocking()
+    scores = compare(certain(doubles.parted(history, 2.0, 0.01), "a", 5.0), certain(history, "b"))
+    assert scores.verdict is Verdict.MODEL
+    assert scores.evidence["exceeded_s"] == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
+    assert scores.evidence["horizon_s"] == 5.0
+    assert "before the horizon at 5 s" in scores.verdict_sentence
+
+
+def test_apart_after_the_horizon_is_beyond_it() -> None:
+    history = doubles.rocking()
+    scores = compare(certain(doubles.parted(history, 6.0, 0.01), "a", 5.0), certain(history, "b"))
+    assert scores.verdict is Verdict.HORIZON
+
+
+def test_a_horizon_from_elsewhere_counts_as_well() -> None:
+    history = doubles.rocking()
+    a, b = certain(doubles.parted(history, 6.0, 0.01), "a"), certain(history, "b")
+    assert compare(a, b).verdict is Verdict.MODEL
+    assert compare(a, b, horizons_s=(None, 5.0)).verdict is Verdict.HORIZON
+
+
+@pytest.mark.parametrize(
+    ("left_s", "verdict"), [(1.9, Verdict.DOMAIN), (2.5, Verdict.MODEL)], ids=["left before", "left after"]
+)
+def test_leaving_the_domain_explains_only_what_follows(left_s: float, verdict: Verdict) -> None:
+    history = doubles.rocking()
+    validity = {"left_domain_s": left_s, "left_domain_by": "friction of 0.9 needed, 0.5 there"}
+    a = certain(doubles.parted(history, 2.0, 0.01), "a", validity=validity)
+    scores = compare(a, certain(history, "b"))
+    assert scores.verdict is verdict
+    assert ("friction of 0.9 needed" in scores.verdict_sentence) is (verdict is Verdict.DOMAIN)
+
+
+def test_what_came_first_decides_between_horizon_and_domain() -> None:
+    history = doubles.rocking()
+    b = certain(history, "b")
+    parted = doubles.parted(history, 6.0, 0.01)
+    early = certain(parted, "a", 5.0, validity={"left_domain_s": 4.0})
+    late = certain(parted, "a", 4.0, validity={"left_domain_s": 5.0})
+    assert compare(early, b).verdict is Verdict.DOMAIN
+    assert compare(late, b).verdict is Verdict.HORIZON
+
+
+@pytest.mark.parametrize("outcome", [Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX])
+def test_a_run_that_ends_outside_the_model_left_its_domain(outcome: Outcome) -> None:
+    history = doubles.rocking()
+    run = certain(doubles.truncated(history, 3.0), "a", outcome=outcome)
+    assert left_domain(run) == (3.0, outcome.sentence)
+    assert compare(run, certain(history, "b")).verdict is Verdict.DOMAIN
+
+
+def test_an_outcome_that_flips_within_the_uncertainty_is_flagged() -> None:
+    history = doubles.rocking()
+    fell = certain(history, "a", outcome=Outcome.OVERTURNED_LEFT)
+    scores = compare(fell, certain(history, "b"))
+    assert scores.verdict is Verdict.AGREE
+    assert scores.evidence["outcome_flips_within_uncertainty"] is True
+    beyond = compare(certain(history, "a", 4.0, outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
+    assert beyond.verdict is Verdict.HORIZON
+    apart = compare(certain(doubles.scaled(history, 2.0), "a", outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
+    assert apart.verdict is Verdict.MODEL
+    assert apart.evidence["outcome_flips_within_uncertainty"] is False
+
+
+def test_slip_counts_through_its_lever() -> None:
+    history = doubles.rocking()
+    slid = doubles.rocking(slip_m=0.02)
+    assert compare(certain(slid, "a"), certain(history, "b")).verdict is Verdict.MODEL
+
+
+def test_an_unstated_error_is_said() -> None:
+    history = doubles.rocking()
+    a = doubles.run_of(doubles.raised(history, 1e-3), "other")
+    assert "numerical error of other not stated" in compare(a, certain(history, "b")).verdict_sentence
+
+
+def test_outcome_only_runs_that_differ_but_are_not_reliable_to_the_end_are_beyond_the_horizon() -> None:
+    a = doubles.run_of(None, "a", peak_theta_rad=0.2, numerical_uncertainty_rad=U_RAD, reliable_until_s=3.0)
+    b = doubles.run_of(None, "b", peak_theta_rad=0.1, numerical_uncertainty_rad=U_RAD, reliable_until_s=3.0)
+    assert compare(a, b).verdict is Verdict.HORIZON
+
+
+def test_shares_of_the_four_sum_to_one() -> None:
+    found = shares([Verdict.AGREE, Verdict.AGREE, Verdict.MODEL, Verdict.HORIZON])
+    assert found == {
+        "agree within numerical error": 0.5,
+        "differ: model": 0.25,
+        "differ: beyond the horizon": 0.25,
+        "differ: the model left its domain": 0.0,
+    }
+    assert math.isclose(sum(found.values()), 1.0)
+    assert set(shares([]).values()) == {0.0}
