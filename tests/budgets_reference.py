@@ -21,3 +21,18 @@ EVENT_TIME_S = 1e-8
 
 SEEN_RELATIVE = 1e-6
 """A relative change of one parameter that the comparison must see: it moves a path by far more than REFERENCES_RAD."""
+
+PRINTED_DIGITS = 0.5
+"""A published number is met to its printed digits when it differs by at most half a unit of the last."""
+
+QUADRATURE_RELATIVE = 1e-12
+"""Adaptive quadrature of a smooth integrand at epsrel 1e-13; a factor of ten for the elliptic form's own rounding."""
+
+SLENDER_RELATIVE = 3e-6
+"""At α = 1e-3 rad the linearised block errs by α² = 1e-6 in its stiffness; thresholds move by up to three times that."""
+
+STEADY_SLIP_RELATIVE = 1e-6
+"""A transient of sliding loses a fixed share of its offset per cycle; after 12 cycles less than 1e-6 of it is left."""
+
+DIFFERENCE_RELATIVE = 1e-6
+"""Central differences with a step of 1e-4 turns err by (2π·1e-4)²/6 ≈ 7e-8 of the differentiated term, a few of which add."""
