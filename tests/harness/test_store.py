@@ -1,0 +1,137 @@
+"""Nothing that was finished is lost, nothing is stored twice, and damage is told with what can be done."""
+
+from __future__ import annotations
+
+import sqlite3
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import InputError
+from harness.export import export_csv
+from harness.history import History, Outcome
+from harness.record import Run
+from harness.salvage import salvage
+from harness.store import Store
+
+
+def run(peak: float = 0.1, wall_s: float = 1.0) -> Run:
+    t = np.linspace(0.0, 1.0, 5)
+    zero = np.zeros(5)
+    return Run(
+        engine="analytic",
+        outcome=Outcome.STANDS,
+        history=History(t, peak * t, peak + zero, zero, zero, {"yaw_rad": t**2}),
+        settings={"rtol": 1e-9},
+        steps=10,
+        wall_s=wall_s,
+        peak_theta_rad=peak,
+        peak_time_s=1.0,
+        end_s=1.0,
+        impact_times_s=(0.5,),
+    )
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "store.sqlite")
+
+
+def test_a_result_reads_back_with_its_history(store: Store) -> None:
+    store.put([("a", run())], histories=True)
+    row, history = store.get("a"), store.history("a")
+    assert row is not None
+    assert history is not None
+    assert row.record["peak_theta_rad"] == 0.1
+    assert store.seconds("a") == 1.0
+    for name, values in run().history.columns().items():  # type: ignore[union-attr]
+        assert np.array_equal(values, history.columns()[name])
+
+
+def test_a_key_keeps_its_first_result(store: Store) -> None:
+    store.put([("a", run(0.1))])
+    store.put([("a", run(0.2))])
+    row = store.get("a")
+    assert row is not None
+    assert row.record["peak_theta_rad"] == 0.1
+
+
+def test_rows_do_not_hold_what_differs_from_run_to_run(store: Store) -> None:
+    store.put([("a", run(wall_s=1.0)), ("b", run(wall_s=2.0))])
+    a, b = store.get("a"), store.get("b")
+    assert a is not None
+    assert b is not None
+    assert a.record == b.record
+
+
+def test_known_tells_what_is_there(store: Store) -> None:
+    store.put([("a", run())])
+    assert store.known(["a", "b"]) == {"a"}
+    assert store.get("b") is None
+    assert store.history("a") is None
+
+
+def test_a_failed_write_leaves_the_rest_whole(store: Store) -> None:
+    bad = replace(run(), validity={"not": object()})
+    with pytest.raises(TypeError):
+        store.put([("a", run()), ("b", bad), ("c", run())])
+    assert store.known(["a", "b", "c"]) == {"a"}
+    store.put([("c", run())])
+    assert store.check() is None
+
+
+def test_a_file_that_is_no_store_is_a_mistake_of_the_user(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    path.write_bytes(b"this is no database at all, but long enough to be read as one" * 20)
+    with pytest.raises(InputError, match="salvage"):
+        Store(path)
+
+
+def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with Store(path):
+        pass
+    with sqlite3.connect(path) as db:
+        db.execute("PRAGMA user_version=99")
+    db.close()
+    with pytest.raises(InputError, match="version 99"):
+        Store(path)
+
+
+def test_a_full_disk_is_told_and_what_was_finished_is_kept(store: Store) -> None:
+    store.put([("a", run())])
+    pages = store._db.execute("PRAGMA page_count").fetchone()[0]
+    store._db.execute(f"PRAGMA max_page_count={pages}")
+    with pytest.raises(InputError, match="free some space"):
+        store.put([(f"k{i}", run()) for i in range(200)], histories=True)
+    assert "a" in store.known(["a"])
+    assert store.check() is None
+
+
+def test_what_can_still_be_read_of_a_damaged_store_is_salvaged(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with Store(path) as store:
+        store.put([(f"key{i:04d}", run()) for i in range(400)], histories=True)
+        store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    data = bytearray(path.read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + 8192] = b"\xff" * 8192
+    path.write_bytes(data)
+    count = salvage(path, tmp_path / "fresh.sqlite")
+    assert 0 < count <= 400
+    with Store(tmp_path / "fresh.sqlite") as fresh:
+        assert fresh.check() is None
+        assert len(fresh.known(f"key{i:04d}" for i in range(400))) == count
+    with pytest.raises(InputError, match="does not exist yet"):
+        salvage(path, tmp_path / "fresh.sqlite")
+
+
+def test_rows_of_a_study_are_exported(store: Store, tmp_path: Path) -> None:
+    store.put([("a", run())])
+    store.write_plan("s", [(0, "analytic", "a", "asked", {"f": 2.0}), (1, "analytic", None, "not sent", {"f": 3.0})])
+    assert export_csv(store, "s", tmp_path / "rows.csv") == 2
+    lines = (tmp_path / "rows.csv").read_text().splitlines()
+    assert lines[0].startswith("number,engine,reason,f,")
+    assert lines[2].startswith("1,analytic,not sent,3.0")
