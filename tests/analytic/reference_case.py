@@ -20,38 +20,49 @@ PAESTUM_PEDESTAL_KG = 250.0
 GRAVITY = 9.81
 
 
-def rest() -> tuple[Segment, ...]:
+@dataclass(frozen=True)
+class Motion:
+    """A floor's acceleration as smooth segments; `recipe` names it for solvers that build it their own way."""
+
+    segments: tuple[Segment, ...]
+    recipe: tuple[str, tuple[object, ...]] = ("custom", ())
+
+
+def rest() -> Motion:
     """No motion, for ever."""
-    return ((0.0, math.inf, lambda t: 0.0),)
+    return Motion(((0.0, math.inf, lambda t: 0.0),), ("rest", ()))
 
 
-def harmonic(amplitude: float, frequency: float, phase: float = 0.0) -> tuple[Segment, ...]:
+def harmonic(amplitude: float, frequency: float, phase: float = 0.0) -> Motion:
     """a = A sin(2πft + phase) from t = 0 (m/s², Hz, rad)."""
     omega = 2.0 * math.pi * frequency
-    return ((0.0, math.inf, lambda t: amplitude * math.sin(omega * t + phase)),)
+    segment = (0.0, math.inf, lambda t: amplitude * math.sin(omega * t + phase))
+    return Motion((segment,), ("harmonic", (amplitude, frequency, phase)))
 
 
-def one_sine(amplitude: float, duration: float, cycles: float = 1.0) -> tuple[Segment, ...]:
-    """A sine that stops after `cycles` cycles of total length `duration` (m/s², s)."""
-    omega = 2.0 * math.pi * cycles / duration
-    return ((0.0, duration, lambda t: amplitude * math.sin(omega * t)), (duration, math.inf, lambda t: 0.0))
+def full_period(amplitude: float, duration: float, kind: str = "one_sine") -> Motion:
+    """One full period of a sine or a cosine (m/s², s)."""
+    omega, phase = 2.0 * math.pi / duration, 0.0 if kind == "one_sine" else 0.5 * math.pi
+    swing = (0.0, duration, lambda t: amplitude * math.sin(omega * t + phase))
+    return Motion((swing, (duration, math.inf, lambda t: 0.0)), (kind, (amplitude, duration)))
 
 
-def rectangle(amplitude: float, duration: float) -> tuple[Segment, ...]:
+def rectangle(amplitude: float, duration: float) -> Motion:
     """A constant acceleration that stops (m/s², s)."""
-    return ((0.0, duration, lambda t: amplitude), (duration, math.inf, lambda t: 0.0))
+    segments = ((0.0, duration, lambda t: amplitude), (duration, math.inf, lambda t: 0.0))
+    return Motion(segments, ("rectangular", (amplitude, duration)))
 
 
-def record(times: Sequence[float], values: Sequence[float]) -> tuple[Segment, ...]:
+def record(times: Sequence[float], values: Sequence[float]) -> Motion:
     """Linear between samples, zero after the last (s, m/s²); the first time must be 0."""
 
     def line(t0: float, a0: float, slope: float) -> Callable[[float], float]:
         return lambda t: a0 + slope * (t - t0)
 
     pieces: list[Segment] = []
-    for t0, t1, a0, a1 in zip(times[:-1], times[1:], values[:-1], values[1:], strict=True):
+    for (t0, a0), (t1, a1) in itertools.pairwise(zip(times, values, strict=True)):
         pieces.append((t0, t1, line(t0, a0, (a1 - a0) / (t1 - t0))))
-    return (*pieces, (times[-1], math.inf, lambda t: 0.0))
+    return Motion((*pieces, (times[-1], math.inf, lambda t: 0.0)), ("record", (tuple(times), tuple(values))))
 
 
 @dataclass(frozen=True)
@@ -72,8 +83,8 @@ class Case:
     normal: str = "dynamic"
     ratio: float | None = None
     pedestal_at_impact: str = "momentum"
-    accel_x: tuple[Segment, ...] = field(default_factory=rest)
-    accel_z: tuple[Segment, ...] = field(default_factory=rest)
+    accel_x: Motion = field(default_factory=rest)
+    accel_z: Motion = field(default_factory=rest)
     theta0: float = 0.0
     rate0: float = 0.0
     gravity: float = GRAVITY
@@ -85,12 +96,17 @@ class Case:
 
     def windows(self, end: float) -> list[tuple[float, float, Callable[[float], float], Callable[[float], float]]]:
         """Intervals on which both motions are smooth, with their functions, up to `end`."""
-        edges = sorted({t for pieces in (self.accel_x, self.accel_z) for a, b, _ in pieces for t in (a, b)})
+        edges = sorted(
+            {t for pieces in (self.accel_x.segments, self.accel_z.segments) for a, b, _ in pieces for t in (a, b)}
+        )
         edges = [t for t in edges if t < end] + [end]
         found = []
         for t0, t1 in itertools.pairwise(edges):
             middle = 0.5 * (t0 + t1)
-            functions = [next(f for a, b, f in pieces if a <= middle < b) for pieces in (self.accel_x, self.accel_z)]
+            functions = [
+                next(f for a, b, f in pieces if a <= middle < b)
+                for pieces in (self.accel_x.segments, self.accel_z.segments)
+            ]
             found.append((t0, t1, functions[0], functions[1]))
         return found
 

@@ -11,9 +11,9 @@ from tests.analytic.reference_case import (
     PAESTUM,
     PAESTUM_PEDESTAL_KG,
     Case,
-    Segment,
+    Motion,
     harmonic,
-    one_sine,
+    full_period,
     record,
     rest,
 )
@@ -78,7 +78,7 @@ def random_case(seed: int) -> Case:
     )
 
 
-def _random_motion(rng: np.random.Generator, scale: float) -> tuple[Segment, ...]:
+def _random_motion(rng: np.random.Generator, scale: float) -> Motion:
     amplitude = scale * GRAVITY * rng.uniform(0.1, 0.9)
     kind = rng.integers(3)
     if amplitude == 0.0:
@@ -86,6 +86,6 @@ def _random_motion(rng: np.random.Generator, scale: float) -> tuple[Segment, ...
     if kind == 0:
         return harmonic(amplitude, rng.uniform(0.7, 6.0), rng.uniform(0.0, 6.0))
     if kind == 1:
-        return one_sine(amplitude, rng.uniform(0.2, 1.0))
+        return full_period(amplitude, rng.uniform(0.2, 1.0))
     times = np.arange(0.0, 1.51, 0.02)
     return record(times.tolist(), (amplitude * 0.6 * rng.standard_normal(times.size)).tolist())

@@ -12,7 +12,7 @@ from analytic import AnalyticInputError
 from analytic import closed_form as cf
 from tests import budgets_reference as budget
 from tests.analytic import reference_lagrange
-from tests.analytic.reference_case import GRAVITY, Case, harmonic, one_sine, rectangle
+from tests.analytic.reference_case import GRAVITY, Case, full_period, harmonic, rectangle
 
 
 def assert_printed(value: float, printed: str) -> None:
@@ -130,7 +130,7 @@ def test_five_sizes_under_one_sine_pulse(radius: float, outcome: str, peak: str 
     case = rectangular_block(
         radius * math.sin(alpha),
         radius * math.cos(alpha),
-        accel_x=one_sine(2.0 * g * math.tan(alpha), 0.5),
+        accel_x=full_period(2.0 * g * math.tan(alpha), 0.5),
         ratio=cf.rectangle_ratio(alpha),
         gravity=g,
         overturn=1.2,  # six times α; a falling block may lose contact before 1.5 rad

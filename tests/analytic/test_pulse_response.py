@@ -11,7 +11,7 @@ from analytic import AnalyticInputError
 from analytic.pulse_response import minimum_overturning_spectrum, overturning_ranges, pulse_response
 from tests import budgets_reference as budget
 from tests.analytic import reference_lagrange
-from tests.analytic.reference_case import GRAVITY, Case
+from tests.analytic.reference_case import GRAVITY, Case, full_period
 from tests.analytic.test_closed_form import assert_printed
 
 OMEGA_OVER_P, RATIO = 5.0, 0.9
@@ -30,10 +30,7 @@ def slender_outcome(amplitude: float, omega_over_p: float, ratio: float, kind: s
     """Outcome of the nonlinear reference at α = 1e-3, forced towards its right corner first."""
     alpha = 1e-3
     p = math.sqrt(0.75 * GRAVITY)
-    omega, phase = omega_over_p * p, 0.0 if kind == "one_sine" else 0.5 * math.pi
-    a = -amplitude * GRAVITY * alpha
-    end = 2.0 * math.pi / omega
-    pulse = ((0.0, end, lambda t: a * math.sin(omega * t + phase)), (end, math.inf, lambda t: 0.0))
+    pulse = full_period(-amplitude * GRAVITY * alpha, 2.0 * math.pi / (omega_over_p * p), kind)
     h, b = math.cos(alpha), math.sin(alpha)
     case = Case(1.0, h, b, b, 1.0 / 3.0, ratio=ratio, accel_x=pulse, overturn=20.0 * alpha)
     return reference_lagrange.solve(case, 25.0 / p, 0.1).outcome

@@ -9,7 +9,7 @@ import pytest
 
 from tests import budgets_reference as budget
 from tests.analytic import reference_lagrange, reference_newton
-from tests.analytic.reference_case import Case, Path
+from tests.analytic.reference_case import Case, Motion, Path
 from tests.analytic.reference_cases import FORMS, paper_case, random_case
 
 END_S, GRID_S = 2.0, 0.02
@@ -75,7 +75,7 @@ def test_a_mirrored_case_gives_the_mirrored_path() -> None:
         b_left=case.b_right,
         b_right=case.b_left,
         theta0=-case.theta0,
-        accel_x=tuple((a, b, lambda t, f=f: -f(t)) for a, b, f in case.accel_x),
+        accel_x=Motion(tuple((a, b, lambda t, f=f: -f(t)) for a, b, f in case.accel_x.segments)),
     )
     a, b = (reference_lagrange.solve(c, END_S, GRID_S).samples for c in (case, mirrored))
     assert np.max(np.abs(a[:, 1:] + b[:, 1:])) <= budget.REFERENCES_RAD
@@ -83,7 +83,9 @@ def test_a_mirrored_case_gives_the_mirrored_path() -> None:
 
 def test_a_step_with_two_possible_states_is_met_as_a_tie() -> None:
     """Paestum under a step of −0.3 g: it can rock with the pedestal stuck or slide; the stuck state is taken."""
-    case = replace(paper_case(0.3, 1.0, pedestal=True, form="consistent"), accel_x=((0.0, 9.0, lambda t: -0.3 * 9.81),))
+    case = replace(
+        paper_case(0.3, 1.0, pedestal=True, form="consistent"), accel_x=Motion(((0.0, 9.0, lambda t: -0.3 * 9.81),))
+    )
     path = reference_lagrange.solve(case, 0.05, 0.01)
     assert path.ties == 1
     assert path.samples[-1, 1] > 0.0
