@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -44,11 +44,17 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but mi
 
 def add_commands(app: typer.Typer) -> None:
     """Mount the computing commands on the application."""
-    app.command("engines", help="List the engines: what each computes, its version, whether it runs here.")(engines)
+    app.command("engines")(engines)
+    app.command(
+        "compare", epilog="Examples:  `rockcheck compare scenes/free_rocking.toml`  ·  `rockcheck compare A.csv B.csv`"
+    )(compare)
+    store = typer.Typer(no_args_is_help=True, help="Look after the stores of studies.")
+    store.command("salvage")(salvage)
+    app.add_typer(store, name="store")
 
 
 def engines(as_json: Json = False) -> None:
-    """List the engines."""
+    """List the engines: what each computes, and whether it runs here."""
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
@@ -67,6 +73,66 @@ def engines(as_json: Json = False) -> None:
         typer.echo(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
 
 
+def compare(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
+        ),
+    ],
+    engine: Engines = None,
+    overrides: Overrides = None,
+    accuracy: Accuracy = None,
+    dt: Step = None,
+    iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
+    tables = [path.suffix == ".csv" for path in files]
+    if any(tables):
+        if not all(tables) or len(files) != 2:
+            got = ", ".join(str(path) for path in files)
+            raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
+        from harness.comparator import compare_files
+
+        found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": compare_files(files[0], files[1], iso=iso)}
+    else:
+        found = {}
+        for path in files:
+            result = compute(path, engine, overrides, accuracy, dt, None, quiet=quiet or as_json, iso=iso)
+            prefix = f"{path.stem}: " if len(files) > 1 else ""
+            found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        for pair, scores in found.items():
+            typer.echo(table_of(pair, scores))
+
+
+def table_of(title: str, scores: Mapping[str, Any]) -> str:
+    """One pair's scores as aligned lines; lists are counted."""
+    lines = [title]
+    for name, value in scores.items():
+        if isinstance(value, float):
+            lines.append(f"  {name:34} {value:.6g}")
+        elif isinstance(value, (str, int)) or value is None:
+            lines.append(f"  {name:34} {'—' if value is None else value}")
+        elif isinstance(value, list):
+            lines.append(f"  {name:34} {len(value)} of them (see --json)")
+    return "\n".join(lines)
+
+
+def salvage(
+    damaged: Annotated[Path, typer.Argument(metavar="FILE", help="The damaged store.", show_default=False)],
+    fresh: Annotated[Path, typer.Argument(metavar="NEW", help="The store to write.", show_default=False)],
+) -> None:
+    """Copy what can still be read of a damaged store into a new one."""
+    from harness.salvage import salvage as rescue
+
+    typer.echo(f"{rescue(damaged, fresh)} results were readable; they are in {fresh}")
+
+
 def compute(
     scene_file: Path,
     names: Sequence[str] | None,
@@ -76,6 +142,7 @@ def compute(
     no_skip: Sequence[str] | None,
     *,
     quiet: bool,
+    iso: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
     from harness.engines import DEFAULT_ENGINES
@@ -87,7 +154,7 @@ def compute(
     scene = load_scene(scene_file, overrides or ())
     with Telling(quiet) as telling:
         return run_scene(
-            scene, names or DEFAULT_ENGINES, accuracy_rad=accuracy, dt_s=dt, want=want, told=telling.engine
+            scene, names or DEFAULT_ENGINES, accuracy_rad=accuracy, dt_s=dt, want=want, told=telling.engine, iso=iso
         )
 
 

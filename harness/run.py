@@ -131,6 +131,7 @@ def run_scene(
     dt_s: float | None = None,
     want: Want | None = None,
     told: Callable[[str], None] = lambda text: None,
+    iso: bool = False,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work."""
     from harness.comparator import compare
