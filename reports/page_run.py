@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.history import Outcome
-from reports.assets import plotly_js
+from reports.assets import plotly_js, source_text, three_js
 from reports.chart_histories import histories_figure
 from reports.numbers import angle, digits, given, label, length, plain, short, split_unit, unit
 from reports.palette import look
+from reports.replay import default_model, replay_payload
 from reports.scene_picture import scene_svg
 from reports.source import RunSource, run_source
 from reports.toml_text import toml_text
@@ -52,6 +53,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "picture": scene_svg(source.scene, record["motion"]),
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record["motion"], source.scene),
+        "replay": replay_values(source) if source.histories else None,
         "figure": histories_figure(source) if source.histories else None,
         "names": names,
         "outcome_rows": outcome_rows(source.runs),
@@ -75,6 +77,31 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
         "plotly_js": plotly_js(),
+    }
+
+
+def replay_values(source: RunSource) -> dict[str, Any]:
+    """What the replay's part of the page shows: the models, the packed data, what is drawn."""
+    names = list(source.histories)
+    solid = default_model(source)
+    ghost = "analytic" if "analytic" in names and solid != "analytic" else ""
+    shape = (
+        "the statue's own mesh"
+        if source.mesh is not None
+        else "a block with the statue's silhouette (the scene has no mesh)"
+    )
+    caption = (
+        f"Drawn: {shape}, moved by each model's recorded rotation and slip, seen from the moving floor; the arrow is the "
+        "floor's acceleration, the grid is 25 cm. Drag to turn; a click into the histories sets the time here."
+    )
+    return {
+        "names": names,
+        "solid": solid,
+        "ghost": ghost,
+        "caption": caption,
+        "data": replay_payload(source),
+        "library": three_js(),
+        "script": source_text("replay.js"),
     }
 
 
