@@ -1,0 +1,95 @@
+"""Landing on a facet: the impact, and the end of a sequence of ever smaller ones."""
+
+from __future__ import annotations
+
+from analytic._jit import jit
+from analytic.impact import both_corners, impact, kinetic
+from analytic.layout import (
+    AX,
+    BASE_MASS,
+    ENERGY_GAINED,
+    ENERGY_LOST,
+    FACET,
+    GE,
+    HAS_BASE,
+    IMPACT,
+    IMPACTS,
+    INERTIA,
+    MASS,
+    MOMENTUM,
+    MU_KINETIC,
+    MU_STATIC,
+    PIVOT,
+    RATIO,
+    REST_ANGLE,
+    S_OM,
+    S_TH,
+    S_V,
+    SLIDE,
+    WANT_VALIDITY,
+    ZENO,
+    Task,
+)
+from analytic.states import corner, load
+from analytic.track import settle
+from analytic.validity import note_impact
+
+
+@jit
+def _rebound(task: Task, facet: int, omega: float, rate: float) -> float:
+    """Height in rad of the rebound that starts at omega, by the smaller of the moments that hold the statue down; −1 if none."""
+    load(task, 0)
+    gravity, accel = task.w[GE, 0], task.w[AX, 0]
+    if task.p[HAS_BASE] > 0.0 and rate != 0.0:
+        accel = -(task.p[MU_KINETIC] * gravity) if rate > 0.0 else task.p[MU_KINETIC] * gravity
+    least = 1e300
+    for side in (1, -1):
+        x, z, j = corner(task, facet, side)
+        least = min(least, -side * task.p[MASS] * (gravity * x - accel * z) / j)
+    return 0.5 * omega * omega / least if least > 0.0 else -1.0
+
+
+@jit
+def land(task: Task, facet: int, residual: float) -> None:
+    """Apply the impact on the facet (docs/model.md, section 3), or rest when the rebound is too small to matter."""
+    p, s, q, r, c = task.p, task.s, task.q, task.r, task.c
+    m, total = p[MASS], p[MASS] + p[BASE_MASS]
+    old_side = 1 if q[PIVOT] == facet + 1 else -1
+    xo, z, jo = corner(task, facet, old_side)
+    xn, _, jn = corner(task, facet, -old_side)
+    omega, rate, stuck = s[S_OM], s[S_V], q[SLIDE] == 0
+    mu = p[MU_STATIC] if stuck else p[MU_KINETIC]
+    after, moved, normal = impact(
+        m,
+        p[BASE_MASS],
+        p[INERTIA],
+        xn,
+        xo,
+        z,
+        omega,
+        rate,
+        p[RATIO],
+        p[MOMENTUM] > 0.0,
+        mu,
+        p[MU_KINETIC],
+        p[HAS_BASE] > 0.0,
+    )
+    s[S_TH], q[FACET] = task.facet_rad[facet], facet
+    if after != 0.0:
+        rebound = _rebound(task, facet, after, moved)
+        if 0.0 <= rebound < p[REST_ANGLE]:
+            c[ZENO] += 1
+            after, moved, normal = 0.0, rate, abs(m * xo * omega)
+            if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0:
+                after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
+    s[S_OM], s[S_V] = after, moved
+    c[IMPACTS] += 1
+    change = kinetic(m, total, jn, z, after, moved) - kinetic(m, total, jo, z, omega, rate)
+    r[ENERGY_GAINED] += max(change, 0.0)
+    r[ENERGY_LOST] += max(-change, 0.0)
+    new = facet if old_side > 0 else facet + 1
+    if p[WANT_VALIDITY] > 0.0:
+        note_impact(task, new, m * ((moved - rate) + z * (after - omega)), normal, moved - rate)
+    q[PIVOT] = new if after != 0.0 else -1
+    q[SLIDE] = 0
+    settle(task, IMPACT, omega, rate, after == 0.0, change, residual)

@@ -1,0 +1,233 @@
+"""The event-driven run: one Taylor step after another, each cut at its first event or at a break of the motion."""
+
+from __future__ import annotations
+
+import math
+
+from analytic._jit import jit
+from analytic.collision import land
+from analytic.dynamics import expand
+from analytic.energy import decide
+from analytic.events import first_event
+from analytic.forcing import break_at, is_jump, is_over
+from analytic.layout import (
+    AT_LIMIT,
+    AT_WALL,
+    AX,
+    BEGIN,
+    BREAK,
+    CENTROID,
+    COEFFICIENTS,
+    DURATION,
+    FINISH,
+    FLIGHT,
+    FRESH,
+    GAVE_UP,
+    GE,
+    GRID_STEP,
+    HALT,
+    IMPACT,
+    LIFT_OFF,
+    NO_EVENT,
+    NO_SOLUTION,
+    OM,
+    ORDER,
+    OUTCOME,
+    OVERTURN_TIME,
+    OVERTURNED_LEFT,
+    OVERTURNED_RIGHT,
+    PARADOX,
+    PIVOT,
+    POWER,
+    PX,
+    RATE,
+    RESIDUAL,
+    RUNNING,
+    S_OM,
+    S_TH,
+    S_U,
+    S_V,
+    SEG_X,
+    SEG_Z,
+    SKIP_ENERGY,
+    SKIP_QUIET,
+    SLIDE,
+    SLIP,
+    STALLED,
+    STANDS,
+    STEP_CAP,
+    STEPS,
+    TANGENTS,
+    TH,
+    TIME_SCALE,
+    TOLERANCE,
+    TOUCHES_WALL,
+    UNDECIDED,
+    WANT_VALIDITY,
+    T,
+    Task,
+)
+from analytic.polynomial import TANGENT_LEVEL, value
+from analytic.quiet import quiet
+from analytic.start import begin
+from analytic.states import load
+from analytic.track import follow, record, settle
+from analytic.validity import note_step
+
+MAX_STALL = 50
+"""Events in a row without the clock moving, after which a run is given up as undecided."""
+MAX_STEPS = 5_000_000
+"""Steps after which a run is given up as undecided."""
+
+
+@jit
+def _length(task: Task, n: int, h: float) -> float:
+    """Step at which the last two terms fall below the tolerance, at most h (Jorba and Zou's rule)."""
+    w, p = task.w, task.p
+    tol, time_s, length_m = p[TOLERANCE], p[TIME_SCALE], p[CENTROID]
+    for k in (n - 1, n):
+        if task.q[PIVOT] < 0:
+            size = time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / length_m
+        else:
+            size = time_s * max(abs(w[OM, k]), abs(w[RATE, k]) / length_m)
+        if size > 0.0:
+            h = min(h, 0.9 * (tol / size) ** (1.0 / k))
+    return h
+
+
+@jit
+def _expand_step(task: Task, h: float) -> tuple[int, float]:
+    """Coefficients of the step that starts now: their order, and the length for which they hold, at most h."""
+    q, w = task.q, task.w
+    n = int(task.p[ORDER])
+    deg_x, deg_z = load(task, n)
+    if q[PIVOT] < 0 and max(deg_x, deg_z) <= 1:
+        n = 3
+    reached = expand(task, q[PIVOT], q[SLIDE], n, deg_x, deg_z, h)
+    if reached == int(task.p[ORDER]):
+        h = _length(task, reached, h)
+    task.c[STEPS] += 1
+    task.c[COEFFICIENTS] += reached
+    power = 1.0
+    for k in range(reached + 1):
+        w[POWER, k] = power
+        power *= h
+    return reached, h
+
+
+@jit
+def _move(task: Task, n: int, tau: float) -> None:
+    """Set the state to the step's polynomials at tau."""
+    s, w = task.s, task.w
+    s[S_TH], s[S_OM] = value(w[TH], n, tau), value(w[OM], n, tau)
+    s[S_U], s[S_V] = value(w[SLIP], n, tau), value(w[RATE], n, tau)
+
+
+@jit
+def _handle(task: Task, kind: int, side: int, residual: float) -> None:
+    """What happens at an event."""
+    s, q, r = task.s, task.q, task.r
+    r[RESIDUAL] = max(r[RESIDUAL], residual)
+    if kind == IMPACT:
+        land(task, side, residual)
+    elif kind == HALT:
+        before = s[S_V]
+        s[S_V] = 0.0
+        settle(task, kind, s[S_OM], before, q[PIVOT] < 0, 0.0, residual)
+    elif kind == AT_LIMIT:
+        r[OVERTURN_TIME] = s[T]
+        q[OUTCOME] = OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT
+    elif kind == AT_WALL:
+        q[OUTCOME] = TOUCHES_WALL
+    elif kind == FLIGHT:
+        q[OUTCOME] = LIFT_OFF
+    elif kind == NO_SOLUTION:
+        q[OUTCOME] = PARADOX
+    else:
+        settle(task, kind, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, residual)
+    if q[OUTCOME] != RUNNING:
+        record(task, kind, s[S_OM], s[S_V], 0.0, 0, residual)
+
+
+@jit
+def _pass_breaks(task: Task) -> bool:
+    """Count the breaks reached; whether an acceleration may have jumped at one of them."""
+    q, time = task.q, task.s[T]
+    jump = False
+    while break_at(task.fx, task.tx, q[SEG_X]) <= time:
+        q[SEG_X] += 1
+        jump = jump or is_jump(task.fx, task.tx, q[SEG_X])
+    while break_at(task.fz, task.tz, q[SEG_Z]) <= time:
+        q[SEG_Z] += 1
+        jump = jump or is_jump(task.fz, task.tz, q[SEG_Z])
+    return jump
+
+
+@jit
+def _finish(task: Task) -> None:
+    """The ending of a run that reached its duration."""
+    q, w = task.q, task.w
+    q[OUTCOME] = STANDS
+    if q[PIVOT] < 0:
+        return
+    if is_over(task.fx, task.tx, q[SEG_X]) and is_over(task.fz, task.tz, q[SEG_Z]) and decide(task):
+        return
+    load(task, 1)
+    expand(task, q[PIVOT], q[SLIDE], 1, 0, 0, math.inf)
+    leans_right = q[PIVOT] == task.x.size - 1 and w[PX, 0] > 0.0
+    leans_left = q[PIVOT] == 0 and w[PX, 0] < 0.0
+    if leans_right or leans_left:
+        q[OUTCOME] = UNDECIDED
+
+
+@jit
+def _step(task: Task) -> None:
+    """One step, cut at its first event."""
+    s, q, p, c = task.s, task.q, task.p, task.c
+    limit = min(break_at(task.fx, task.tx, q[SEG_X]), break_at(task.fz, task.tz, q[SEG_Z]), p[DURATION])
+    room = limit - s[T]
+    n, h = _expand_step(task, min(room, p[STEP_CAP]))
+    x, kind, side, level, residual = first_event(task, n)
+    if level >= TANGENT_LEVEL:
+        c[TANGENTS] += 1
+    tau = h if kind == NO_EVENT else x * h
+    until = limit if kind == NO_EVENT and h == room else s[T] + tau
+    follow(task, n, tau, until)
+    if p[WANT_VALIDITY] > 0.0:
+        note_step(task, n, tau)
+    c[STALLED] = c[STALLED] + 1 if until <= s[T] else 0
+    _move(task, n, tau)
+    s[T] = until
+    q[FRESH] = 0
+    if kind != NO_EVENT:
+        _handle(task, kind, side, residual)
+    if q[OUTCOME] == RUNNING and s[T] >= limit and _pass_breaks(task):
+        settle(task, BREAK, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, 0.0)
+    if c[STALLED] > MAX_STALL or c[STEPS] > MAX_STEPS:
+        q[OUTCOME] = UNDECIDED
+        c[GAVE_UP] = 1
+
+
+@jit
+def run(task: Task) -> None:
+    """Run from the start to an ending; everything is written into the task."""
+    s, q, p = task.s, task.q, task.p
+    begin(task)
+    _pass_breaks(task)
+    settle(task, BEGIN, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, 0.0)
+    while q[OUTCOME] == RUNNING:
+        if p[SKIP_QUIET] > 0.0 and q[PIVOT] < 0 and q[SLIDE] == 0:
+            quiet(task)
+        if (
+            p[SKIP_ENERGY] > 0.0
+            and p[GRID_STEP] == 0.0
+            and is_over(task.fx, task.tx, q[SEG_X])
+            and is_over(task.fz, task.tz, q[SEG_Z])
+            and decide(task)
+        ):
+            return
+        if s[T] < p[DURATION]:
+            _step(task)
+        if q[OUTCOME] == RUNNING and s[T] >= p[DURATION]:
+            _finish(task)
+            record(task, FINISH, s[S_OM], s[S_V], 0.0, 0, 0.0)

@@ -1,0 +1,206 @@
+"""Where each number stands in the kernel's arrays; every constant is known when the kernel is compiled."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MAX_ORDER: Final = 26
+"""Highest order of a Taylor step."""
+
+# Parameters p of one run.
+MASS: Final = 0  # statue, kg
+BASE_MASS: Final = 1  # pedestal, kg; 0 without one
+INERTIA: Final = 2  # statue about its centroid, kg m²
+CENTROID: Final = 3  # h, m
+GRAVITY: Final = 4
+MU_STATIC: Final = 5
+MU_KINETIC: Final = 6
+RATIO: Final = 7  # prescribed ratio at impact; negative: angular momentum
+DYNAMIC: Final = 8  # 1: friction follows N of section 2; 0: M g_e
+MOMENTUM: Final = 9  # 1: pedestal takes its momentum at impact; 0: velocity unchanged
+THETA0: Final = 10
+OMEGA0: Final = 11
+DURATION: Final = 12
+OVERTURN: Final = 13
+WALL_SIDE: Final = 14  # -1 left, 0 none, 1 right
+WALL_ROTATION: Final = 15  # |θ| at which the top touches the wall, rad
+BASE_WIDTH: Final = 17
+BASE_HEIGHT: Final = 18
+BASE_CENTRE: Final = 19  # pedestal's centre in the statue's frame, m
+TOLERANCE: Final = 20  # local error of a step, rad
+ORDER: Final = 21
+STEP_CAP: Final = 22
+REST_ANGLE: Final = 23  # a rebound that stays below it is dropped, rad
+GRID_STEP: Final = 24  # output step, s; 0: no history
+SKIP_QUIET: Final = 25
+SKIP_ENERGY: Final = 26
+WANT_VALIDITY: Final = 27
+HAS_BASE: Final = 28
+TIME_SCALE: Final = 29  # 1/p of the slender block, s
+N_PARAMETERS: Final = 30
+
+# One motion f.
+KIND: Final = 0
+AMPLITUDE: Final = 1
+OMEGA: Final = 2
+PHASE: Final = 3
+RAMP: Final = 4
+START: Final = 5
+END: Final = 6
+N_FORCING: Final = 7
+
+NONE: Final = 0
+HARMONIC: Final = 1
+RECTANGULAR: Final = 2
+SINE: Final = 3
+COSINE: Final = 4
+RICKER: Final = 5
+SAMPLED: Final = 6
+
+# Rows of the workspace w: Taylor coefficients about the start of a step.
+TH: Final = 0  # θ
+OM: Final = 1  # θ̇
+SLIP: Final = 2  # u
+RATE: Final = 3  # u̇
+PX: Final = 4  # X: pivot to centroid, horizontal
+PZ: Final = 5  # Z: pivot to centroid, vertical
+XW: Final = 6  # X θ̇
+ZW: Final = 7  # Z θ̇
+AX: Final = 8  # floor's horizontal acceleration
+GE: Final = 9  # g + floor's vertical acceleration
+ABS: Final = 10  # A, absolute horizontal acceleration of the support
+FLOOR: Final = 11  # F, floor on pedestal
+NORMAL: Final = 12  # N, floor on pedestal
+PIVOT_V: Final = 13  # V, support on statue
+PIVOT_H: Final = 14  # H, support on statue
+W2: Final = 15
+ZX: Final = 16
+ZZ: Final = 17
+DET: Final = 18
+ACC: Final = 19
+EVENT: Final = 20
+POWER: Final = 21  # h^k
+N_ROWS: Final = 22
+
+# State s and discrete state q.
+T: Final = 0
+S_TH: Final = 1
+S_OM: Final = 2
+S_U: Final = 3
+S_V: Final = 4
+N_STATE: Final = 5
+
+PIVOT: Final = 0  # vertex rocked about; -1 at rest
+FACET: Final = 1  # facet rested on (or last landed on)
+SLIDE: Final = 2  # sign of the pedestal's velocity; 0 stuck
+SEG_X: Final = 3
+SEG_Z: Final = 4
+FRESH: Final = 5  # 1 in the first step after the joint state was chosen
+GRID: Final = 6  # next output sample
+OUTCOME: Final = 7
+ROCK_SIDE: Final = 8
+N_DISCRETE: Final = 9
+
+# Outcomes.
+RUNNING: Final = 0
+STANDS: Final = 1
+OVERTURNED_LEFT: Final = 2
+OVERTURNED_RIGHT: Final = 3
+TOUCHES_WALL: Final = 4
+LIFT_OFF: Final = 5
+PARADOX: Final = 6
+UNDECIDED: Final = 7
+
+# Events.
+NO_EVENT: Final = 0
+UPLIFT: Final = 1
+SLIP_EVENT: Final = 2
+HALT: Final = 3
+IMPACT: Final = 4
+BREAK: Final = 5
+AT_LIMIT: Final = 6
+AT_WALL: Final = 7
+FLIGHT: Final = 8
+NO_SOLUTION: Final = 9
+BEGIN: Final = 10
+FINISH: Final = 11
+
+# Columns of the event table.
+E_TIME: Final = 0
+E_KIND: Final = 1
+E_PIVOT: Final = 2
+E_FACET: Final = 3
+E_SLIDE: Final = 4
+E_THETA: Final = 5
+E_OMEGA_BEFORE: Final = 6
+E_OMEGA_AFTER: Final = 7
+E_SLIP: Final = 8
+E_RATE_BEFORE: Final = 9
+E_RATE_AFTER: Final = 10
+E_ENERGY: Final = 11  # energy after less before, floor's frame, J
+E_TIED: Final = 12  # number of feasible joint states, where they were searched
+E_RESIDUAL: Final = 13  # event function at the event, relative to its terms
+N_EVENT: Final = 14
+
+# Results r.
+PEAK: Final = 0
+PEAK_TIME: Final = 1
+PEAK_SLIP: Final = 2
+OVERTURN_TIME: Final = 3
+NO_RETURN: Final = 4
+PIVOT_FRICTION: Final = 5
+PIVOT_FRICTION_IMPACT: Final = 6
+LEAST_V: Final = 7
+LEAST_N: Final = 8
+TIP_MARGIN: Final = 9
+TIP_MARGIN_IMPACT: Final = 10
+ENERGY_GAINED: Final = 11
+ENERGY_LOST: Final = 12
+RESIDUAL: Final = 13
+SKIPPED_S: Final = 14
+OUTCOME_MARGIN: Final = 15
+N_RESULT: Final = 16
+
+# Counts c.
+STEPS: Final = 0
+COEFFICIENTS: Final = 1
+EVENTS: Final = 2
+IMPACTS: Final = 3
+TIES: Final = 4
+TANGENTS: Final = 5
+ZENO: Final = 6
+QUIET_SAMPLES: Final = 7
+BY_ENERGY: Final = 8
+STALLED: Final = 9
+UPLIFTS: Final = 10
+SLIPS: Final = 11
+GAVE_UP: Final = 12
+N_COUNT: Final = 13
+
+
+class Task(NamedTuple):
+    """All that one run reads and writes."""
+
+    p: Floats
+    x: Floats  # base vertices from left to right, statue's frame
+    z: Floats
+    facet_rad: Floats  # rotation at which facet j (vertex j to j + 1) lies on the support
+    fx: Floats
+    fz: Floats
+    tx: Floats
+    sx: Floats
+    tz: Floats
+    sz: Floats
+    w: Floats
+    s: Floats
+    q: Ints
+    r: Floats
+    c: Ints
+    grid: Floats
+    events: Floats

@@ -1,0 +1,166 @@
+"""One run of the two-block model: plain numbers in, a frozen solution out."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from analytic import layout as at
+from analytic.block import Block, Form, Friction, Pedestal, Wall, positive
+from analytic.errors import AnalyticInputError
+from analytic.excitation import Excitation, Rest
+from analytic.forcing import encode
+from analytic.kernel import run
+from analytic.results import read
+from analytic.solution import Solution
+
+OVERTURN_RAD: Final = 1.5
+"""Rotation at which a statue counts as overturned."""
+FIRST_EVENTS: Final = 256
+"""Rows of the event table at the first try; a run that has more is repeated with enough."""
+REST_SHARE: Final = 1e-2
+"""A rebound lower than this share of the accuracy is dropped."""
+LOCAL_SHARE: Final = 1e-3
+"""Local error of a step, in the accuracy asked: some hundred steps and the growth of errors fit in between."""
+FINEST: Final = 1e-17
+"""No local error below rounding is asked."""
+
+
+def order_for(tolerance: float) -> int:
+    """Order of the Taylor step that is cheapest at a local tolerance (Jorba and Zou: 1 − ln(tol)/2)."""
+    return int(min(max(math.ceil(1.0 - 0.5 * math.log(tolerance)) + 1, 8), at.MAX_ORDER))
+
+
+def parameters(
+    block: Block,
+    *,
+    pedestal: Pedestal | None,
+    friction: Friction,
+    form: Form,
+    theta0_rad: float,
+    theta_rate0_rad_s: float,
+    duration_s: float,
+    gravity_m_s2: float,
+    wall: Wall | None,
+    overturn_rad: float,
+    accuracy_rad: float,
+    dt_s: float | None,
+    step_cap_s: float,
+    skip: bool,
+    validity: bool,
+) -> at.Floats:
+    """The kernel's row of numbers; raises AnalyticInputError for what cannot be run."""
+    positive(duration_s=duration_s, gravity_m_s2=gravity_m_s2, accuracy_rad=accuracy_rad, overturn_rad=overturn_rad)
+    if not overturn_rad < 0.5 * math.pi or not abs(theta0_rad) < overturn_rad or not math.isfinite(theta_rate0_rad_s):
+        wanted = f"|theta0_rad| < overturn_rad < π/2 and a finite rate are wanted, {theta0_rad!r}, {overturn_rad!r},"
+        raise AnalyticInputError(f"{wanted} {theta_rate0_rad_s!r} came.")
+    if dt_s is not None:
+        positive(dt_s=dt_s)
+    if not step_cap_s > 0.0:
+        raise AnalyticInputError(f"step_cap_s: a positive number is wanted, {step_cap_s!r} came.")
+    tolerance = max(accuracy_rad * LOCAL_SHARE, FINEST)
+    p = np.zeros(at.N_PARAMETERS)
+    p[at.MASS], p[at.CENTROID], p[at.INERTIA] = block.mass_kg, block.centroid_height_m, block.inertia_kg_m2
+    p[at.GRAVITY], p[at.DURATION], p[at.OVERTURN] = gravity_m_s2, duration_s, overturn_rad
+    p[at.THETA0], p[at.OMEGA0] = theta0_rad, theta_rate0_rad_s
+    p[at.RATIO] = -1.0 if form.restitution is None else form.restitution
+    p[at.DYNAMIC] = form.friction_normal == "dynamic"
+    p[at.MOMENTUM] = form.pedestal_at_impact == "momentum"
+    p[at.TOLERANCE], p[at.ORDER], p[at.STEP_CAP] = tolerance, order_for(tolerance), step_cap_s
+    p[at.REST_ANGLE] = REST_SHARE * accuracy_rad
+    p[at.GRID_STEP] = 0.0 if dt_s is None else dt_s
+    p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip, validity
+    p[at.TIME_SCALE] = 1.0 / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
+    if pedestal is not None:
+        p[at.HAS_BASE], p[at.BASE_MASS] = 1.0, pedestal.mass_kg
+        p[at.BASE_WIDTH], p[at.BASE_HEIGHT] = pedestal.width_m, pedestal.height_m
+        p[at.BASE_CENTRE] = 0.5 * (block.profile_m[0][0] + block.profile_m[-1][0]) + pedestal.offset_m
+        p[at.MU_STATIC], p[at.MU_KINETIC] = friction.static, friction.kinetic
+    if wall is not None and math.isfinite(wall.rotation_rad):
+        p[at.WALL_SIDE], p[at.WALL_ROTATION] = wall.sign, wall.rotation_rad
+    return p
+
+
+def task_for(block: Block, p: at.Floats, motion_x: Excitation, motion_z: Excitation, event_rows: int) -> at.Task:
+    """Everything that one run reads and writes, freshly allocated."""
+    fx, tx, sx = encode(motion_x)
+    fz, tz, sz = encode(motion_z)
+    points = np.asarray(block.profile_m, dtype=np.float64)
+    dt = p[at.GRID_STEP]
+    samples = math.floor(p[at.DURATION] / dt * (1.0 + 1e-12)) + 1 if dt > 0.0 else 0
+    return at.Task(
+        p,
+        np.ascontiguousarray(points[:, 0]),
+        np.ascontiguousarray(points[:, 1]),
+        block.facets_rad(),
+        fx,
+        fz,
+        tx,
+        sx,
+        tz,
+        sz,
+        np.zeros((at.N_ROWS, at.MAX_ORDER + 2)),
+        np.zeros(at.N_STATE),
+        np.zeros(at.N_DISCRETE, dtype=np.int64),
+        np.zeros(at.N_RESULT),
+        np.zeros(at.N_COUNT, dtype=np.int64),
+        np.zeros((samples, 4)),
+        np.zeros((event_rows, at.N_EVENT)),
+    )
+
+
+def simulate(
+    block: Block,
+    motion_x: Excitation,
+    motion_z: Excitation | None = None,
+    *,
+    pedestal: Pedestal | None = None,
+    floor_static: float = 0.0,
+    floor_kinetic: float = 0.0,
+    form: Form | None = None,
+    theta0_rad: float = 0.0,
+    theta_rate0_rad_s: float = 0.0,
+    duration_s: float,
+    gravity_m_s2: float = 9.81,
+    wall: Wall | None = None,
+    overturn_rad: float = OVERTURN_RAD,
+    accuracy_rad: float = 1e-12,
+    dt_s: float | None = 0.001,
+    step_cap_s: float = math.inf,
+    skip: bool = True,
+    events: bool = True,
+    validity: bool = True,
+) -> Solution:
+    """Run the model of docs/model.md, sections 1 to 5 and 8.
+
+    motion_x, motion_z: floor's accelerations; floor_static, floor_kinetic: friction of the pedestal on the floor; accuracy_rad:
+    aimed global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only;
+    step_cap_s: longest step; skip: leave out what cannot change the result; events, validity: keep them. Raises
+    AnalyticInputError for numbers that cannot be run.
+    """
+    p = parameters(
+        block,
+        pedestal=pedestal,
+        friction=Friction(floor_static, floor_kinetic),
+        form=form if form is not None else Form(),
+        theta0_rad=theta0_rad,
+        theta_rate0_rad_s=theta_rate0_rad_s,
+        duration_s=duration_s,
+        gravity_m_s2=gravity_m_s2,
+        wall=wall,
+        overturn_rad=overturn_rad,
+        accuracy_rad=accuracy_rad,
+        dt_s=dt_s,
+        step_cap_s=step_cap_s,
+        skip=skip,
+        validity=validity,
+    )
+    motion_z = motion_z if motion_z is not None else Rest()
+    task = task_for(block, p, motion_x, motion_z, FIRST_EVENTS if events else 0)
+    run(task)
+    if events and task.c[at.EVENTS] > FIRST_EVENTS:
+        task = task_for(block, p, motion_x, motion_z, int(task.c[at.EVENTS]))
+        run(task)
+    return read(task)

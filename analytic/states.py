@@ -1,0 +1,181 @@
+"""The joint state {rest, rocking right, left} × {stuck, sliding +, −} after a jump or an event (docs/model.md, section 2).
+
+Only what is at rest is free. A joint state is feasible when its own accelerations keep its signs; where an acceleration
+or a limit is zero at the instant itself, its first derivative that is not decides.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from analytic._jit import jit
+from analytic.dynamics import expand
+from analytic.forcing import coefficients
+from analytic.layout import (
+    ABS,
+    AX,
+    BASE_MASS,
+    CENTROID,
+    DET,
+    DYNAMIC,
+    EVENT,
+    FACET,
+    FLOOR,
+    FRESH,
+    GE,
+    GRAVITY,
+    HAS_BASE,
+    INERTIA,
+    LIFT_OFF,
+    MASS,
+    MU_STATIC,
+    NORMAL,
+    OM,
+    PARADOX,
+    PIVOT,
+    PIVOT_V,
+    RATE,
+    S_OM,
+    S_TH,
+    S_U,
+    S_V,
+    SEG_X,
+    SEG_Z,
+    SLIDE,
+    SLIP,
+    TH,
+    TIME_SCALE,
+    T,
+    Task,
+)
+from analytic.polynomial import leading
+
+LOW_ORDER: Final = 6
+"""Order to which a candidate's accelerations are compared with zero."""
+
+
+@jit
+def load(task: Task, n: int) -> tuple[int, int]:
+    """Fill the first column of the workspace and the floor's accelerations to order n; return their degrees."""
+    w, s, q = task.w, task.s, task.q
+    w[TH, 0], w[OM, 0], w[SLIP, 0], w[RATE, 0] = s[S_TH], s[S_OM], s[S_U], s[S_V]
+    deg_x = coefficients(task.fx, task.tx, task.sx, q[SEG_X], s[T], w[AX], n)
+    deg_z = coefficients(task.fz, task.tz, task.sz, q[SEG_Z], s[T], w[GE], n)
+    w[GE, 0] += task.p[GRAVITY]
+    return deg_x, deg_z
+
+
+@jit
+def corner(task: Task, facet: int, side: int) -> tuple[float, float, float]:
+    """X and Z of the facet's corner on that side, resting on the facet, and the statue's inertia about it."""
+    k = facet + 1 if side > 0 else facet
+    x, z, angle = task.x[k], task.p[CENTROID] - task.z[k], task.facet_rad[facet]
+    j = task.p[INERTIA] + task.p[MASS] * (x * x + z * z)
+    if angle == 0.0:
+        return -x, z, j
+    sine, cosine = math.sin(angle), math.cos(angle)
+    return z * sine - x * cosine, x * sine + z * cosine, j
+
+
+@jit
+def lift_margin(task: Task, side: int, n: int) -> float:
+    """Write the coefficients 0..n of the moment that keeps the resting statue down on that side; return their scale."""
+    x, z, _ = corner(task, task.q[FACET], side)
+    w = task.w
+    for k in range(n + 1):
+        w[EVENT, k] = -side * (w[GE, k] * x - w[ABS, k] * z)
+    return float(abs(w[GE, 0] * x) + abs(w[ABS, 0] * z))
+
+
+@jit
+def stick_margin(task: Task, side: int, n: int) -> float:
+    """Write the coefficients 0..n of μ_s N ± F, which falls to zero as the pedestal starts to that side; return their scale."""
+    w, p = task.w, task.p
+    total = p[MASS] + p[BASE_MASS]
+    for k in range(n + 1):
+        normal = w[NORMAL, k] if p[DYNAMIC] > 0.0 else total * w[GE, k]
+        w[EVENT, k] = p[MU_STATIC] * normal + side * w[FLOOR, k]
+    return float(total * (abs(w[GE, 0]) + abs(w[AX, 0])))
+
+
+@jit
+def omega_zeros(task: Task, n: int) -> int:
+    """Leading coefficients of θ̇ that are rounding only."""
+    scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[ABS, 0])) / task.p[CENTROID]
+    return leading(task.w[OM], n, scale, task.p[TIME_SCALE])
+
+
+@jit
+def rate_zeros(task: Task, n: int) -> int:
+    """Leading coefficients of u̇ that are rounding only."""
+    scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[AX, 0]))
+    return leading(task.w[RATE], n, scale, task.p[TIME_SCALE])
+
+
+@jit
+def _holds(task: Task, scale: float, n: int) -> bool:
+    lead = leading(task.w[EVENT], n, scale, task.p[TIME_SCALE])
+    return lead > n or task.w[EVENT, lead] > 0.0
+
+
+@jit
+def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool) -> int:
+    """1 feasible, 0 not, or the ending that the state would be (LIFT_OFF, PARADOX)."""
+    w, n = task.w, LOW_ORDER
+    deg_x, deg_z = load(task, n)
+    expand(task, pivot, slide, n, deg_x, deg_z, math.inf)
+    if pivot >= 0 and slide != 0 and w[DET, 0] <= 0.0:
+        return PARADOX
+    if w[GE, 0] <= 0.0 or w[PIVOT_V, 0] <= 0.0 or w[NORMAL, 0] <= 0.0:
+        return LIFT_OFF
+    if rock_free:
+        if pivot < 0:
+            for side in (1, -1):
+                if not _holds(task, lift_margin(task, side, n - 1), n - 1):
+                    return 0
+        else:
+            side = 1 if pivot > task.q[FACET] else -1
+            lead = omega_zeros(task, n)
+            if lead > n or w[OM, lead] * side < 0.0:
+                return 0
+    if slide_free:
+        if slide == 0:
+            for side in (1, -1):
+                if not _holds(task, stick_margin(task, side, n - 1), n - 1):
+                    return 0
+        else:
+            lead = rate_zeros(task, n)
+            if lead > n or w[RATE, lead] * slide < 0.0:
+                return 0
+    return 1
+
+
+@jit
+def choose(task: Task, rock_free: bool) -> tuple[int, int]:
+    """Choose the joint state, the stuck one if several are feasible; return how many were, and 0 or the run's ending."""
+    q = task.q
+    slide_free = task.p[HAS_BASE] > 0.0 and task.s[S_V] == 0.0
+    load(task, LOW_ORDER)
+    lead = -1 if task.w[AX, 0] > 0.0 else 1
+    found, ending = 0, 0
+    pivot_found, slide_found = q[PIVOT], q[SLIDE]
+    for i in range(3 if slide_free else 1):
+        slide = q[SLIDE] if not slide_free else (0 if i == 0 else (lead if i == 1 else -lead))
+        for j in range(3 if rock_free else 1):
+            pivot = q[PIVOT]
+            if rock_free:
+                pivot = -1
+                if j > 0:
+                    pivot = q[FACET] + 1 if (lead > 0) == (j == 1) else q[FACET]
+            verdict = _feasible(task, pivot, slide, rock_free, slide_free)
+            if verdict == 1:
+                found += 1
+                if found == 1:
+                    pivot_found, slide_found = pivot, slide
+            elif verdict != 0:
+                ending = max(ending, verdict)
+    if found == 0:
+        return 0, ending if ending != 0 else PARADOX
+    q[PIVOT], q[SLIDE], q[FRESH] = pivot_found, slide_found, 1
+    return found, 0

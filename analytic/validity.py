@@ -1,0 +1,84 @@
+"""How far a run stays inside the model (docs/model.md, section 5): extremes kept while the run goes on."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from analytic._jit import jit
+from analytic.layout import (
+    ABS,
+    BASE_CENTRE,
+    BASE_HEIGHT,
+    BASE_MASS,
+    BASE_WIDTH,
+    CENTROID,
+    FACET,
+    HAS_BASE,
+    LEAST_N,
+    LEAST_V,
+    MASS,
+    NORMAL,
+    PIVOT,
+    PIVOT_FRICTION,
+    PIVOT_FRICTION_IMPACT,
+    PIVOT_H,
+    PIVOT_V,
+    TIP_MARGIN,
+    TIP_MARGIN_IMPACT,
+    Task,
+)
+from analytic.polynomial import value
+
+SAMPLES: Final = 8
+"""Instants at which a step's forces are looked at, its ends included."""
+
+
+@jit
+def _note(task: Task, h_force: float, v: float, n: float, contact: float, accel: float) -> None:
+    """Keep the extremes; contact is where the statue's force meets the pedestal, from its centre, m."""
+    r, p = task.r, task.p
+    r[LEAST_V], r[LEAST_N] = min(r[LEAST_V], v), min(r[LEAST_N], n)
+    if v > 0.0:
+        r[PIVOT_FRICTION] = max(r[PIVOT_FRICTION], abs(h_force) / v)
+    if p[HAS_BASE] > 0.0 and n > 0.0:
+        height = p[BASE_HEIGHT]
+        moment = contact * v - height * h_force - 0.5 * height * p[BASE_MASS] * accel
+        r[TIP_MARGIN] = min(r[TIP_MARGIN], 0.5 * p[BASE_WIDTH] - abs(moment / n))
+
+
+@jit
+def note_rest(task: Task, accel: float, gravity: float) -> None:
+    """Forces on a statue at rest on a support of absolute acceleration accel, m/s², under effective gravity, m/s²."""
+    p = task.p
+    height = p[CENTROID] - task.z[task.q[FACET]]
+    contact = -(accel * height) / gravity - p[BASE_CENTRE] if gravity > 0.0 else 0.0
+    m = p[MASS]
+    _note(task, m * accel, m * gravity, (m + p[BASE_MASS]) * gravity, contact, accel)
+
+
+@jit
+def note_step(task: Task, n: int, tau: float) -> None:
+    """Forces during a step of length tau whose coefficients stand in the workspace to order n − 1."""
+    w, pivot = task.w, task.q[PIVOT]
+    for i in range(SAMPLES):
+        at = tau * i / (SAMPLES - 1)
+        v = value(w[PIVOT_V], n - 1, at)
+        accel = value(w[ABS], n - 1, at)
+        if pivot < 0:
+            note_rest(task, accel, v / task.p[MASS])
+        else:
+            contact = task.x[pivot] - task.p[BASE_CENTRE]
+            _note(task, value(w[PIVOT_H], n - 1, at), v, value(w[NORMAL], n - 1, at), contact, accel)
+
+
+@jit
+def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate_change: float) -> None:
+    """Impulses on the statue at its new corner, N s, and the change of the pedestal's velocity, m/s."""
+    if vertical <= 0.0:
+        return
+    r, p = task.r, task.p
+    r[PIVOT_FRICTION_IMPACT] = max(r[PIVOT_FRICTION_IMPACT], abs(horizontal) / vertical)
+    if p[HAS_BASE] > 0.0:
+        height, contact = p[BASE_HEIGHT], task.x[pivot] - p[BASE_CENTRE]
+        moment = contact * vertical - height * horizontal - 0.5 * height * p[BASE_MASS] * rate_change
+        r[TIP_MARGIN_IMPACT] = min(r[TIP_MARGIN_IMPACT], 0.5 * p[BASE_WIDTH] - abs(moment / vertical))
