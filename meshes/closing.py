@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
 from meshes.mesh import RawMesh
+from meshes.outline import fit_outline
+from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.stance import area_vector
 from meshes.topology import Indices, rims
 
@@ -23,14 +26,22 @@ BASE_FACING = 0.8
 """The open base faces down: cosine of the angle between its normal and down."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BaseClosed:
-    """What closing the base did: vertices of the rim, its raggedness in z, and how far smoothing moved the outline."""
+    """What closing the base did.
+
+    Vertices of the rim, its raggedness in z, its noise, how far fitting moved the outline of the new base, and how
+    many scanned
+    vertices below the base plane were lifted to it, at most by how much.
+    """
 
     mesh: RawMesh
     rim: int
     ragged_m: float
-    smoothed_m: float
+    noise_m: float
+    fitted_m: float
+    lifted: int
+    lifted_m: float
 
 
 def base_rim(mesh: RawMesh) -> Indices | None:
@@ -47,37 +58,50 @@ def base_rim(mesh: RawMesh) -> Indices | None:
     return best
 
 
-def close_base(mesh: RawMesh, rim: Indices, smoothing_m: float) -> BaseClosed:
-    """The body let down from its ragged rim, straight, to the plane through its lowest point, and closed there.
+def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
+    """The body let down from its ragged rim, straight, to the base plane, and closed there.
 
-    The outline on that plane is the rim's, averaged along the rim over `smoothing_m` so that the scan's noise does
-    not widen
-    the footprint; no scanned vertex is moved.
+    The base plane passes through the rim's lowest points less what the scan's own noise puts below it; the outline on
+    that
+    plane is fitted to the rim (meshes/outline.py). Only scanned vertices below the base plane are moved, up to it,
+    and in a noisy
+    scan to just above the contact tolerance, so that the fitted outline and not the widest noise is what touches.
     """
     points = mesh.vertices[rim]
-    floor = float(mesh.vertices[:, 2].min())
-    outline = _along_rim(points[:, :2], smoothing_m)
-    below = np.column_stack([outline, np.full(len(rim), floor)])
+    outline = fit_outline(points[:, :2])
+    floor = _base_level(mesh.vertices[:, 2], points[:, 2], outline.noise_m)
+    below = np.column_stack([outline.points_m, np.full(len(rim), floor)])
     new = len(mesh.vertices) + np.arange(len(rim))
     ahead, new_ahead = np.roll(rim, -1), np.roll(new, -1)
     skirt = np.vstack([np.column_stack([ahead, rim, new]), np.column_stack([ahead, new, new_ahead])])
     cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
-    closed = RawMesh(np.vstack([mesh.vertices, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
-    moved = float(np.linalg.norm(outline - points[:, :2], axis=1).max())
-    return BaseClosed(closed, len(rim), float(np.ptp(points[:, 2])), moved)
+    clear = floor + (CONTACT_TOLERANCE_M * (1.0 + 1e-6) if outline.noise_m > 0.0 else 0.0)
+    lifted = np.maximum(mesh.vertices, [-np.inf, -np.inf, clear])
+    low = mesh.vertices[:, 2] < clear
+    closed = RawMesh(np.vstack([lifted, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
+    return BaseClosed(
+        mesh=closed,
+        rim=len(rim),
+        ragged_m=float(np.ptp(points[:, 2])),
+        noise_m=outline.noise_m,
+        fitted_m=float(np.linalg.norm(outline.points_m - points[:, :2], axis=1).max()),
+        lifted=int(low.sum()),
+        lifted_m=float(clear - mesh.vertices[:, 2].min()),
+    )
 
 
-def _along_rim(outline: Array, window_m: float) -> Array:
-    """Closed polyline (n, 2) averaged along its length over `window_m`; coarser than that it is left as it is.
+def _base_level(z: Array, rim_z: Array, noise_m: float) -> float:
+    """Height of the base plane: the lowest point, raised by the depth that the lowest of n points has from noise alone.
 
-    Fewer than three edges within the window leave nothing to average.
+    n counts the rim's points within four standard deviations of its lowest; the lowest of n normal deviations lies
+    about
+    Φ⁻¹(1 - 1/n) of them below zero. Never above a body that is lower than its rim by more than that.
     """
-    edge = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
-    half = int(0.5 * window_m / max(float(np.median(edge)), 1e-12))
-    half = min(half, (len(outline) - 1) // 6)
-    if half < 1:
-        return outline
-    return np.asarray(np.mean([np.roll(outline, shift, axis=0) for shift in range(-half, half + 1)], axis=0))
+    lowest = float(z.min())
+    count = int((rim_z < rim_z.min() + 4.0 * noise_m).sum())
+    if noise_m == 0.0 or count < 2:
+        return lowest
+    return lowest + noise_m * NormalDist().inv_cdf(1.0 - 1.0 / count)
 
 
 def triangulated(polygon: Array, normal: Array) -> Faces:

@@ -70,6 +70,14 @@ def wind_alike(mesh: RawMesh) -> Mended:
     return RawMesh(mesh.vertices, faces, mesh.source), Change("orientation", what, turned)
 
 
+def turn_outward(mesh: RawMesh) -> Mended:
+    """A surface that is inside out turned, its holes thought closed."""
+    if measure(mesh).volume_m3 >= 0.0:
+        return mesh, None
+    turned = RawMesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), mesh.source)
+    return turned, Change("orientation", "inside out: all faces turned outward", len(mesh.faces))
+
+
 def join_bodies(mesh: RawMesh) -> Mended:
     """Several large closed parts that overlap joined into one body; raises MeshError for parts that stay apart."""
     number = parts(mesh.faces)

@@ -47,7 +47,6 @@ class Wanted:
     unit: str | float | None = None
     height_m: float | None = None
     up: str | None = None
-    rim_smoothing_m: float = 0.03
     max_faces: int = 50_000
     limits: Limits = field(default_factory=Limits)
     bounds: Bounds = field(default_factory=Bounds)
@@ -122,6 +121,7 @@ def _mended(state: Prepared, wanted: Wanted) -> Prepared:
         lambda mesh: mending.drop_crumbs(mesh, limits.crumb_area),
         lambda mesh: mending.open_branches(mesh, limits.branching_share),
         mending.wind_alike,
+        mending.turn_outward,
         mending.join_bodies,
     ):
         mesh, made = step(state.mesh)
@@ -139,7 +139,7 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
             account = account.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
         return Prepared(turned, account)
     stance = find_stance(mesh)
-    tilt = f"tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}"
+    tilt = f"tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}" if stance.tilt_rad else stance.why
     what = tilt if stance.axis == "z" else f"{stance.axis} of the file turned to z, {tilt}"
     if stance.axis != "z" or stance.tilt_rad > 1e-6:
         account = account.and_changed(Change("up axis", what, 1))
@@ -185,7 +185,7 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
     rim = base_rim(mesh)
     if rim is not None:
         before = measure(mesh)
-        closed = close_base(mesh, rim, wanted.rim_smoothing_m)
+        closed = close_base(mesh, rim)
         if closed.ragged_m > limits.ragged_share * height:
             raise MeshError(
                 f"{mesh.source}: wanted an open base ragged by at most {limits.ragged_share * height:.3g} m, got a"
@@ -194,8 +194,10 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
                 f" set the up axis"
             )
         what = (
-            f"open base closed by the plane through its rim's lowest point: {closed.rim} rim edges, ragged by"
-            f" {1e3 * closed.ragged_m:.1f} mm, outline smoothed by at most {1e3 * closed.smoothed_m:.1f} mm"
+            f"open base closed by a plane under its rim: {closed.rim} rim edges, ragged by"
+            f" {1e3 * closed.ragged_m:.1f} mm,"
+            f" noise {1e3 * closed.noise_m:.2f} mm, outline fitted by at most {1e3 * closed.fitted_m:.1f} mm,"
+            f" {closed.lifted} vertices lifted to the plane by at most {1e3 * closed.lifted_m:.1f} mm"
         )
         account = account.and_changed(change("base", what, closed.rim, before, measure(closed.mesh)))
         mesh = closed.mesh
@@ -208,7 +210,7 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:
-    """Inside-out turned; what is still open, crosses itself too much or was changed too much is refused."""
+    """What is still open, crosses itself too much or was changed too much is refused."""
     mesh, account, limits = state.mesh, state.account, wanted.limits
     count = EdgeCount.of(mesh.faces)
     if not count.closed:
@@ -218,10 +220,6 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             f" {count.misoriented} misoriented edges — repair it in MeshLab (Repair filters) or Blender (3D Print"
             f" toolbox)"
         )
-    properties = measure(mesh)
-    if properties.volume_m3 < 0.0:
-        mesh = RawMesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), mesh.source)
-        account = account.and_changed(Change("orientation", "inside out: all faces turned outward", len(mesh.faces)))
     if account.volume_rel > limits.volume_rel:
         raise MeshError(
             f"{mesh.source}: wanted repairs that change the volume by at most {100 * limits.volume_rel:g} %, got"

@@ -25,6 +25,8 @@ CLEAR_RATIO = 0.8
 """The second-best base plane must have less than this share of the best one's area, or the up axis is not clear."""
 SAME_DIRECTION_RAD = np.deg2rad(10.0)
 """Flat faces whose normals are closer than this are one base."""
+RAGGED_RUN = 8.0
+"""Neighbouring points of a ragged rim that rise and fall together, and so count as one."""
 FLAT_SHARE = 0.005
 """A face belongs to a base plane if it is within this share of the body's extent from it."""
 
@@ -61,9 +63,14 @@ def find_stance(mesh: RawMesh) -> Stance:
 
     Raises MeshError if no plane stands out, with the advice to set the up axis.
     """
-    normal = _rim_normal(mesh)
-    if normal is not None:
-        return upright(-normal, "the plane of the largest open rim, taken to be the base that was not scanned")
+    rim = _largest_rim(mesh)
+    if rim is not None:
+        why = "the plane of the largest open rim, taken to be the base that was not scanned"
+        found = upright(-area_vector(rim[::-1]), why)
+        if found.tilt_rad > 2.0 * _tilt_error(rim):
+            return found
+        why = f"{why}: level within its own error of {np.rad2deg(_tilt_error(rim)):.2f}°"
+        return Stance(turn_axis(found.axis), found.axis, 0.0, why)
     return upright(-_standing_normal(mesh), "the facet of the base on which its weight rests")
 
 
@@ -88,14 +95,22 @@ def area_vector(points: Array) -> Array:
     return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0))
 
 
-def _rim_normal(mesh: RawMesh) -> Array | None:
-    """Outward normal of the open base, or None if no rim is large enough."""
+def _largest_rim(mesh: RawMesh) -> Array | None:
+    """Points (n, 3) of the rim around the largest area, or None if none is large enough to be a base."""
     extent = np.sort(np.ptp(mesh.vertices, axis=0))
-    vectors = [area_vector(mesh.vertices[rim[::-1]]) for rim in rims(mesh.faces)]
-    largest = max(vectors, key=lambda vector: float(np.linalg.norm(vector)), default=None)
-    if largest is None or np.linalg.norm(largest) < BASE_RIM_SHARE * extent[1] * extent[2]:
+    found = [mesh.vertices[rim] for rim in rims(mesh.faces)]
+    largest = max(found, key=lambda points: float(np.linalg.norm(area_vector(points))), default=None)
+    if largest is None or np.linalg.norm(area_vector(largest)) < BASE_RIM_SHARE * extent[1] * extent[2]:
         return None
     return largest
+
+
+def _tilt_error(rim: Array) -> float:
+    """Standard error of the tilt of a ragged rim's plane: residual over radius and the root of the independent
+    points."""
+    centred = rim - rim.mean(axis=0)
+    sizes = np.linalg.svd(centred, compute_uv=False)
+    return float(sizes[2] / sizes[1] / np.sqrt(max(len(rim) / RAGGED_RUN, 3.0)))
 
 
 def _standing_normal(mesh: RawMesh) -> Array:
