@@ -147,7 +147,8 @@ def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _
 
 
 def _from_peaks(peaks_rad: tuple[float, float], limit: float, until: float) -> _Facts:
-    apart = abs(peaks_rad[0] - peaks_rad[1])
+    # A run without a history may state its peak without a sign.
+    apart = abs(abs(peaks_rad[0]) - abs(peaks_rad[1]))
     # Without histories nothing says when they parted: what is reliable to the end counts as reliable throughout.
     exceeded = None if apart <= limit else (math.inf if math.isfinite(until) else 0.0)
     return _Facts(limit, exceeded, apart, 0.0 if math.isfinite(until) else apart, until, math.inf)
