@@ -20,8 +20,9 @@ OVERTURN_RAD: Final = 1.5
 """Rotation at which a statue counts as overturned."""
 FIRST_EVENTS: Final = 256
 """Rows of the event table at the first try; a run that has more is repeated with enough."""
-REST_SHARE: Final = 1e-2
-"""A rebound lower than this share of the accuracy is dropped."""
+FINEST_REST: Final = 1e-12
+"""A rebound lower than the square of the accuracy (or of this) is dropped: what its loss does to the slip goes with its
+rate, thus with the root of its height; below this a rebound is shorter than the clock resolves."""
 LOCAL_SHARE: Final = 1e-3
 """Local error of a step, in the accuracy asked: some hundred steps and the growth of errors fit in between."""
 FINEST: Final = 1e-17
@@ -38,6 +39,7 @@ def parameters(
     *,
     pedestal: Pedestal | None,
     friction: Friction,
+    statue_friction: float,
     form: Form,
     theta0_rad: float,
     theta_rate0_rad_s: float,
@@ -58,18 +60,21 @@ def parameters(
         raise AnalyticInputError(f"{wanted} {theta_rate0_rad_s!r} came.")
     if dt_s is not None:
         positive(dt_s=dt_s)
+    if not statue_friction >= 0.0:
+        raise AnalyticInputError(f"statue_friction: a number from 0 is wanted, {statue_friction!r} came.")
     if not step_cap_s > 0.0:
         raise AnalyticInputError(f"step_cap_s: a positive number is wanted, {step_cap_s!r} came.")
     tolerance = max(accuracy_rad * LOCAL_SHARE, FINEST)
     p = np.zeros(at.N_PARAMETERS)
     p[at.MASS], p[at.CENTROID], p[at.INERTIA] = block.mass_kg, block.centroid_height_m, block.inertia_kg_m2
     p[at.GRAVITY], p[at.DURATION], p[at.OVERTURN] = gravity_m_s2, duration_s, overturn_rad
+    p[at.STATUE_FRICTION] = statue_friction
     p[at.THETA0], p[at.OMEGA0] = theta0_rad, theta_rate0_rad_s
     p[at.RATIO] = -1.0 if form.restitution is None else form.restitution
     p[at.DYNAMIC] = form.friction_normal == "dynamic"
     p[at.MOMENTUM] = form.pedestal_at_impact == "momentum"
     p[at.TOLERANCE], p[at.ORDER], p[at.STEP_CAP] = tolerance, order_for(tolerance), step_cap_s
-    p[at.REST_ANGLE] = REST_SHARE * accuracy_rad
+    p[at.REST_ANGLE] = max(accuracy_rad, FINEST_REST) ** 2
     p[at.GRID_STEP] = 0.0 if dt_s is None else dt_s
     p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip, validity
     p[at.TIME_SCALE] = 1.0 / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
@@ -122,6 +127,7 @@ def simulate(
     form: Form | None = None,
     theta0_rad: float = 0.0,
     theta_rate0_rad_s: float = 0.0,
+    statue_friction: float = math.inf,
     duration_s: float,
     gravity_m_s2: float = 9.81,
     wall: Wall | None = None,
@@ -135,7 +141,8 @@ def simulate(
 ) -> Solution:
     """Run the model of docs/model.md, sections 1 to 5 and 8.
 
-    motion_x, motion_z: floor's accelerations; floor_static, floor_kinetic: friction of the pedestal on the floor; accuracy_rad:
+    motion_x, motion_z: floor's accelerations; floor_static, floor_kinetic: friction of the pedestal on the floor;
+    statue_friction: friction between statue and support, which the model assumes to hold and compares with what was needed; accuracy_rad:
     aimed global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only;
     step_cap_s: longest step; skip: leave out what cannot change the result; events, validity: keep them. Raises
     AnalyticInputError for numbers that cannot be run.
@@ -145,6 +152,7 @@ def simulate(
         pedestal=pedestal,
         friction=Friction(floor_static, floor_kinetic),
         form=form if form is not None else Form(),
+        statue_friction=statue_friction,
         theta0_rad=theta0_rad,
         theta_rate0_rad_s=theta_rate0_rad_s,
         duration_s=duration_s,
