@@ -137,6 +137,32 @@ class Target(_Part):
     TC_s: float | None = Field(default=None, gt=0.0)
     TD_s: float | None = Field(default=None, gt=0.0)
 
+    @model_validator(mode="after")
+    def _one_shape(self) -> Target:
+        """The keys of exactly one way to say the shape (docs/motions.md lists them)."""
+        ntc = self.code != "ec8"
+        shape = {"S", "TB_s", "TC_s", "TD_s"}
+        site = {"soil", "TC_star_s"} if ntc else {"soil", "type"}
+        always = {"F0"} if ntc else set()
+        optional = {"topography"} if ntc else set()
+        if self.vertical:
+            wanted = [always if ntc else {"type"}]
+        else:
+            wanted = [shape | always, site | always]
+            optional = optional if self.soil is not None else set()
+        every = {"soil", "type", "topography", "S", "F0", "TC_star_s", "TB_s", "TC_s", "TD_s"}
+        given = {key for key in every if getattr(self, key) is not None}
+        if given - optional not in wanted:
+            ways = ", or ".join(" ".join(sorted(way)) for way in wanted)
+            said = " ".join(sorted(given)) or "none"
+            raise ValueError(f"beside code and ag_g wanted exactly {ways}; given: {said}")
+        if not self.vertical and self.soil is None and not self._ordered():
+            raise ValueError("wanted TB_s <= TC_s <= TD_s")
+        return self
+
+    def _ordered(self) -> bool:
+        return (self.TB_s or 0.0) <= (self.TC_s or 0.0) <= (self.TD_s or 0.0)
+
 
 class SpectrumSpec(Target, _Filtered):
     """A motion whose response spectrum follows a target: artificial from a seed, or a record matched or scaled to it."""

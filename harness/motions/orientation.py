@@ -1,0 +1,52 @@
+"""Directions of recorded channels, from the many ways in which networks write them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+_QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d+)?)\s*([EW])", re.IGNORECASE)
+_NUMBER = re.compile(r"\d{1,3}(?:\.\d+)?")
+_SEED_CODE = re.compile(r"[HBECSMDL][NLHG]([NEZ])", re.IGNORECASE)
+_CARDINAL: Final = {"N": 0.0, "NS": 0.0, "NORTH": 0.0, "E": 90.0, "EW": 90.0, "EAST": 90.0}
+_REVERSED: Final = {"S": 180.0, "SN": 180.0, "SOUTH": 180.0, "W": 270.0, "WE": 270.0, "WEST": 270.0}
+_UP: Final = frozenset({"UP", "U", "Z", "V", "VER", "VERT", "VERTICAL", "UD", "UPDO"})
+_DOWN: Final = frozenset({"DN", "DWN", "DOWN", "DU"})
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """A channel's direction: its azimuth clockwise from north in [0, 360), or vertical, or neither known.
+
+    `sign` is −1 where the file counts downwards as positive.
+    """
+
+    azimuth_deg: float | None = None
+    vertical: bool = False
+    sign: int = 1
+
+    def __str__(self) -> str:
+        if self.vertical:
+            return "up"
+        return "direction unknown" if self.azimuth_deg is None else f"azimuth {self.azimuth_deg:g}°"
+
+
+def parse_orientation(text: str) -> Orientation:
+    """Direction named by `text`: "N28W", "067", "UP", "HNE", "EW" …; unknown where it names none."""
+    token = text.strip().strip("°.").upper()
+    if token in _UP:
+        return Orientation(vertical=True)
+    if token in _DOWN:
+        return Orientation(vertical=True, sign=-1)
+    if token in _CARDINAL or token in _REVERSED:
+        return Orientation((_CARDINAL | _REVERSED)[token])
+    if match := _QUADRANT.fullmatch(token):
+        north, angle, east = match.group(1), float(match.group(2)), match.group(3)
+        azimuth = angle if north == "N" else 180.0 - angle
+        return Orientation((azimuth if east == "E" else -azimuth) % 360.0)
+    if match := _SEED_CODE.fullmatch(token):
+        return Orientation(vertical=True) if match.group(1) == "Z" else Orientation(_CARDINAL[match.group(1)])
+    if _NUMBER.fullmatch(token) and float(token) <= 360.0:
+        return Orientation(float(token) % 360.0)
+    return Orientation()

@@ -1,0 +1,60 @@
+"""CSMIP volume 2: per channel 25 text lines, header numbers, then acceleration, velocity and displacement blocks."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from harness.motions.orientation import parse_orientation
+from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
+from harness.motions.text import fixed_width, mistake
+
+NAME: Final = "CSMIP V2"
+TESTED_ON_ORIGINALS: Final = True
+
+_FLOAT = r"(-?\d*\.\d*)"
+_BLOCK = re.compile(
+    r"^\s*(\d+)\s+POINTS OF ACCEL DATA EQUALLY SPACED AT\s+" + _FLOAT + r"\s+SEC\.\s+\(UNITS:\s*([^)]+)\)", re.MULTILINE
+)
+_CHANNEL = re.compile(r"CHAN\s+\d+:\s*(\S+)")
+_PEAK = re.compile(r"PEAK ACCELERATION\s*=\s*" + _FLOAT + r"\s+\S+\s+AT\s+" + _FLOAT)
+_UNITS: Final = {"CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2", "G": "g"}
+_WIDTH, _PER_LINE = 10, 8
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line says corrected accelerogram and a block of CSMIP's wording follows."""
+    return "CORRECTED ACCELEROGRAM" in text[:200].upper() and _BLOCK.search(text) is not None
+
+
+def read(text: str, where: str) -> RecordFile:
+    """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
+    lines = text.splitlines()
+    starts = [i for i, line in enumerate(lines) if _BLOCK.match(line)]
+    channels: list[Channel] = []
+    head_from = 0
+    for start in starts:
+        channels.append(_channel(lines, head_from, start, where))
+        head_from = start + 1
+    facts = {"event": lines[2].strip(), "station": lines[6].strip()}
+    return RecordFile(where, NAME, TESTED_ON_ORIGINALS, "cm/s2", tuple(channels), facts)
+
+
+def _channel(lines: list[str], head_from: int, start: int, where: str) -> Channel:
+    block = _BLOCK.match(lines[start])
+    if block is None:
+        raise AssertionError("the caller found this block")
+    count, dt_s, unit = int(block.group(1)), float(block.group(2)), block.group(3).strip()
+    if unit not in _UNITS:
+        raise mistake(where, f"line {start + 1}", "accelerations in cm/sec/sec or g", repr(unit))
+    if dt_s <= 0.0 or count < 2:
+        raise mistake(where, f"line {start + 1}", "two points or more at a positive step", f"{count} at {dt_s} s")
+    data = lines[start + 1 : start + 1 + -(-count // _PER_LINE)]
+    values = fixed_width(data, _WIDTH, count, where=where, first_line=start + 2)
+    head = "\n".join(line for line in lines[head_from:start] if not line.startswith("/&"))
+    name = next(iter(_CHANNEL.findall(head)), "1")
+    orientation = parse_orientation(name)
+    factor = UNITS_M_S2[_UNITS[unit]] * orientation.sign
+    peak = _PEAK.search(head)
+    stated = (float(peak.group(1)) * factor, float(peak.group(2))) if peak else (None, None)
+    return Channel(name, orientation, dt_s, values * factor, 0.0, *stated)
