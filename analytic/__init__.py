@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from analytic.block import Friction as Friction
     from analytic.block import Pedestal as Pedestal
     from analytic.block import Wall as Wall
+    from analytic.certainty import Certified as Certified
+    from analytic.certainty import certify as certify
     from analytic.errors import AnalyticInputError as AnalyticInputError
     from analytic.excitation import Excitation as Excitation
     from analytic.excitation import Harmonic as Harmonic
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 _HOME: Final = {
     "AnalyticInputError": "analytic.errors",
     "Block": "analytic.block",
+    "Certified": "analytic.certainty",
     "Event": "analytic.solution",
     "EventKind": "analytic.solution",
     "Excitation": "analytic.excitation",
@@ -46,6 +49,7 @@ _HOME: Final = {
     "Solution": "analytic.solution",
     "Validity": "analytic.solution",
     "Wall": "analytic.block",
+    "certify": "analytic.certainty",
     "simulate": "analytic.solver",
 }
 __all__ = sorted(_HOME)

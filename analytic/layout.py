@@ -43,7 +43,8 @@ SKIP_ENERGY: Final = 26
 WANT_VALIDITY: Final = 27
 HAS_BASE: Final = 28
 TIME_SCALE: Final = 29  # 1/p of the slender block, s
-N_PARAMETERS: Final = 30
+STATUE_FRICTION: Final = 30  # between statue and support; the model assumes that it holds
+N_PARAMETERS: Final = 31
 
 # One motion f.
 KIND: Final = 0
@@ -165,7 +166,14 @@ ENERGY_LOST: Final = 12
 RESIDUAL: Final = 13
 SKIPPED_S: Final = 14
 OUTCOME_MARGIN: Final = 15
-N_RESULT: Final = 16
+LEFT_TIME: Final = 16  # when the run first left the model's domain, s
+LEFT_BY: Final = 17
+N_RESULT: Final = 18
+
+# By what a run left the model's domain.
+BY_PIVOT_SLIP: Final = 1
+BY_FLIGHT: Final = 2
+BY_TIPPING: Final = 3
 
 # Counts c.
 STEPS: Final = 0

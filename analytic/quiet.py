@@ -117,8 +117,8 @@ def _look_through(task: Task) -> None:
         hold(task, until)
         task.c[QUIET_SAMPLES] += 1
         if p[WANT_VALIDITY] > 0.0:
-            note_rest(task, ax, g + az)
-            note_rest(task, after_x, g + after_z)
+            note_rest(task, until, ax, g + az)
+            note_rest(task, until, after_x, g + after_z)
 
 
 @jit

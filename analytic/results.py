@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from analytic import layout as at
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
+
+LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
+"""Sentence of each of the kernel's codes for a limit passed."""
 
 
 def _optional(value: float) -> float | None:
@@ -58,6 +62,8 @@ def _validity(task: at.Task) -> Validity | None:
         least_floor_force_n=float(r[at.LEAST_N]),
         pedestal_tipping_margin_m=_optional(r[at.TIP_MARGIN]) if based else None,
         pedestal_tipping_margin_at_impact_m=_optional(r[at.TIP_MARGIN_IMPACT]) if based else None,
+        left_domain_s=_optional(r[at.LEFT_TIME]),
+        left_domain_by=LEFT_BY[int(r[at.LEFT_BY])],
     )
 
 
@@ -103,7 +109,8 @@ def read(task: at.Task) -> Solution:
         theta_rate_rad_s=columns[2],
         slip_m=columns[3],
         slip_rate_m_s=columns[4],
-        peak_theta_rad=float(r[at.PEAK]),
+        peak_theta_rad=float(abs(r[at.PEAK])),
+        peak_signed_rad=float(r[at.PEAK]),
         peak_time_s=float(r[at.PEAK_TIME]),
         peak_slip_m=float(r[at.PEAK_SLIP]),
         final_slip_m=float(s[at.S_U]),

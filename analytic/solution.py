@@ -124,7 +124,7 @@ class Validity:
     """How far the run stayed inside the model (docs/model.md, section 5); margins are None without a pedestal.
 
     Friction needed at the statue's pivot |H|/V, during motion and at impacts; least V and N, N; the pedestal's tipping margin,
-    m, negative where it would tip.
+    m, negative where it would tip. left_domain_s is when one of these limits was first passed, None if none was.
     """
 
     pivot_friction_needed: float
@@ -133,6 +133,8 @@ class Validity:
     least_floor_force_n: float
     pedestal_tipping_margin_m: float | None
     pedestal_tipping_margin_at_impact_m: float | None
+    left_domain_s: float | None
+    left_domain_by: str
 
 
 @final
@@ -184,6 +186,7 @@ class Solution:
     slip_m: Floats
     slip_rate_m_s: Floats
     peak_theta_rad: float
+    peak_signed_rad: float
     peak_time_s: float
     peak_slip_m: float
     final_slip_m: float

@@ -51,6 +51,7 @@ def parameters(
     dt_s: float | None,
     step_cap_s: float,
     skip: bool,
+    skip_energy: bool,
     validity: bool,
 ) -> at.Floats:
     """The kernel's row of numbers; raises AnalyticInputError for what cannot be run."""
@@ -76,7 +77,7 @@ def parameters(
     p[at.TOLERANCE], p[at.ORDER], p[at.STEP_CAP] = tolerance, order_for(tolerance), step_cap_s
     p[at.REST_ANGLE] = max(accuracy_rad, FINEST_REST) ** 2
     p[at.GRID_STEP] = 0.0 if dt_s is None else dt_s
-    p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip, validity
+    p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip_energy, validity
     p[at.TIME_SCALE] = 1.0 / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
     if pedestal is not None:
         p[at.HAS_BASE], p[at.BASE_MASS] = 1.0, pedestal.mass_kg
@@ -136,16 +137,18 @@ def simulate(
     dt_s: float | None = 0.001,
     step_cap_s: float = math.inf,
     skip: bool = True,
+    skip_energy: bool = True,
     events: bool = True,
     validity: bool = True,
 ) -> Solution:
     """Run the model of docs/model.md, sections 1 to 5 and 8.
 
     motion_x, motion_z: floor's accelerations; floor_static, floor_kinetic: friction of the pedestal on the floor;
-    statue_friction: friction between statue and support, which the model assumes to hold and compares with what was needed; accuracy_rad:
-    aimed global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only;
-    step_cap_s: longest step; skip: leave out what cannot change the result; events, validity: keep them. Raises
-    AnalyticInputError for numbers that cannot be run.
+    statue_friction: friction between statue and support, assumed to hold and compared with what was needed; accuracy_rad: aimed
+    global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only; step_cap_s:
+    longest step; skip: leave out the times in which nothing can move; skip_energy: without a history, let the energy decide once
+    the motion is over; events, validity: keep them. Raises AnalyticInputError for
+    numbers that cannot be run.
     """
     p = parameters(
         block,
@@ -163,6 +166,7 @@ def simulate(
         dt_s=dt_s,
         step_cap_s=step_cap_s,
         skip=skip,
+        skip_energy=skip_energy,
         validity=validity,
     )
     motion_z = motion_z if motion_z is not None else Rest()

@@ -9,6 +9,7 @@ from analytic.layout import (
     FACET,
     LEAST_N,
     LEAST_V,
+    LEFT_TIME,
     NO_RETURN,
     OMEGA0,
     OUTCOME_MARGIN,
@@ -50,8 +51,8 @@ def begin(task: Task) -> None:
     p, s, q, r = task.p, task.s, task.q, task.r
     s[S_TH], s[S_OM] = p[THETA0], p[OMEGA0]
     q[PIVOT], q[FACET] = _support(task, p[THETA0], p[OMEGA0])
-    r[PEAK] = abs(p[THETA0])
+    r[PEAK] = p[THETA0]
     for i in (LEAST_V, LEAST_N, TIP_MARGIN, TIP_MARGIN_IMPACT, OUTCOME_MARGIN):
         r[i] = math.inf
-    for i in (OVERTURN_TIME, NO_RETURN):
+    for i in (OVERTURN_TIME, NO_RETURN, LEFT_TIME):
         r[i] = math.nan

@@ -63,8 +63,8 @@ def _crossing(task: Task, row: int, n: int, tau: float, sign: float) -> float:
 
 @jit
 def _peak(task: Task, theta: float, time: float) -> None:
-    if abs(theta) > task.r[PEAK]:
-        task.r[PEAK], task.r[PEAK_TIME] = abs(theta), time
+    if abs(theta) > abs(task.r[PEAK]):
+        task.r[PEAK], task.r[PEAK_TIME] = theta, time
 
 
 @jit

@@ -1,0 +1,129 @@
+"""How sure a run is of its own numbers: the same run again with finer steps, and what made it doubtful."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+import numpy as np
+
+from analytic.block import Block
+from analytic.excitation import Excitation, Rest
+from analytic.solution import Solution
+from analytic.solver import simulate
+
+BASE_ACCURACY_RAD: Final = 1e-12
+"""Accuracy of the run that is given back; its local error is 1e-15 rad."""
+FINER: Final = 1e-2
+"""The second run asks for this share of the accuracy, hence for another order and other steps."""
+CAP: Final = 0.7
+"""The third run's steps are at most half of this, in time constants 1/p: below the free steps of every order used."""
+SAFETY: Final = 3.0
+"""The stated uncertainty is this many times the largest difference between the runs."""
+ROUNDING_RAD: Final = 1e-15
+"""No uncertainty below rounding is stated."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Certified:
+    """A solution with the uncertainty of its rotation, rad, valid up to reliable_until_s, and what else to know.
+
+    outcome_is_sure says whether all runs ended in the same way; warnings are sentences.
+    """
+
+    solution: Solution
+    uncertainty_rad: float
+    reliable_until_s: float
+    outcome_is_sure: bool
+    warnings: tuple[str, ...]
+
+
+def certify(
+    block: Block,
+    motion_x: Excitation,
+    motion_z: Excitation | None = None,
+    *,
+    accuracy_rad: float = 1e-9,
+    base_accuracy_rad: float = BASE_ACCURACY_RAD,
+    step_cap_s: float = math.inf,
+    **scene: Any,
+) -> Certified:
+    """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
+
+    accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
+    scene: the other keywords of ``simulate``. Raises
+    AnalyticInputError as ``simulate`` does.
+    """
+    motion_z = motion_z if motion_z is not None else Rest()
+    base = min(accuracy_rad, base_accuracy_rad)
+    gravity = scene.get("gravity_m_s2", 9.81)
+    cap = min(step_cap_s, CAP / max(block.p_rad_s(1, gravity), block.p_rad_s(-1, gravity)))
+    quick = scene | {"events": False, "validity": False}
+    first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
+    others = (
+        simulate(block, motion_x, motion_z, accuracy_rad=base * FINER, step_cap_s=step_cap_s, **quick),
+        simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=0.5 * cap, **quick),
+    )
+    uncertainty, until = _spread(first, others, accuracy_rad)
+    sure = all(other.outcome is first.outcome for other in others)
+    return Certified(first, uncertainty, until, sure, _warnings(first, others, until, sure))
+
+
+def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) -> tuple[float, float]:
+    """Uncertainty, rad, and the time until which it holds, s."""
+    if first.t_s.size == 0:
+        peaks = [abs(other.peak_theta_rad - first.peak_theta_rad) for other in others]
+        spread = SAFETY * max(peaks)
+        return max(spread, ROUNDING_RAD), (first.end_s if spread <= accuracy_rad else 0.0)
+    size = min(solution.t_s.size for solution in (first, *others)) - 1
+    spread_at = np.zeros(size)
+    for other in others:
+        spread_at = np.maximum(spread_at, np.abs(first.theta_rad[:size] - other.theta_rad[:size]))
+    spread_at *= SAFETY
+    bad = np.flatnonzero(spread_at > accuracy_rad)
+    reliable = int(bad[0]) if bad.size else size
+    until = float(first.t_s[max(reliable - 1, 0)]) if bad.size else min(s.end_s for s in (first, *others))
+    return max(float(spread_at[:reliable].max(initial=0.0)), ROUNDING_RAD), until
+
+
+def _warnings(first: Solution, others: tuple[Solution, ...], until: float, sure: bool) -> tuple[str, ...]:
+    told = []
+    if not sure:
+        ends = ", ".join(sorted({solution.outcome.value for solution in (first, *others)}))
+        told.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
+    if until < first.end_s:
+        told.append(f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted.")
+    return (*told, *_doubts(first), *_limits(first))
+
+
+def _doubts(run: Solution) -> list[str]:
+    told, doubts = [], run.doubts
+    if doubts.gave_up:
+        told.append(f"The run made no more progress at {run.end_s:.6g} s and was given up.")
+    if doubts.near_tangent_steps:
+        told.append(
+            f"In {doubts.near_tangent_steps} steps an event was nearly tangent: its neighbours may lose or gain it."
+        )
+    if doubts.ambiguous_states:
+        told.append(
+            f"{doubts.ambiguous_states} times several states of motion were possible; the stuck one was taken, an engine may "
+            "take another."
+        )
+    if doubts.dropped_rebounds:
+        told.append(f"{doubts.dropped_rebounds} sequences of ever smaller impacts were cut off.")
+    if doubts.outcome_margin is not None and doubts.outcome_margin < 1e-3:
+        told.append(
+            f"The energy that decides the outcome is within {doubts.outcome_margin:.1e} of the barrier: a near tie."
+        )
+    if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
+        told.append(f"Impacts of this form of the model gained {run.energy_gained_j:.3g} J in all.")
+    return told
+
+
+def _limits(run: Solution) -> list[str]:
+    limits = run.validity
+    if limits is None or limits.left_domain_s is None:
+        return []
+    return [f"From {limits.left_domain_s:.4g} s the run is outside the model's domain: {limits.left_domain_by}."]
