@@ -11,7 +11,7 @@ from harness.history import History, Outcome
 from harness.record import PATTERN_NAMES
 from reports.assets import packed_array
 from reports.decimate import kept_samples
-from reports.palette import HAIRLINE, INK, MUTED, PATTERN_LOOKS, look
+from reports.palette import HAIRLINE, INK, MUTED, PATTERN_LOOKS, faint, look
 from reports.source import RunSource
 from reports.words import horizon_s
 
@@ -80,7 +80,7 @@ def _rotation(source: RunSource, name: str, history: History, names: list[str], 
         traces.append(
             {
                 "type": "scatter", "x": band[0], "y": band[1], "yaxis": axis, "fill": "toself", "mode": "lines",
-                "line": {"width": 0}, "fillcolor": _faint(style.colour, 0.18), "hoverinfo": "skip", "showlegend": False,
+                "line": {"width": 0}, "fillcolor": faint(style.colour, 0.18), "hoverinfo": "skip", "showlegend": False,
                 "legendgroup": name,
             }
         )  # fmt: skip
@@ -116,11 +116,6 @@ def _band(run: Mapping[str, Any], history: History) -> tuple[Json, Json] | None:
     t_s, theta = t_s[kept], theta[kept]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
     return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
-
-
-def _faint(colour: str, opacity: float) -> str:
-    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return f"rgba({red},{green},{blue},{opacity})"
 
 
 def _slip(name: str, history: History, names: list[str], axis: str) -> Json:

@@ -124,6 +124,11 @@ def split_unit(key: str) -> tuple[str, str]:
     return key.replace("_", " "), ""
 
 
+def heading(key: str) -> str:
+    """A scene's dotted key as a short heading: its last part (`motion.x.amplitude_g` → `amplitude [g]`)."""
+    return label(key.rsplit(".", 1)[-1])
+
+
 def label(key: str) -> str:
     """A record's key as a heading: words, then the unit in brackets."""
     words, name = split_unit(key)

@@ -15,6 +15,7 @@ REPORT_NAME: Final = "report.html"
 
 PAGES: Final = {
     "run": "reports.page_run",
+    "study": "reports.page_study",
 }
 """Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
 

@@ -42,3 +42,9 @@ def look(name: str, names: list[str] | tuple[str, ...]) -> Look:
         return LOOKS[name]
     others = [item for item in names if item not in LOOKS]
     return SPARE[others.index(name) % len(SPARE)]
+
+
+def faint(colour: str, opacity: float) -> str:
+    """A `#rrggbb` colour with an opacity, as CSS and plotly write it."""
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return f"rgba({red},{green},{blue},{opacity})"

@@ -1,0 +1,150 @@
+"""The page of a study: verdict, claims, outcome matrix, panels, maps, fragility, what was asked and what was not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from reports.assets import plotly_js, source_text
+from reports.numbers import count_word, heading, label, listed, plain, short, unit
+from reports.scene_picture import scene_svg
+from reports.study_figures import fragility_figure, map_figures, panel_data, rose_figure
+from reports.study_rows import FAILED, NOT_SENT, SYMBOLS, Condition, agreement, cell, conditions, varying_keys
+from reports.words import Verdict
+
+MOST_MATRIX_ROWS: Final = 300
+"""Longer matrices are not read; the map shows them."""
+MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
+
+
+def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the study template shows."""
+    models, found = conditions(record["rows"])
+    keys = varying_keys(found)
+    charts = study_charts(record, models, found, keys)
+    return {
+        "title": record["title"],
+        "verdict": study_verdict(record, models, found),
+        "chips": [],
+        "picture": scene_svg(record["scene"], {}),
+        "scene_title": record["scene"]["title"],
+        "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record["vary"].items()],
+        "models": models,
+        "claims": claim_rows(record.get("claims")),
+        "claim_models": list(dict.fromkeys(item["model"] for item in record.get("claims") or ())),
+        "matrix": matrix(models, found, keys) if len(found) <= MOST_MATRIX_ROWS else None,
+        "matrix_keys": [heading(key) for key in keys],
+        "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
+        "pairs": agreement(models, found),
+        "panels": panel_data(record["panels"]) if record.get("panels") else None,
+        "charts": charts,
+        "has_map": any(name.startswith("map") for name, _, _ in charts),
+        "summary": record["summary"]["sentence"],
+        "audit": record["audit"],
+        "reasons": Counter(row["reason"] for row in record["rows"]).most_common(),
+        "warnings": study_warnings(record["rows"]),
+        "notes": record["notes"],
+        "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
+        "command": f"rockcheck study {record['file']}",
+        "versions": record["versions"],
+        "machine": record["machine"],
+        "seconds": unit(record["seconds"], "s"),
+        "plotly_js": plotly_js(),
+        "panel_script": source_text("panels.js"),
+    }
+
+
+def study_charts(
+    record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]
+) -> list[tuple[str, str, dict[str, Any]]]:
+    """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
+    axes = [key for key in record["vary"] if key in keys]
+    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, found, axes))]
+    scattered = len(axes) < len(keys)
+    for key in axes if scattered else ():
+        if "amplitude" in key or key.endswith("scale"):
+            figure = fragility_figure(models, found, key)
+            if figure is not None:
+                charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
+    rose = rose_figure(models, found)
+    if rose is not None:
+        charts.append(("rose", "Least amplitude that overturns the statue, by direction", rose))
+    return charts
+
+
+def _shown(value: Any) -> str:
+    return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
+
+
+def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> Verdict:
+    """The study in words: the claims where there are any, else how often the models agree."""
+    pairs = agreement(models, found)
+    points = [
+        f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
+        for first, second, same, total in pairs
+    ]
+    same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
+    tone = "agree" if same == total else "differ"
+    if record.get("headline"):
+        return Verdict(_claims_headline(record["headline"]), tone, [*_claim_points(record), *points])
+    if not pairs:
+        return Verdict(f"{len(found)} conditions by {count_word(len(models))} model(s)", "agree", points)
+    headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
+    return Verdict(headline, tone, points)
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.0f} %"
+
+
+def _claims_headline(headline: Mapping[str, str]) -> str:
+    groups: dict[str, list[str]] = {}
+    for claim, verdict in headline.items():
+        groups.setdefault(verdict, []).append(f"({claim})")
+    words = {
+        "holds": "true in every model",
+        "does not hold": "true in no model",
+        "holds for some": "true in every model in part of the cases",
+        "the models differ": "judged differently by the models",
+        "not tested": "not tested",
+    }
+    parts = [f"{listed(names)} {words[verdict]}" for verdict, names in groups.items()]
+    return f"The paper's claims: {'; '.join(parts)}"
+
+
+def _claim_points(record: Mapping[str, Any]) -> list[str]:
+    sentences = {item["claim"]: item["sentence"] for item in record["claims"]}
+    return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in record["headline"].items()]
+
+
+def claim_rows(verdicts: Sequence[Mapping[str, Any]] | None) -> list[dict[str, Any]]:
+    """The table of claims: one row per claim, one cell per model."""
+    rows: dict[str, dict[str, Any]] = {}
+    for item in verdicts or ():
+        row = rows.setdefault(item["claim"], {"claim": item["claim"], "sentence": item["sentence"], "cells": []})
+        row["cells"].append({**item, "mark": MARKS[item["verdict"]]})
+    return list(rows.values())
+
+
+def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
+    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree."""
+    rows = []
+    for item in found:
+        cells = [cell(item.answers.get(model)) for model in models]
+        by_variant: dict[str, set[str]] = {}
+        for model, shown in zip(models, cells, strict=True):
+            if shown.family != "none":
+                by_variant.setdefault(model.partition(" (")[2], set()).add(shown.words)
+        differs = any(len(words) > 1 for words in by_variant.values())
+        rows.append({"keys": [_shown(item.varied[key]) for key in keys], "cells": cells, "differs": differs})
+    return rows
+
+
+def study_warnings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Each warning of any run once, with the number of runs that gave it."""
+    counts = Counter(
+        f"{row['engine']}: {text}" for row in rows if row["run"] is not None for text in row["run"]["warnings"]
+    )
+    return [f"{text} ({count} run{'s' if count > 1 else ''})" for text, count in counts.most_common(30)]

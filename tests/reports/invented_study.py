@@ -1,0 +1,139 @@
+"""Invented study records for the pages' own tests; the claims are judged by the harness's own code from the invented rows."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness import claims, describe, record
+from tests.reports.invented_run import block_scene, invented_history
+
+VARIANTS = {
+    "own impact": ("analytic", "pymunk", "pybullet"),
+    "paper": ("analytic",),
+    "imposed ratio": ("analytic", "pymunk"),
+}
+
+
+def _run(engine: str, outcome: str, peak_rad: float, **more: Any) -> dict[str, Any]:
+    fell = outcome.startswith("overturned")
+    return {
+        "engine": engine,
+        "outcome": outcome,
+        "peak_theta_rad": peak_rad,
+        "peak_time_s": 2.0,
+        "no_return_time_s": 1.7 if fell else None,
+        "overturn_time_s": 2.4 if fell else None,
+        "peak_slip_m": 0.012,
+        "residual_slip_m": 0.001,
+        "numerical_uncertainty_rad": 2e-4,
+        "reliable_until_s": 5.0,
+        "steps": 1000,
+        "labels": [],
+        "warnings": ["one friction coefficient only"] if engine == "pybullet" else [],
+        "validity": {},
+        "impacts": 12,
+        **more,
+    }
+
+
+def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
+    keys = [key for key in rows[0]["varied"] if key not in ("variant", "contact.floor_static")]
+    return {
+        "schema_version": record.SCHEMA_VERSION,
+        "kind": "study",
+        "title": title,
+        "file": "invented.toml",
+        "scene": describe.describe(block_scene(wall=False)),
+        "notes": [],
+        "vary": {key: sorted({row["varied"][key] for row in rows}, key=str) for key in keys},
+        "summary": {"sentence": f"{len(rows)} runs wanted, {len(rows)} computed"},
+        "seconds": 12.5,
+        "engine_seconds": {"analytic": 0.2, "pymunk": 8.0},
+        "rows": rows,
+        "audit": None,
+        "versions": record.versions(),
+        "machine": record.machine(),
+        **more,
+    }
+
+
+def write_table_study(folder: Path) -> Path:
+    """The paper's 60 conditions with invented outcomes, panels and judged claims."""
+    rows: list[dict[str, Any]] = []
+    panels = []
+    number = itertools.count()
+    for r, a, f in itertools.product((0.85, 0.875, 0.9), (0.334, 0.429), (1.5, 2.0, 3.0, 4.5, 6.0)):
+        curves: dict[str, Any] = {}
+        for pedestal, (variant, engines) in itertools.product(("none", "keep"), VARIANTS.items()):
+            case = next(number)
+            for engine in engines:
+                falls = f < (2.5 if pedestal == "none" else 1.8) and not (engine == "pybullet" and f > 1.9)
+                varied = {"variant": variant, "contact.restitution": r, "motion.x.amplitude_g": a}
+                varied |= {"motion.x.frequency_hz": f, "pedestal": pedestal}
+                outcome = "overturned_left" if falls else "stands"
+                run = _run(engine, outcome, 1.5 if falls else 0.6 / f)
+                rows.append(
+                    {"number": case, "engine": engine, "reason": "every case is asked", "varied": varied, "run": run}
+                )
+                history = invented_history(0.01 * f, falls=falls, samples=400)
+                setting = "floor" if pedestal == "none" else "pedestal"
+                curves.setdefault(f"{engine} ({variant})", {})[setting] = {
+                    name: getattr(history, name) for name in ("t_s", "theta_rad", "slip_m")
+                }
+        panels.append({"restitution": r, "amplitude_g": a, "frequency_hz": f, "curves": curves})
+    verdicts = claims.judge(rows, lambda theta: 1.46 * float(np.sin(theta)))
+    found = _record(
+        "An invented table of 60 conditions",
+        rows,
+        claims=[verdict.as_dict() for verdict in verdicts],
+        headline=claims.headline(verdicts),
+        panels=panels,
+    )
+    folder.mkdir(parents=True, exist_ok=True)
+    record.write_json(folder / "result.json", found)
+    return folder
+
+
+def write_map_study(folder: Path) -> Path:
+    """A map over amplitude and frequency, with a random sample at each point and a cell that was not asked."""
+    rows: list[dict[str, Any]] = []
+    number = itertools.count()
+    for f, a, sample in itertools.product(np.geomspace(0.5, 8.0, 9), np.linspace(0.1, 1.0, 10), (0.97, 1.0, 1.04)):
+        case = next(number)
+        varied = {"variant": "own", "motion.x.frequency_hz": float(f), "motion.x.amplitude_g": float(a)}
+        varied |= {"contact.floor_static": sample}
+        for engine, bias in (("analytic", 1.0), ("pymunk", 1.05)):
+            falls = a * sample > 0.12 * bias * (1.0 + f)
+            asked = engine == "analytic" or abs(a - 0.12 * (1.0 + f)) < 0.3
+            run = _run(engine, "overturned_right" if falls else "stands", 1.5 if falls else 0.05) if asked else None
+            reason = "every case is asked" if asked else "not sent: the map's points around it agree"
+            rows.append({"number": case, "engine": engine, "reason": reason, "varied": varied, "run": run})
+    folder.mkdir(parents=True, exist_ok=True)
+    record.write_json(folder / "result.json", _record("An invented map", rows))
+    return folder
+
+
+def write_rose_study(folder: Path) -> Path:
+    """Least overturning amplitude by azimuth."""
+    rows: list[dict[str, Any]] = []
+    number = itertools.count()
+    for azimuth, a in itertools.product(range(0, 360, 30), np.linspace(0.1, 0.8, 8)):
+        falls = a > 0.3 + 0.2 * np.cos(np.radians(azimuth))
+        varied = {"variant": "own", "statue.mesh.azimuth_deg": float(azimuth), "motion.x.amplitude_g": float(a)}
+        run = _run("analytic", "overturned_left" if falls else "stands", 1.5 if falls else 0.05)
+        rows.append(
+            {
+                "number": next(number),
+                "engine": "analytic",
+                "reason": "every case is asked",
+                "varied": varied,
+                "run": run,
+            }
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    record.write_json(folder / "result.json", _record("An invented rose", rows))
+    return folder
