@@ -125,6 +125,16 @@ class HolesClosed:
     widest_m: float
 
 
+def close_pinches(mesh: RawMesh) -> RawMesh:
+    """Every hole closed by a fan to a new vertex in its middle: two rims side by side then share no new edge."""
+    vertices, faces = [mesh.vertices], [mesh.faces]
+    for number, rim in enumerate(rims(mesh.faces)):
+        vertices.append(mesh.vertices[rim].mean(axis=0)[None, :])
+        hub = np.full(len(rim), len(mesh.vertices) + number)
+        faces.append(np.column_stack([np.roll(rim, -1), rim, hub]))
+    return RawMesh(np.vstack(vertices), np.vstack(faces), mesh.source)
+
+
 def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
     """Every hole closed over its own rim without new vertices; raises MeshError for a hole wider than allowed."""
     added, widest = [], 0.0

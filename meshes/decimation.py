@@ -7,8 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshes.account import Change, change, measure
-from meshes.mesh import RawMesh, drop_unused, weld
+from meshes.closing import close_pinches
+from meshes.errors import MeshError
+from meshes.mending import open_branches
+from meshes.mesh import Faces, RawMesh, drop_unused, weld
 from meshes.topology import EdgeCount
+
+PINCHED_SHARE = 0.02
+"""Edge collapses may pinch at most this share of the edges, or the decimation is given up."""
+
+ROUNDS = 5
+"""Closing one pinch may touch the next; rounds of opening and closing before the decimation is given up."""
 
 
 @dataclass(frozen=True)
@@ -73,4 +82,32 @@ def _simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh |
             mesh.source,
         )
     )
-    return joined if EdgeCount.of(joined.faces).closed else None
+    return _sound(joined)
+
+
+def _sound(mesh: RawMesh) -> RawMesh | None:
+    """The mesh without what edge collapses leave: faces back to back dropped, pinched edges opened, the holes
+    closed."""
+    for _ in range(ROUNDS):
+        mesh = mesh.with_faces(_unfolded(mesh.faces))
+        if EdgeCount.of(mesh.faces).closed:
+            return mesh
+        try:
+            mesh, _ = open_branches(mesh, PINCHED_SHARE)
+            mesh = close_pinches(mesh)
+        except MeshError:
+            return None
+    return None
+
+
+def _unfolded(faces: Faces) -> Faces:
+    """The faces without those that lie on another one with the same three vertices."""
+    while True:
+        order = np.lexsort(np.sort(faces, axis=1).T)
+        same = (np.diff(np.sort(faces, axis=1)[order], axis=0) == 0).all(axis=1)
+        if not same.any():
+            return faces
+        folded = np.zeros(len(faces), dtype=bool)
+        folded[order[:-1][same]] = True
+        folded[order[1:][same]] = True
+        faces = faces[~folded]

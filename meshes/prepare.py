@@ -11,7 +11,7 @@ import numpy as np
 from meshes import mending
 from meshes.account import Account, Change, change, measure
 from meshes.closing import base_rim, close_base, close_holes
-from meshes.crossing import crossing_faces
+from meshes.crossing import crossings
 from meshes.decimation import Bounds, decimate
 from meshes.errors import MeshError
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
@@ -229,21 +229,15 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
 
 
 def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
-    """The account with the self-intersections found; refused beyond the limit. A dense scan is looked at after
-    decimation."""
-    looked_at = mesh
-    if len(mesh.faces) > 100_000:
-        looked_at, _ = decimate(mesh, 60_000, CONTACT_TOLERANCE_M, Bounds())
-    crossing = crossing_faces(looked_at.vertices, looked_at.faces)
-    share = len(crossing) / len(looked_at.faces)
-    if share > limits.crossing_share:
+    """The account with the self-intersections found; refused beyond the limit."""
+    found = crossings(mesh.vertices, mesh.faces)
+    among = f"{found.faces} of {found.looked_at} faces"
+    if found.share > limits.crossing_share:
         raise MeshError(
-            f"{mesh.source}: wanted a surface that does not pass through itself, got {len(crossing)} of"
-            f" {len(looked_at.faces)} faces that"
-            " do — select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
+            f"{mesh.source}: wanted a surface that does not pass through itself, got {among} that do"
+            " — select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
             " (Voxel Remesh)"
         )
-    if len(crossing):
-        among = f"{len(crossing)} of {len(looked_at.faces)} faces"
-        return account.and_found(f"{among} pass through another one ({100 * share:.3f} %)")
+    if found.faces:
+        return account.and_found(f"{among} looked at pass through another one ({100 * found.share:.3f} %)")
     return account
