@@ -121,6 +121,7 @@ def rock_slide(
     deg_z: int,
     h: float,
     tol: float,
+    length_m: float,
 ) -> int:
     """Rocking on a sliding pedestal; returns the order reached, n or less where h needs less."""
     om, x, z, g, w2, zx, zz, det, acc = w[OM], w[PX], w[PZ], w[GE], w[W2], w[ZX], w[ZZ], w[DET], w[ACC]
@@ -150,8 +151,10 @@ def rock_slide(
         acc[i] = (m * weight - (m * ratio) * centrifugal - implicit) / det[0]
         _slide_coefficient(w, i, ratio, kappa, kappa_n, sx, sz)
         _advance(w, i, sx, sz, acc[i])
+        # θ̇ does not feel the floor while the pedestal slides; u̇ does, and may need more terms
+        settled = abs(w[RATE, i]) * power <= tol * length_m
         power *= h
-        small = small + 1 if abs(om[i + 1]) * power <= tol else 0
+        small = small + 1 if settled and abs(om[i + 1]) * power <= tol else 0
         if small >= 2 and i >= 5:
             n = i + 1
             break
@@ -205,7 +208,7 @@ def expand(task: Task, pivot: int, slide: int, n: int, deg_x: int, deg_z: int, h
             n = rock_stuck(w, n, m / j, deg_x, deg_z, h, tol)
         else:
             kappa_n = kappa * p[DYNAMIC]
-            n = rock_slide(w, n, m, m_total, j, kappa, kappa_n, deg_z, h, tol)
+            n = rock_slide(w, n, m, m_total, j, kappa, kappa_n, deg_z, h, tol, p[CENTROID])
     _forces(w, n, m, p[BASE_MASS])
     return n
 
