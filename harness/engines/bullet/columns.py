@@ -1,0 +1,125 @@
+"""From the loop's rows to the trajectory and the columns that only three dimensions have."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact import frame
+from harness.contact.trajectory import Trajectory
+from harness.engines.bullet.loop import Record
+from harness.engines.bullet.pose import matrices
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+
+JUMP_IN_G: Final = 10.0
+"""An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
+WHOLE: Final = 1e-3
+"""A time is a whole number of steps within this share of one; sub-steps are much farther off."""
+
+
+def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Trajectory:
+    """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns."""
+    t_s, rows = _whole_steps(record, step_s, scene)
+    place, table_rate = _table(scene, t_s)
+    turn = matrices(rows[:, 3:7]) @ axes.T
+    spin = rows[:, 10:13]
+    centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate
+    theta, theta_rate = _planar(turn[:, :, 2], spin)
+    extra = _statue_columns(scene, turn, centroid)
+    slip = slip_rate = np.zeros_like(t_s)
+    pedestal = pedestal_rate = None
+    if scene.pedestal is not None:
+        below = rows[:, 13:16] - place
+        moving = rows[:, 20:23] - table_rate
+        slip, slip_rate = below[:, 0] - below[0, 0], moving[:, 0]
+        pedestal, pedestal_rate = below[:, [0, 2]], moving[:, [0, 2]]
+        extra |= _pedestal_columns(matrices(rows[:, 16:20]), below)
+    return Trajectory(
+        t_s=t_s,
+        theta_rad=theta,
+        theta_rate_rad_s=theta_rate,
+        slip_m=slip,
+        slip_rate_m_s=slip_rate,
+        gravity_xz_m_s2=frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        statue_xz_m=centroid[:, [0, 2]],
+        statue_rate_m_s=velocity[:, [0, 2]],
+        pedestal_xz_m=pedestal,
+        pedestal_rate_m_s=pedestal_rate,
+        extra=extra,
+    )
+
+
+def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Array]:
+    """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
+    t_s, rows = np.array(record.t_s), np.array(record.rows)
+    jump = JUMP_IN_G * scene.gravity_m_s2
+    for columns, limit in (
+        (slice(7, 10), jump),
+        (slice(10, 13), jump / scene.statue.centroid_height_m),
+        (slice(20, 23), jump),
+    ):
+        if columns.stop <= rows.shape[1]:
+            rows[:, columns] = _synchronous(rows[:, columns], t_s, step_s, limit)
+    number = t_s / step_s
+    whole = np.abs(number - np.round(number)) < WHOLE
+    whole[-1] = True
+    return t_s[whole], rows[whole]
+
+
+def _synchronous(values: Array, t_s: Array, step_s: float, jump: float) -> Array:
+    """Velocities (n, 3) at the samples' own times from those half a step before; the first is synchronous already.
+
+    Between two steps the value is interpolated, except where the acceleration is an impact's: there the one before holds.
+    """
+    result = values.copy()
+    if len(values) < 3:
+        return result
+    half = 0.5 * np.minimum(np.diff(t_s), step_s)
+    accel = (values[2:] - values[1:-1]) / (half[:-1] + half[1:])[:, None]
+    smooth = np.max(np.abs(accel), axis=1) < jump
+    result[1:-1] += np.where(smooth[:, None], accel * half[:-1, None], 0.0)
+    return result
+
+
+def _table(scene: Scene, t_s: Array) -> tuple[Array, Array]:
+    """Displacement and velocity (n, 3) of a moving table, zero for a moving frame."""
+    if scene.table != "moving":
+        nothing = np.zeros((t_s.size, 3))
+        return nothing, nothing
+    return frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
+
+
+def _planar(up: Array, spin: Array) -> tuple[Array, Array]:
+    """θ = atan2(ẑ·x̂, ẑ·ẑ), unwrapped, and its rate, from the statue's axis (n, 3) and its angular velocity (n, 3)."""
+    theta = np.unwrap(np.arctan2(up[:, 0], up[:, 2]))
+    change = np.cross(spin, up)
+    size = up[:, 0] ** 2 + up[:, 2] ** 2
+    rate: Array = (up[:, 2] * change[:, 0] - up[:, 0] * change[:, 2]) / np.where(size > 0.0, size, 1.0)
+    return theta, rate
+
+
+def _statue_columns(scene: Scene, turn: Array, centroid: Array) -> dict[str, Array]:
+    columns = {
+        "roll_rad": np.arctan2(turn[:, 2, 1], turn[:, 2, 2]),
+        "pitch_rad": np.arcsin(np.clip(-turn[:, 2, 0], -1.0, 1.0)),
+        "yaw_rad": np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0])),
+        "out_of_plane_rad": np.arcsin(np.clip(turn[:, 1, 2], -1.0, 1.0)),
+        "statue_y_m": centroid[:, 1] - centroid[0, 1],
+    }
+    statue = scene.statue
+    for name, x in (("right", statue.corner_right_m), ("left", -statue.corner_left_m)):
+        path = centroid + turn @ np.array([x, 0.0, -statue.centroid_height_m])
+        columns |= {f"corner_{name}_{axis}_m": path[:, k] for k, axis in enumerate("xyz")}
+    return columns
+
+
+def _pedestal_columns(turn: Array, place: Array) -> dict[str, Array]:
+    return {
+        "pedestal_tilt_rad": np.arctan2(turn[:, 0, 2], turn[:, 2, 2]),
+        "pedestal_yaw_rad": np.arctan2(turn[:, 1, 0], turn[:, 0, 0]),
+        "pedestal_y_m": place[:, 1] - place[0, 1],
+    }

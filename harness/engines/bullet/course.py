@@ -1,0 +1,177 @@
+"""The course of one run: what the statue is in this world, where integration begins, and which shapes it needs when."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import Rest
+from harness.contact.frame import step_count
+from harness.engine import Want
+from harness.engines.bullet import feet, loop, pose
+from harness.engines.bullet.edge import EdgeWatch
+from harness.engines.bullet.loop import Record, Row, Watch
+from harness.engines.bullet.schedule import Schedule
+from harness.engines.bullet.settings import BulletSettings
+from harness.engines.bullet.world import World
+from harness.plan import first_motion_s, limit_of_rest_m_s2
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+
+FLAT_BASE_M = 1e-9
+"""Base vertices at heights closer than this stand on one plane."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """The statue in its principal frame, origin at its centroid: `axes` (3, 3) as columns in the statue frame, `moments` (3,),
+    `feet_m` (k, 3) and `hull_m` (n, 3); `rest` is its pose at rest, `start` its state at t = 0.
+    """
+
+    axes: Array
+    moments: Array
+    feet_m: Array
+    hull_m: Array
+    rest: feet.Rest
+    start: pose.Body
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Samples of a whole run; `full_from_s` is when the statue's full shape took over from its feet, None if it never did."""
+
+    record: Record
+    skipped: tuple[str, ...]
+    full_from_s: float | None
+
+
+def prepare(scene: Scene) -> Setup:
+    """Feet, hull, inertia, rest pose and start of a scene's statue."""
+    statue = scene.statue
+    moments, axes = pose.principal(statue)
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    hull = feet.hull_vertices(statue)
+    # A wall can be touched by any vertex, a level support only by those that a lean brings down.
+    touching = hull if scene.wall is not None else feet.touchable(statue)
+    rest = feet.rest(statue)
+    start = pose.start(scene, touching, rest, axes)
+    return Setup(axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start)
+
+
+def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
+    """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
+    count = step_count(scene.duration_s, rung.dt_s)
+    quiet_s = quiet_start_s(scene, setup) if want.may_skip("quiet_start") else 0.0
+    first = min(int(quiet_s / rung.dt_s), count - 1)
+    schedule = Schedule(scene, rung.dt_s, rung.impact_substeps, first, count)
+    full = scene.pedestal is not None and not want.may_skip("base_only")
+    watch = _watch(scene, rung, setup, want, full)
+    record = _part(scene, rung, setup, schedule, watch, full=full, row=None, start=first)
+    full_from = 0.0 if full else None
+    done = round(record.t_s[-1] / rung.dt_s)
+    if watch.halt is not None and done < count and watch.halt(record.rows[-1]):
+        # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
+        full_from = record.t_s[-1]
+        rest_of = _part(
+            scene, rung, setup, schedule, replace(watch, halt=None), full=True, row=record.rows[-1], start=done
+        )
+        record = _joined(record, rest_of)
+    if first > 0:
+        record.t_s.insert(0, 0.0)
+        record.rows.insert(0, record.rows[0])
+    return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from)
+
+
+def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: bool) -> Watch:
+    end_s = scene.shake.end_s
+    may_rest = want.may_skip("quiet_end") and end_s < scene.duration_s
+    halt = None
+    if scene.pedestal is not None and not full:
+        halt = EdgeWatch(setup.hull_m, 0.5 * scene.pedestal.height_m)
+    return Watch(
+        axis=_vector(setup.axes[2]),
+        rest=_vector(setup.rest.rotation[:, 2]),
+        quiet_from=math.ceil(end_s / rung.dt_s) if may_rest else None,
+        impose=scene.contact.restitution is not None,
+        halt=halt,
+    )
+
+
+def _part(
+    scene: Scene,
+    rung: BulletSettings,
+    setup: Setup,
+    schedule: Schedule,
+    watch: Watch,
+    *,
+    full: bool,
+    row: Row | None,
+    start: int,
+) -> Record:
+    """One world from step `start`: from the scene's start, or from the state in `row`."""
+    statue = scene.statue
+    pedestal = wall = None
+    if scene.pedestal is not None:
+        pedestal = (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
+    if scene.wall is not None:
+        sign = scene.wall.sign
+        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
+    hull = setup.hull_m if full else None
+    with World(rung) as world:
+        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, hull, setup.start))
+        if row is None:
+            row = loop.start_row(world)
+        else:
+            loop.Stepper(world, scene, schedule).restore(row)
+        return loop.integrate(world, scene, schedule, watch, row, start)
+
+
+def _joined(before: Record, after: Record) -> Record:
+    return Record(
+        before.t_s + after.t_s[1:],
+        before.rows + after.rows[1:],
+        before.gravity + after.gravity,
+        before.repeated + after.repeated,
+        before.imposed + after.imposed,
+        after.rested,
+    )
+
+
+def quiet_start_s(scene: Scene, setup: Setup) -> float:
+    """Time before which nothing can move: 0 unless the base is flat and its narrowest side is the one the limit is taken from."""
+    polygon = scene.statue.footprint_m
+    if setup.rest.lean_rad > 0.0 or float(np.ptp(polygon[:, 2])) > FLAT_BASE_M:
+        return 0.0
+    if not isinstance(scene.shake.y, Rest):
+        sides = np.roll(polygon, -1, axis=0) - polygon
+        across = polygon[:, 0] * sides[:, 1] - polygon[:, 1] * sides[:, 0]
+        margin = float(np.min(across / np.hypot(sides[:, 0], sides[:, 1])))
+        if margin < min(scene.statue.corner_left_m, scene.statue.corner_right_m):
+            return 0.0
+    if scene.contact.statue * scene.gravity_m_s2 < limit_of_rest_m_s2(scene):
+        return 0.0
+    return first_motion_s(scene)
+
+
+def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool) -> tuple[str, ...]:
+    said = []
+    if quiet_s > 0.0:
+        said.append(f"quiet_start: the first {quiet_s:.4g} s, in which nothing can move")
+    if full_from_s is None:
+        why = (
+            "a level floor and a wall touch a convex body at its vertices only"
+            if scene.pedestal is None
+            else "no part of the statue came below the plane of the pedestal's top, where its edges are"
+        )
+        said.append(f"base_only: collision shapes beyond the vertices that touch; {why}")
+    if rested:
+        said.append("quiet_end: the rest of the run, in which statue and table are still")
+    return tuple(said)
+
+
+def _vector(values: Array) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])

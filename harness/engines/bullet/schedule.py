@@ -1,0 +1,77 @@
+"""Impulses of the table's motion, step by step, for Bullet's own integrator read as a leapfrog.
+
+Bullet changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
+places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
+step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact import frame
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Steps of `step_s` from number `first` to `count`; each may be cut into `substeps`.
+
+    `moving` says that the table itself moves, so that gravity is constant. A gravity is what acts for a whole step, m/s².
+    """
+
+    scene: Scene
+    step_s: float
+    substeps: int
+    first: int
+    count: int
+
+    @property
+    def moving(self) -> bool:
+        """Whether the table moves instead of the frame."""
+        return self.scene.table == "moving"
+
+    @property
+    def substep_s(self) -> float:
+        """Length of a sub-step."""
+        return self.step_s / self.substeps
+
+    @cached_property
+    def coarse(self) -> list[Vector]:
+        """Gravity of every whole step that follows a whole step, from number `first` on."""
+        middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
+        return self._gravity(np.concatenate([[self.first * self.step_s], middles]), self.step_s)
+
+    def fine(self, number: int, after_fine: bool) -> list[Vector]:
+        """Gravity of the sub-steps of step `number`, which follows a sub-step or a whole step."""
+        start, sub = number * self.step_s, self.substep_s
+        before = 0.0 if number == self.first else 0.5 * (sub if after_fine else self.step_s)
+        edges = np.concatenate([[start - before], start + (np.arange(self.substeps) + 0.5) * sub])
+        return self._gravity(edges, sub)
+
+    def after_fine(self, number: int) -> Vector:
+        """Gravity of the whole step `number` after a sub-step."""
+        start = number * self.step_s
+        return self._gravity(np.array([start - 0.5 * self.substep_s, start + 0.5 * self.step_s]), self.step_s)[0]
+
+    def _gravity(self, edges_s: Array, step_s: float) -> list[Vector]:
+        """Impulse per mass between edges, spread over a step."""
+        share = np.diff(edges_s)[:, None] / step_s
+        if self.moving:
+            gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
+        else:
+            gravity = frame.apparent_gravity(self.scene, edges_s) * share
+        return [(float(x), float(y), float(z)) for x, y, z in gravity]
+
+    def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
+        """Displacement of a moving table at the start of a step and its mean velocity in it."""
+        here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
+        rate = (there - here) / step_s
+        return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

@@ -1,0 +1,34 @@
+"""Settings of a pybullet run: every parameter is sent every time, because some outlive a client."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from harness.engine import Settings
+
+REFERENCE_DT_S: Final = 2.5e-4
+"""Step at which residual thresholds are quoted; they scale with dt², as the square of a step's impulses does."""
+
+
+@dataclass(frozen=True)
+class BulletSettings(Settings):
+    """One rung: step, sub-steps through an impact, solver, contact.
+
+    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early.
+    `foot_radius_m` is the radius of the spheres at the base's vertices. `reversed_bodies` swaps the order of creation, a probe
+    of the solver's own spread.
+    """
+
+    impact_substeps: int = 20
+    iterations: int = 200
+    residual: float = 1e-9
+    breaking_threshold_m: float = 1e-4
+    erp: float = 0.02
+    foot_radius_m: float = 1e-5
+    cone_friction: bool = True
+    reversed_bodies: bool = False
+
+    def residual_for(self, step_s: float) -> float:
+        """Threshold for a step of `step_s`."""
+        return self.residual * (step_s / REFERENCE_DT_S) ** 2

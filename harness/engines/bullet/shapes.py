@@ -1,0 +1,109 @@
+"""Collision shapes: spheres at the vertices that touch, a box for the pedestal's top, the inset hull where edges can meet."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engine import EngineFailure
+from harness.scene import Pedestal
+
+Array = NDArray[np.float64]
+
+PEDESTAL_CLEARANCE_M: Final = 1e-4
+"""The box stands this much above the pedestal's own feet, so that only they touch the floor."""
+HULL_MARGIN_M: Final = 1e-3
+"""Bullet rounds a hull outwards by this much."""
+HULL_INSET_M: Final = 1.1e-3
+"""The hull is drawn inside the body by its margin and a tenth of a millimetre, so that the feet always touch first."""
+MOST_IN_ARRAY: Final = 16
+"""`createCollisionShapeArray` silently keeps the first 16 shapes and drops the rest."""
+
+
+def feet(centres_m: Array, radius_m: float, client: int) -> int:
+    """Compound of spheres at `centres_m` (k ≤ 16, 3)."""
+    count = len(centres_m)
+    if count > MOST_IN_ARRAY:
+        raise EngineFailure(f"a compound of {count} spheres was asked, at most {MOST_IN_ARRAY} are kept")
+    return int(
+        pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * count,
+            radii=[radius_m] * count,
+            collisionFramePositions=centres_m.tolist(),
+            physicsClientId=client,
+        )
+    )
+
+
+def pedestal(body: Pedestal, radius_m: float, client: int) -> int:
+    """Spheres at the four lower corners; a box whose top lies `radius_m` below the pedestal's, for the statue's feet."""
+    x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
+    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]
+    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
+    box = [x, y, 0.5 * (high - low)]
+    return int(
+        pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * 4 + [pybullet.GEOM_BOX],
+            radii=[radius_m] * 4 + [0.0],
+            halfExtents=[[0.0, 0.0, 0.0]] * 4 + [box],
+            collisionFramePositions=[*corners, [0.0, 0.0, 0.5 * (high + low)]],
+            physicsClientId=client,
+        )
+    )
+
+
+def described_body(centres_m: Array, radius_m: float, hull_m: Array | None, client: int) -> int:
+    """A body from a description on disk: any number of spheres, and the inset hull of `hull_m` (n, 3) unless None.
+
+    Mass and inertia are set afterwards. One element stands on each line: the reader's buffer holds a line, not a file.
+    """
+    with tempfile.TemporaryDirectory(prefix="rockcheck-") as folder:
+        parts = [
+            f'<collision><origin xyz="{x:.17g} {y:.17g} {z:.17g}"/>'
+            f'<geometry><sphere radius="{radius_m:.17g}"/></geometry></collision>'
+            for x, y, z in centres_m
+        ]
+        if hull_m is not None:
+            _write_points(Path(folder) / "hull.obj", inset(hull_m))
+            parts.append('<collision><geometry><mesh filename="hull.obj"/></geometry></collision>')
+        unit = '<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+        text = "\n".join(
+            ['<robot name="statue"><link name="statue">', f"<inertial>{unit}</inertial>", *parts, "</link></robot>"]
+        )
+        file = Path(folder) / "statue.urdf"
+        file.write_text(text, encoding="ascii")
+        try:
+            return int(pybullet.loadURDF(str(file), flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client))
+        except pybullet.error as error:
+            raise EngineFailure(
+                f"pybullet could not build the statue from {len(centres_m)} spheres: {error}"
+            ) from error
+
+
+def inset(points_m: Array) -> Array:
+    """Vertices (k, 3) of the convex hull of `points_m` with every face moved inwards by `HULL_INSET_M`."""
+    from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+    planes = np.unique(np.round(ConvexHull(points_m).equations, 12), axis=0)
+    planes[:, 3] += HULL_INSET_M
+    found = HalfspaceIntersection(planes, np.mean(points_m, axis=0)).intersections
+    return np.unique(np.round(found[np.all(np.isfinite(found), axis=1)], 9), axis=0)
+
+
+def _write_points(file: Path, points_m: Array) -> None:
+    """A mesh file with these vertices; its faces only mention them all, as Bullet takes the hull of what is mentioned."""
+    count = len(points_m)
+    lines = [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in points_m]
+    lines += [f"f {k} {k % count + 1} {(k + 1) % count + 1}" for k in range(1, count + 1)]
+    file.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def plane(normal: tuple[float, float, float], client: int) -> int:
+    """Half-space below a plane through its body's origin."""
+    shape: Any = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=list(normal), physicsClientId=client)
+    return int(shape)

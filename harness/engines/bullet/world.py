@@ -1,0 +1,173 @@
+"""The world of one run: a fresh client, every parameter sent, bodies in a fixed order, closed at the end."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Final, Self, final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engine import EngineFailure
+from harness.engines.bullet import shapes
+from harness.engines.bullet.pose import Body
+from harness.engines.bullet.settings import BulletSettings
+from harness.scene import Contact, Pedestal, Wall
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
+NO_RESTITUTION_BELOW_M_S: Final = 1e9
+"""Every contact is slower than this, so none bounces."""
+
+
+@final
+class World:
+    """One simulation. `statue`, `pedestal` are Bullet's bodies (`pedestal` None without one); floor and wall do not move alone.
+
+    A context manager: leaving it ends the client. Raises `EngineFailure` when no client can be had.
+    """
+
+    def __init__(self, settings: BulletSettings) -> None:
+        self.settings = settings
+        self.client = int(pybullet.connect(pybullet.DIRECT))
+        if self.client < 0:
+            raise EngineFailure("pybullet gave no client")
+        self.floor = -1
+        self.wall: int | None = None
+        self.pedestal: int | None = None
+        self.statue = -1
+        self._homes: dict[int, Vector] = {}
+
+    def __enter__(self) -> Self:
+        pybullet.resetSimulation(physicsClientId=self.client)
+        self.set_step(self.settings.dt_s)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pybullet.resetSimulation(physicsClientId=self.client)
+        pybullet.disconnect(self.client)
+
+    def set_step(self, step_s: float) -> None:
+        """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
+        s = self.settings
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            numSubSteps=0,
+            numSolverIterations=s.iterations,
+            solverResidualThreshold=s.residual_for(step_s),
+            contactBreakingThreshold=s.breaking_threshold_m,
+            enableConeFriction=int(s.cone_friction),
+            erp=s.erp,
+            contactERP=s.erp,
+            frictionERP=s.erp,
+            globalCFM=0.0,
+            contactSlop=0.0,
+            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
+            physicsClientId=self.client,
+        )
+
+    def build(
+        self,
+        contact: Contact,
+        pedestal: tuple[Pedestal, float] | None,
+        wall: tuple[Wall, float] | None,
+        statue: tuple[float, Array, Array, Array | None, Body],
+    ) -> None:
+        """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
+        and hull (n, 3) or None in its principal frame, and its state.
+        """
+        radius = self.settings.foot_radius_m
+        self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
+        if wall is not None:
+            sign = wall[0].sign
+            self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
+        if self.settings.reversed_bodies:
+            self._add_statue(statue)
+            self._add_pedestal(pedestal)
+        else:
+            self._add_pedestal(pedestal)
+            self._add_statue(statue)
+        # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
+        self._surface(self.statue, contact.statue)
+        if self.pedestal is not None:
+            self._surface(self.pedestal, 1.0)
+        self.set_floor_friction(contact.floor_static if self.pedestal is not None else 1.0)
+        if self.wall is not None:
+            self._surface(self.wall, 1.0)
+
+    def _fixed(self, normal: Vector, place: Vector) -> int:
+        body = int(
+            pybullet.createMultiBody(
+                0.0, shapes.plane(normal, self.client), basePosition=place, physicsClientId=self.client
+            )
+        )
+        self._homes[body] = place
+        return body
+
+    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None) -> None:
+        if pedestal is None:
+            return
+        p, centre_m = pedestal
+        shape = shapes.pedestal(p, self.settings.foot_radius_m, self.client)
+        place = [centre_m, 0.0, p.centroid_height_m]
+        self.pedestal = int(pybullet.createMultiBody(p.mass_kg, shape, basePosition=place, physicsClientId=self.client))
+        squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
+        self._inert(self.pedestal, p.mass_kg, p.mass_kg / 12.0 * (np.sum(squares) - squares))
+
+    def _add_statue(self, statue: tuple[float, Array, Array, Array | None, Body]) -> None:
+        mass, moments, feet_m, hull_m, state = statue
+        radius = self.settings.foot_radius_m
+        if hull_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
+            shape = shapes.feet(feet_m, radius, self.client)
+            self.statue = int(pybullet.createMultiBody(mass, shape, physicsClientId=self.client))
+        else:
+            self.statue = shapes.described_body(feet_m, radius, hull_m, self.client)
+        self._inert(self.statue, mass, moments)
+        self.place(self.statue, state)
+
+    def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
+        pybullet.changeDynamics(
+            body,
+            -1,
+            mass=mass_kg,
+            localInertiaDiagonal=[float(value) for value in moments_kg_m2],
+            linearDamping=0.0,
+            angularDamping=0.0,
+            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            physicsClientId=self.client,
+        )
+
+    def _surface(self, body: int, friction: float) -> None:
+        pybullet.changeDynamics(
+            body,
+            -1,
+            lateralFriction=friction,
+            spinningFriction=0.0,
+            rollingFriction=0.0,
+            restitution=0.0,
+            physicsClientId=self.client,
+        )
+
+    def set_floor_friction(self, friction: float) -> None:
+        """Coefficient of the pedestal on the floor from now on."""
+        self._surface(self.floor, friction)
+
+    def place(self, body: int, state: Body) -> None:
+        """Put a body into a state."""
+        pybullet.resetBasePositionAndOrientation(body, state.place_m, state.turn, physicsClientId=self.client)
+        pybullet.resetBaseVelocity(body, state.velocity_m_s, state.rate_rad_s, physicsClientId=self.client)
+
+    def move_table(self, displacement_m: Vector, velocity_m_s: Vector) -> None:
+        """Put floor and wall to where the table is, with its velocity."""
+        for body, (x, y, z) in self._homes.items():
+            there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
+            pybullet.resetBasePositionAndOrientation(body, there, UPRIGHT, physicsClientId=self.client)
+            pybullet.resetBaseVelocity(body, velocity_m_s, (0.0, 0.0, 0.0), physicsClientId=self.client)

@@ -1,0 +1,157 @@
+"""pybullet: rigid bodies with contact in three dimensions, the statue's own mesh on spheres at its base's vertices."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import util
+from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact.friction import floor_friction
+from harness.contact.impact import IMPOSED_LABEL
+from harness.contact.reduce import Report, reduce_trajectory
+from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engines.bullet.settings import BulletSettings
+from harness.history import Outcome
+from harness.record import Run
+from harness.scene import OVERTURN_RAD, Scene
+
+if TYPE_CHECKING:
+    from harness.engines.bullet.course import Course, Setup
+
+Array = NDArray[np.float64]
+
+LADDER: Final = (
+    BulletSettings(dt_s=1e-3, expected_error_rad=4e-4, residual=1e-10),
+    BulletSettings(dt_s=5e-4, expected_error_rad=2e-4, residual=3e-10),
+    BulletSettings(dt_s=2.5e-4, expected_error_rad=1e-4),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=5e-5, iterations=400),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=1e-16, iterations=3000, impact_substeps=40),
+)
+REST_BAND_RAD: Final = 1e-5
+"""Rotation within which a statue that rests on all its feet is left by the contact's slop."""
+OUT_OF_PLANE_TOLD_RAD: Final = 1e-3
+"""A larger rotation out of the plane is said: a planar model cannot follow it."""
+
+
+@final
+class Bullet3D(Engine):
+    """pybullet, in the contract of the harness."""
+
+    name: ClassVar[str] = "pybullet"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=3,
+        uses_mesh=True,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        moving_table=True,
+        forces=True,
+    )
+    order: ClassVar[float] = 1.0
+
+    def missing(self) -> str | None:
+        """Why pybullet cannot run here, or None."""
+        if util.find_spec("pybullet") is None:
+            return "pybullet is not installed (it has wheels for CPython up to 3.11 on Linux x86-64 only)"
+        return None
+
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
+        return LADDER
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        """The nearest finer rung's settings with the expert's step."""
+        rung = next((item for item in LADDER if item.dt_s <= dt_s * (1.0 + 1e-9)), LADDER[-1])
+        return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        """Half the step; with a pedestal also the bodies in the other order, solved more tightly."""
+        rung = _own(settings)
+        half = replace(rung, dt_s=0.5 * rung.dt_s)
+        if scene.pedestal is None:
+            return (half,)
+        tighter = replace(rung, residual=0.01 * rung.residual, iterations=2 * rung.iterations)
+        return (half, replace(tighter, reversed_bodies=not rung.reversed_bodies))
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
+        from harness.engines.bullet import course
+        from harness.engines.bullet.columns import trajectory
+
+        rung = _own(settings)
+        begin = time.perf_counter()
+        setup = course.prepare(scene)
+        found = course.run(scene, rung, setup, want)
+        path = trajectory(scene, found.record, setup.axes, rung.dt_s)
+        fall = _fall(path.extra, path.theta_rad)
+        report = Report(
+            engine=self.name,
+            settings=rung.as_dict(),
+            steps=len(found.record.gravity),
+            wall_s=time.perf_counter() - begin,
+            resolution_rad=REST_BAND_RAD,
+            stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
+            outcome=fall,
+            rested=found.record.rested,
+            with_history=want.history,
+            validity=_validity(path.extra, setup, found),
+            work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
+            skipped=found.skipped,
+            warnings=_warnings(scene, setup, path.extra),
+            labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
+        )
+        run = reduce_trajectory(scene, path, report)
+        return run if fall is None else replace(run, overturn_time_s=run.end_s)
+
+
+def _own(settings: Settings) -> BulletSettings:
+    if not isinstance(settings, BulletSettings):
+        raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
+    return settings
+
+
+def _fall(extra: Mapping[str, Array], theta_rad: Array) -> Outcome | None:
+    """Front or back when the run ended with the statue fallen across the plane, else None: the rotation tells."""
+    across = float(extra["out_of_plane_rad"][-1])
+    if abs(theta_rad[-1]) >= OVERTURN_RAD or not np.isfinite(across):
+        return None
+    up_z = np.cos(across) * np.cos(theta_rad[-1])
+    if up_z > np.cos(OVERTURN_RAD):
+        return None
+    return Outcome.OVERTURNED_BACK if across > 0.0 else Outcome.OVERTURNED_FRONT
+
+
+def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[str, Any]:
+    """What three dimensions add to the limits of the planar model."""
+    return {
+        "out_of_plane_rad": float(np.max(np.abs(extra["out_of_plane_rad"]))),
+        "yaw_rad": float(np.max(np.abs(extra["yaw_rad"] - extra["yaw_rad"][0]))),
+        "statue_across_m": float(np.max(np.abs(extra["statue_y_m"]))),
+        "rest_lean_rad": setup.rest.lean_rad,
+        "touching_vertices": len(setup.feet_m),
+        "full_shape_from_s": found.full_from_s,
+    }
+
+
+def _warnings(scene: Scene, setup: Setup, extra: Mapping[str, Array]) -> tuple[str, ...]:
+    said = []
+    if scene.form.friction_normal == "static" and scene.pedestal is not None:
+        said.append("friction uses the contact's own normal force: model.friction_normal = static is not computed")
+    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
+        said.append("impacts are the contact's own: model.pedestal_at_impact = unchanged is not computed")
+    if not setup.rest.found:
+        said.append("no face of the mesh's hull carries the centroid within 0.2 rad of upright: the run starts upright")
+    if setup.rest.lean_rad > 0.0:
+        said.append(
+            f"the base as scanned is not flat: at rest the statue's axis leans by {setup.rest.lean_rad:.3g} rad"
+        )
+    across = float(np.max(np.abs(extra["out_of_plane_rad"] - extra["out_of_plane_rad"][0])))
+    if scene.planar and across > OUT_OF_PLANE_TOLD_RAD:
+        said.append(f"the scene is planar, yet the statue left its plane by {across:.2g} rad")
+    return tuple(said)
