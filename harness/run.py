@@ -167,9 +167,11 @@ def write_result(result: Result, folder: Path) -> Path:
             if run.history is not None:
                 run.history.write_csv(fresh / f"history_{name}.csv")
         if result.scene.statue.solid is not None:
-            result.scene.statue.solid.write(fresh / "statue.glb")
+            from meshes.export import write_glb
+
+            write_glb(result.scene.statue.solid, fresh / "statue.glb")
         record.write_json(fresh / "result.json", result.as_dict())
-        for stale in folder.glob("history_*.csv"):
+        for stale in (*folder.glob("history_*.csv"), *folder.glob("statue.glb")):
             stale.unlink()
         # The record last: a folder with a result.json has everything that it names.
         for path in sorted(fresh.iterdir(), key=lambda item: item.name == "result.json"):
