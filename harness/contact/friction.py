@@ -15,7 +15,7 @@ from typing import Final
 
 from harness.scene import Scene
 
-STUCK_SHARE: Final = 0.02
+STUCK_SHARE: Final = 0.05
 """A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""
 
 

@@ -1,0 +1,181 @@
+"""pymunk (Chipmunk): rigid polygons in the rocking plane, contact by iterated impulses. docs/pymunk.md."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import ClassVar, Final, final
+
+import numpy as np
+
+from harness.contact import frame
+from harness.contact.impact import IMPOSED_LABEL
+from harness.contact.reduce import Report, reduce_trajectory
+from harness.contact.trajectory import Trajectory
+from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engines.munk2d.world import MunkSettings
+from harness.plan import first_motion_s
+from harness.record import Run
+from harness.scene import Scene
+
+RUNGS: Final = (
+    (2e-3, 40, 3e-3),
+    (1e-3, 60, 1.5e-3),
+    (5e-4, 80, 6e-4),
+    (2.5e-4, 100, 3e-4),
+    (1e-4, 150, 6e-5),
+    (5e-5, 200, 3e-5),
+    (2e-5, 300, 1e-5),
+)
+"""(step in s, iterations, error in rad reached where tuned): the paper's four cases with a pedestal, first second."""
+SETTLE_STEPS: Final = 8
+"""Whole steps computed before the first instant at which anything can move."""
+
+
+@final
+class Munk2D(Engine):
+    """Chipmunk's contact of polygons, its steps ended at impacts and halts."""
+
+    name: ClassVar[str] = "pymunk"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=2,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        moving_table=True,
+        forces=True,
+    )
+    order: ClassVar[float] = 1.0
+
+    def missing(self) -> str | None:
+        """Why pymunk cannot run here, or None."""
+        try:
+            import pymunk
+        except ImportError as error:
+            return f"pymunk cannot be imported: {error}"
+        return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
+
+    def ladder(self, scene: Scene) -> tuple[MunkSettings, ...]:
+        """Steps of 2 ms to 0.02 ms; iterations grow because a finer step needs them to show."""
+        return tuple(MunkSettings(dt, error, iterations) for dt, iterations, error in RUNGS)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
+        """The nearest rung's iterations with the given step."""
+        dt, iterations, error = min(RUNGS, key=lambda rung: abs(math.log(rung[0] / dt_s)))
+        return MunkSettings(dt_s, error * dt_s / dt, iterations)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
+        """Half the step with the bodies added in the other order and half as many iterations again."""
+        own = _own(settings)
+        return (
+            replace(
+                own,
+                dt_s=0.5 * own.dt_s,
+                expected_error_rad=0.5 * own.expected_error_rad,
+                iterations=own.iterations + own.iterations // 2,
+                pedestal_first=not own.pedestal_first,
+            ),
+        )
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
+        from harness.engines.munk2d import drive as driving
+        from harness.engines.munk2d import loop, world
+
+        own = _own(settings)
+        begin = time.perf_counter()
+        try:
+            built = world.build(scene, own)
+            grid = loop.grid_of(scene, own.dt_s)
+            first, skipped = _first_step(scene, own, want, len(grid.gravity))
+            drive = driving.start(scene, own, built, first * own.dt_s)
+            rested = loop.run(drive, grid, first, want)
+        except (AssertionError, ValueError, MemoryError) as error:
+            raise EngineFailure(f"pymunk refused the scene: {error}") from error
+        trajectory = _trajectory(drive)
+        if rested:
+            skipped = (*skipped, f"from {drive.t_s:.4g} s on the statue is at rest and the floor is still")
+        report = Report(
+            engine=self.name,
+            settings=own.as_dict(),
+            steps=drive.work["engine_steps"],
+            wall_s=0.0,
+            resolution_rad=loop.resolution_rad(scene, own),
+            stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
+            rested=rested,
+            with_history=want.history or not want.may_skip("no_history"),
+            work=drive.work,
+            skipped=skipped,
+            warnings=_warnings(scene, drive),
+            labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
+        )
+        return replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
+
+
+def _own(settings: Settings) -> MunkSettings:
+    if not isinstance(settings, MunkSettings):
+        raise TypeError(f"pymunk wants its own settings, got {type(settings).__name__}")
+    return settings
+
+
+def _first_step(scene: Scene, settings: MunkSettings, want: Want, total: int) -> tuple[int, tuple[str, ...]]:
+    quiet = first_motion_s(scene) if want.may_skip("quiet_start") else 0.0
+    first = min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
+    if first == 0:
+        return 0, ()
+    return first, (f"nothing moves before {first * settings.dt_s:.4g} s: not integrated",)
+
+
+def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
+    found = []
+    if scene.form.friction_normal == "static":
+        found.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")
+    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
+        found.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
+    return tuple(found)
+
+
+def _trajectory(drive: object) -> Trajectory:
+    """Recorded states as samples in the table's frame, positions brought forward by their half step."""
+    from harness.engines.munk2d import native
+    from harness.engines.munk2d.drive import Drive
+
+    if not isinstance(drive, Drive):
+        raise TypeError("a Drive is wanted")
+    scene, world = drive.scene, drive.world
+    states = np.concatenate(drive.states)
+    t_s = np.array(drive.times_s)
+    half = 0.5 * drive.settings.dt_s
+    column = world.statue_column
+    body = states[:, column : column + native.WIDTH]
+    shift, speed = np.zeros((t_s.size, 2)), np.zeros((t_s.size, 2))
+    if drive.moving:
+        shift = (
+            frame.table_displacement(scene, t_s - half)[:, [0, 2]] + half * frame.table_velocity(scene, t_s)[:, [0, 2]]
+        )
+        speed = frame.table_velocity(scene, t_s)[:, [0, 2]]
+    place = body[:, 0:2] + half * body[:, 3:5] - shift
+    rate = body[:, 3:5] - speed
+    slip, slip_rate = np.zeros(t_s.size), np.zeros(t_s.size)
+    pedestal_place, pedestal_rate, extra = None, None, {}
+    if world.pedestal is not None:
+        other = states[:, world.pedestal_column : world.pedestal_column + native.WIDTH]
+        pedestal_place = other[:, 0:2] + half * other[:, 3:5] - shift
+        pedestal_rate = other[:, 3:5] - speed
+        slip, slip_rate = pedestal_place[:, 0] - pedestal_place[0, 0], pedestal_rate[:, 0]
+        extra = {"pedestal_tilt_rad": -(other[:, 2] + half * other[:, 5])}
+    return Trajectory(
+        t_s,
+        -(body[:, 2] + half * body[:, 5]),
+        -body[:, 5],
+        slip,
+        slip_rate,
+        frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        place,
+        rate,
+        pedestal_place,
+        pedestal_rate,
+        extra,
+    )

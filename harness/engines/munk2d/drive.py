@@ -1,0 +1,286 @@
+"""The loop: whole steps while nothing happens, split steps where an impact or a halt falls inside one.
+
+Chipmunk moves bodies with the velocities of the step before and then changes these, so its positions lag its velocities by
+half a step: both are second-order accurate when they are read so. What is left are events inside a step. The step that
+holds an impact is therefore split: velocities are brought to the impact, positions to the contact, and one step without
+gravity lets the engine compute the impact alone. The step in which the pedestal halts or reverses ends there. The engine's
+step size never changes (it would corrupt its warm start): a shorter advance is made by placing the bodies back along their
+velocities first.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact import frame
+from harness.contact.friction import FloorFriction, floor_friction
+from harness.contact.impact import impact
+from harness.engines.munk2d import native
+from harness.engines.munk2d.world import MunkSettings, World
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+
+SLOW_DEPTHS: Final = 2.0
+"""An impact is split when the corner moves more than this many depths in a step; slower ones the engine resolves itself."""
+LEAST_SHARE, MOST_SHARE = 0.5, 1.5
+"""Shares of a step between which an impact ahead is brought to a step's end."""
+PAST_HALT: Final = 0.01
+"""Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
+
+
+@dataclass(eq=False)
+class Drive:
+    """State of one run in progress: clocks of velocities (`t_s`) and of positions (`place_s`), friction state, records."""
+
+    scene: Scene
+    settings: MunkSettings
+    world: World
+    friction: FloorFriction
+    t_s: float = 0.0
+    place_s: float = 0.0
+    stuck: bool = True
+    rate_before_m_s: float = math.nan
+    times_s: list[float] = field(default_factory=list)
+    states: list[Array] = field(default_factory=list)
+    work: dict[str, int] = field(
+        default_factory=lambda: {"engine_steps": 0, "impacts_split": 0, "halts_split": 0, "steps_repeated": 0}
+    )
+
+    @property
+    def aligned(self) -> bool:
+        """Whether impacts are brought to the ends of steps: they come at θ = 0 only on a flat base."""
+        return self.settings.align and self.world.flat_base
+
+    @property
+    def moving(self) -> bool:
+        """Whether the table moves, instead of the frame."""
+        return self.scene.table == "moving"
+
+
+def start(scene: Scene, settings: MunkSettings, world: World, t_s: float) -> Drive:
+    """A run about to begin at `t_s`, everything still at its initial state."""
+    drive = Drive(scene, settings, world, floor_friction(scene, settings.dt_s), t_s, t_s - 0.5 * settings.dt_s)
+    if t_s > 0.0:
+        record(drive, 0.0)
+    record(drive, t_s)
+    return drive
+
+
+def record(drive: Drive, t_s: float) -> None:
+    """Append the present state as that of `t_s`."""
+    recorder = drive.world.recorder
+    native.each_body(native.space_of(drive.world.space), recorder.each, recorder.target)
+    drive.times_s.append(t_s)
+
+
+def advance(drive: Drive, move_s: float, kick_s: float) -> None:
+    """One engine step that moves positions by `move_s` and velocities by `kick_s`, with many iterations."""
+    space, dt = native.space_of(drive.world.space), drive.settings.dt_s
+    back = move_s - dt
+    for body in drive.world.movers:
+        _shift(body, back)
+    native.set_iterations(space, drive.settings.impact_iterations)
+    end_s = drive.t_s + kick_s
+    if drive.moving:
+        native.set_gravity(space, (0.0, -drive.scene.gravity_m_s2 * kick_s / dt))
+        _place_table(drive, end_s, drive.place_s + move_s)
+    else:
+        gravity = _mean_gravity(drive.scene, drive.t_s, end_s) if kick_s > 0.0 else np.zeros(3)
+        native.set_gravity(space, (float(gravity[0]) * kick_s / dt, float(gravity[2]) * kick_s / dt))
+    drive.t_s = end_s
+    drive.place_s += move_s
+    step_with_friction(drive)
+    native.set_iterations(space, drive.settings.iterations)
+
+
+def _shift(body: Any, time_s: float) -> None:
+    place, velocity = native.get_place(body), native.get_velocity(body)
+    native.set_place(body, (place.x + velocity.x * time_s, place.y + velocity.y * time_s))
+    native.set_angle(body, native.get_angle(body) + native.get_spin(body) * time_s)
+
+
+def _mean_gravity(scene: Scene, start_s: float, end_s: float) -> Array:
+    row: Array = frame.apparent_gravity(scene, np.array([start_s, end_s]))[0]
+    return row
+
+
+def _place_table(drive: Drive, velocity_s: float, place_s: float) -> None:
+    """Give the table its exact velocity, and the place from which the step's own move takes it where it should be."""
+    velocity = frame.table_velocity(drive.scene, np.array([velocity_s]))[0]
+    place = frame.table_displacement(drive.scene, np.array([place_s]))[0]
+    dt, floor = drive.settings.dt_s, native.body_of(drive.world.floor)
+    native.set_velocity(floor, (float(velocity[0]), float(velocity[2])))
+    native.set_place(floor, (float(place[0] - velocity[0] * dt), float(place[2] - velocity[2] * dt)))
+
+
+def slip_rate(drive: Drive) -> float:
+    """Velocity of the pedestal over the floor."""
+    pedestal = drive.world.pedestal
+    if pedestal is None:
+        return 0.0
+    rate = float(native.get_velocity(native.body_of(pedestal)).x)
+    return rate - float(native.get_velocity(native.body_of(drive.world.floor)).x) if drive.moving else rate
+
+
+def step_with_friction(drive: Drive) -> None:
+    """One engine step with the coefficient that the sliding state asks for (harness/contact/friction.py)."""
+    world, friction = drive.world, drive.friction
+    space, dt = native.space_of(world.space), drive.settings.dt_s
+    drive.work["engine_steps"] += 1
+    if world.pedestal is None or not friction.switches:
+        native.step(space, dt)
+        return
+    before = slip_rate(drive)
+    saved = [_state(body) for body in world.movers] if drive.stuck else []
+    floor = native.body_of(world.floor)
+    floor_place = native.get_place(floor)
+    native.step(space, dt)
+    rate = slip_rate(drive)
+    if drive.stuck and abs(rate) > friction.stuck_below_m_s:
+        set_stuck(drive, stuck=False)
+        for body, state in zip(world.movers, saved, strict=True):
+            _restore(body, state)
+        if drive.moving:
+            native.set_place(floor, floor_place)
+        native.step(space, dt)
+        drive.work["steps_repeated"] += 1
+        rate = slip_rate(drive)
+    elif not drive.stuck and (abs(rate) <= friction.stuck_below_m_s or rate * before < 0.0):
+        set_stuck(drive, stuck=True)
+
+
+def set_stuck(drive: Drive, *, stuck: bool) -> None:
+    """Enter a sliding state: the floor's coefficient follows it."""
+    coefficient = drive.friction.static if stuck else drive.friction.kinetic
+    native.set_friction(native.shape_of(drive.world.floor_shape), coefficient)
+    drive.stuck = stuck
+
+
+def restore_recorded(drive: Drive) -> None:
+    """Put the bodies back into the state recorded last."""
+    world = drive.world
+    row = world.recorder.last()
+    for body, column in zip(world.movers, (world.statue_column, world.pedestal_column), strict=False):
+        x, z, angle, rate_x, rate_z, spin = row[column : column + native.WIDTH]
+        _restore(body, ((x, z), angle, (rate_x, rate_z), spin))
+
+
+def least_spin_rad_s(scene: Scene, settings: MunkSettings) -> float:
+    """Rate below which an impact is left to the engine: the incoming corner moves less than its depth of contact in a step."""
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    return SLOW_DEPTHS * settings.depth_m / (base * settings.dt_s)
+
+
+def _state(body: Any) -> tuple[Any, float, Any, float]:
+    return native.get_place(body), native.get_angle(body), native.get_velocity(body), native.get_spin(body)
+
+
+def _restore(body: Any, state: tuple[Any, float, Any, float]) -> None:
+    place, angle, velocity, spin = state
+    native.set_place(body, place)
+    native.set_angle(body, angle)
+    native.set_velocity(body, velocity)
+    native.set_spin(body, spin)
+
+
+def split_impact(drive: Drive, end_s: float) -> bool:
+    """Pass an impact that lies within the coming step: four engine steps for three, ending at `end_s`.
+
+    Returns whether the corner was found where it was expected; if not nothing but one partial step has been made.
+    """
+    dt, body = drive.settings.dt_s, native.body_of(drive.world.statue)
+    angle, spin = native.get_angle(body), native.get_spin(body)
+    ahead = -angle / spin - 0.5 * dt
+    advance(drive, ahead, ahead)
+    record(drive, drive.t_s)
+    move = _time_to_contact(drive)
+    found = 0.1 * dt < move < 0.9 * dt
+    if found:
+        _impact(drive, move)
+        advance(drive, dt - move, dt)
+        record(drive, drive.t_s)
+        drive.work["impacts_split"] += 1
+    rest = end_s - drive.t_s
+    while rest > MOST_SHARE * dt:
+        advance(drive, dt, dt)
+        record(drive, drive.t_s)
+        rest = end_s - drive.t_s
+    advance(drive, rest, rest)
+    drive.t_s = end_s
+    record(drive, end_s)
+    return found
+
+
+def _time_to_contact(drive: Drive) -> float:
+    """Time, s, in which the incoming corner reaches the depth at which contacts are kept, at present velocities."""
+    world, statue = drive.world, drive.scene.statue
+    body = native.body_of(world.statue)
+    angle, spin = native.get_angle(body), native.get_spin(body)
+    place, velocity = native.get_place(body), native.get_velocity(body)
+    # Anticlockwise angle: below zero the statue leans right and its left corner comes in.
+    x = -statue.corner_left_m if angle < 0.0 else statue.corner_right_m
+    z = -statue.centroid_height_m
+    cos, sin = math.cos(angle), math.sin(angle)
+    arm, drop = x * cos - z * sin, x * sin + z * cos
+    top, rise = 0.0, 0.0
+    if world.pedestal is not None and drive.scene.pedestal is not None:
+        pedestal = native.body_of(world.pedestal)
+        top = native.get_place(pedestal).y + 0.5 * drive.scene.pedestal.height_m
+        rise = native.get_velocity(pedestal).y
+    elif drive.moving:
+        floor = native.body_of(world.floor)
+        top, rise = native.get_place(floor).y, native.get_velocity(floor).y
+    gap = place.y + drop - top
+    closing = velocity.y + spin * arm - rise
+    return float(-(gap + drive.settings.depth_m) / closing) if closing < 0.0 else math.inf
+
+
+def _impact(drive: Drive, move_s: float) -> None:
+    """The impact alone: positions at contact, no gravity; by the engine, or by the prescribed ratio."""
+    if drive.scene.contact.restitution is None:
+        advance(drive, move_s, 0.0)
+        return
+    world, scene = drive.world, drive.scene
+    body = native.body_of(world.statue)
+    spin, rate = native.get_spin(body), slip_rate(drive)
+    side = 1 if native.get_angle(body) < 0.0 else -1
+    stuck = abs(rate) <= drive.friction.stuck_below_m_s
+    after = impact(scene, old_side=side, theta_rate_rad_s=-spin, slip_rate_m_s=rate, stuck=stuck)
+    for mover in world.movers:
+        _shift(mover, move_s)
+    drive.place_s += move_s
+    base = native.get_velocity(native.body_of(world.floor)) if drive.moving else None
+    base_x, base_z = (base.x, base.y) if base is not None else (0.0, 0.0)
+    support = after.slip_rate_m_s + base_x
+    new = -scene.statue.corner_m(-side) * side
+    # About the corner at (new, −h) from the centroid, clockwise: x' = θ̇ h, z' = θ̇ new.
+    native.set_velocity(
+        body,
+        (
+            support + after.theta_rate_rad_s * scene.statue.centroid_height_m,
+            base_z + after.theta_rate_rad_s * new,
+        ),
+    )
+    native.set_spin(body, -after.theta_rate_rad_s)
+    if world.pedestal is not None:
+        native.set_velocity(native.body_of(world.pedestal), (support, base_z))
+        set_stuck(drive, stuck=abs(after.slip_rate_m_s) <= drive.friction.stuck_below_m_s)
+
+
+def split_halt(drive: Drive, share: float, end_s: float) -> None:
+    """End a step where the pedestal halts, and make the rest of it."""
+    dt = drive.settings.dt_s
+    first = min(share * (1.0 + PAST_HALT), 1.0) * dt
+    advance(drive, first, first)
+    rest = end_s - drive.t_s
+    if rest > 0.0:
+        advance(drive, rest, rest)
+    drive.t_s = end_s
+    record(drive, end_s)
+    drive.work["halts_split"] += 1

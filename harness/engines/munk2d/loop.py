@@ -1,0 +1,169 @@
+"""A whole run: blocks of plain steps, each left when a step must be split."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.contact import frame
+from harness.engine import Want
+from harness.engines.munk2d import drive as driving
+from harness.engines.munk2d import native
+from harness.engines.munk2d.drive import Drive
+from harness.engines.munk2d.world import MunkSettings
+from harness.scene import OVERTURN_RAD, Scene
+
+Array = NDArray[np.float64]
+Pair = tuple[float, float]
+
+BLOCK_STEPS: Final = 512
+"""Whole steps between two looks at whether the run can end."""
+STILL_BLOCKS: Final = 2
+STILL_RAD_S: Final = 1e-5
+STILL_M_S: Final = 1e-5
+"""Rates below these in two blocks running, with the floor still, are rest."""
+IMPACT, HALT, END = 1, 2, 0
+EVENT_STEPS: Final = 3
+"""Whole steps that a split impact takes the place of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """The run's whole steps: `edges_s` (n + 1,), gravity of each, and for a moving table its velocity and place."""
+
+    edges_s: Array
+    gravity: Sequence[Pair]
+    table_velocity: Sequence[Pair]
+    table_place: Sequence[Pair]
+
+
+def grid_of(scene: Scene, dt_s: float) -> Grid:
+    """Everything that the table does, computed before the loop."""
+    edges: Array = np.arange(frame.step_count(scene.duration_s, dt_s) + 1, dtype=np.float64) * dt_s
+    if scene.table == "frame":
+        return Grid(edges, _pairs(frame.apparent_gravity(scene, edges)), (), ())
+    still = [(0.0, -scene.gravity_m_s2)] * (edges.size - 1)
+    velocity = frame.table_velocity(scene, edges[1:])
+    place = frame.table_displacement(scene, edges[1:] - 0.5 * dt_s) - velocity * dt_s
+    return Grid(edges, still, _pairs(velocity), _pairs(place))
+
+
+def _pairs(rows: Array) -> list[Pair]:
+    return [(float(x), float(z)) for x, z in zip(rows[:, 0], rows[:, 2], strict=True)]
+
+
+def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
+    """Compute from step `first` to the end; returns whether the run was ended early at rest."""
+    total, k = len(grid.gravity), first
+    quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
+    still_blocks, look = 0, min(k + BLOCK_STEPS, total)
+    while k < total:
+        k, event, share = _plain_steps(drive, grid, k, look)
+        if event == IMPACT:
+            end = min(k + EVENT_STEPS, total)
+            driving.split_impact(drive, float(grid.edges_s[end]))
+            k, drive.rate_before_m_s = end, math.nan
+        elif event == HALT:
+            driving.split_halt(drive, share, float(grid.edges_s[k + 1]))
+            k, drive.rate_before_m_s = k + 1, math.nan
+        if k >= look:
+            look = min(k + BLOCK_STEPS, total)
+            drive.states.append(drive.world.recorder.take())
+            if abs(native.get_angle(native.body_of(drive.world.statue))) > OVERTURN_RAD:
+                return False
+            still_blocks = still_blocks + 1 if drive.t_s > quiet_after and _still(drive) else 0
+            if still_blocks >= STILL_BLOCKS:
+                return k < total
+    drive.states.append(drive.world.recorder.take())
+    return False
+
+
+def _still(drive: Drive) -> bool:
+    body = native.body_of(drive.world.statue)
+    upright = abs(native.get_angle(body)) <= resolution_rad(drive.scene, drive.settings)
+    return upright and abs(native.get_spin(body)) < STILL_RAD_S and abs(driving.slip_rate(drive)) < STILL_M_S
+
+
+def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
+    """Rotation that the contact's slop can leave at rest."""
+    return 2.0 * settings.slop_m / (scene.statue.corner_left_m + scene.statue.corner_right_m)
+
+
+def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int, float]:
+    """Whole steps from k until one must be split, or `stop`.
+
+    Returns the next step, what it holds (END: nothing) and, at a halt, the share of the step at which it comes.
+    """
+    world, friction = drive.world, drive.friction
+    space, recorder = native.space_of(world.space), world.recorder
+    statue, floor = native.body_of(world.statue), native.body_of(world.floor)
+    pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
+    step, set_gravity, each = native.step, native.set_gravity, native.each_body
+    angle_of, spin_of, velocity_of = native.get_angle, native.get_spin, native.get_velocity
+    record_with, record_to = recorder.each, recorder.target
+    dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
+    half, far, last_split = 0.5 * dt, driving.MOST_SHARE * dt, len(gravity) - EVENT_STEPS
+    halts = drive.settings.align and pedestal is not None and rest > 0.0
+    least_spin = driving.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
+    begin, event, share = k, END, 0.0
+    rate, before = driving.slip_rate(drive), drive.rate_before_m_s
+    while k < stop:
+        spin = spin_of(statue)
+        if (
+            (spin > least_spin or spin < -least_spin)
+            and half <= -angle_of(statue) / spin - half < far
+            and k <= last_split
+        ):
+            event = IMPACT
+            break
+        # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
+        if halts and (rest < rate < before - rate or before - rate < rate < -rest):
+            event, share = HALT, rate / (before - rate)
+            break
+        set_gravity(space, gravity[k])
+        if moving:
+            native.set_velocity(floor, grid.table_velocity[k])
+            native.set_place(floor, grid.table_place[k])
+        step(space, dt)
+        if pedestal is not None:
+            before, rate = rate, velocity_of(pedestal).x - (grid.table_velocity[k][0] if moving else 0.0)
+            if friction.switches and (drive.stuck != (-rest <= rate <= rest) or rate * before < 0.0):
+                rate = _switch(drive, grid, k, rate)
+        each(space, record_with, record_to)
+        k += 1
+    drive.rate_before_m_s = before
+    drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
+    drive.work["engine_steps"] += k - begin
+    drive.t_s = float(grid.edges_s[k])
+    drive.place_s = drive.t_s - half
+    return k, event, share
+
+
+def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
+    """Let the floor's coefficient follow the state after step k; returns the pedestal's rate.
+
+    A step that seems to have broken loose is computed again: with many iterations first, because a solver's remainder is no
+    slip, then with the kinetic coefficient.
+    """
+    if not drive.stuck:
+        driving.set_stuck(drive, stuck=True)
+        return rate
+    space, many = native.space_of(drive.world.space), drive.settings.impact_iterations
+    for stuck in (True, False):
+        driving.restore_recorded(drive)
+        if drive.moving:
+            native.set_place(native.body_of(drive.world.floor), grid.table_place[k])
+        driving.set_stuck(drive, stuck=stuck)
+        native.set_iterations(space, many)
+        native.step(space, drive.settings.dt_s)
+        native.set_iterations(space, drive.settings.iterations)
+        drive.work["steps_repeated"] += 1
+        rate = driving.slip_rate(drive)
+        if abs(rate) <= drive.friction.stuck_below_m_s:
+            break
+    return rate

@@ -1,0 +1,84 @@
+"""Chipmunk's own functions, called without pymunk's Python layer around each step.
+
+pymunk's `Space.step` spends more time on its lists of pending changes than Chipmunk on two bodies, and a property read costs
+as much as a collision. No body, shape or callback is added while a run goes on, so these lists stay empty and the results are
+the same bit for bit (tests/harness/engines/test_munk2d.py). One call after each step appends all bodies' states to a buffer in C.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+from pymunk import batch
+from pymunk._chipmunk_cffi import ffi, lib
+
+Array = NDArray[np.float64]
+
+step: Final = lib.cpSpaceStep
+set_gravity: Final = lib.cpSpaceSetGravity
+set_iterations: Final = lib.cpSpaceSetIterations
+each_body: Final = lib.cpSpaceEachBody
+get_angle: Final = lib.cpBodyGetAngle
+set_angle: Final = lib.cpBodySetAngle
+get_spin: Final = lib.cpBodyGetAngularVelocity
+set_spin: Final = lib.cpBodySetAngularVelocity
+get_place: Final = lib.cpBodyGetPosition
+set_place: Final = lib.cpBodySetPosition
+get_velocity: Final = lib.cpBodyGetVelocity
+set_velocity: Final = lib.cpBodySetVelocity
+set_friction: Final = lib.cpShapeSetFriction
+
+FIELDS: Final = (
+    batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
+)
+WIDTH: Final = 6
+"""Numbers for each body: x, z, angle (anticlockwise), their rates."""
+
+
+def space_of(space: pymunk.Space) -> Any:
+    """Chipmunk's space."""
+    return space._space
+
+
+def body_of(body: pymunk.Body) -> Any:
+    """Chipmunk's body."""
+    return body._body
+
+
+def shape_of(shape: pymunk.Shape) -> Any:
+    """Chipmunk's shape."""
+    return shape._shape
+
+
+class Recorder:
+    """Appends the state of every body of a space to memory in C; `take` moves what is there into an array."""
+
+    def __init__(self, space: pymunk.Space) -> None:
+        """All bodies must have been added: dynamic ones come first in a row, the floor after them."""
+        self._buffer = batch.Buffer()
+        self._taken: list[float] = []
+        self.target = ffi.new("pmBatchedData *")
+        self.target.fields = FIELDS.value
+        self.target.floatArray = self._buffer._float_arr
+        self.target.intArray = self._buffer._int_arr
+        self.each = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
+        each_body(space_of(space), self.each, self.target)
+        self._row = len(self._buffer.float_buf()) // np.dtype(np.float64).itemsize
+        self._buffer.clear()
+
+    def last(self) -> list[float]:
+        """The row recorded last."""
+        end = self._buffer._float_arr.num
+        if end == 0:
+            return self._taken
+        return [float(self._buffer._float_arr.arr[i]) for i in range(end - self._row, end)]
+
+    def take(self) -> Array:
+        """The states recorded since the last call, shape (n, 6·bodies), in the order of the space's bodies."""
+        states = np.frombuffer(self._buffer.float_buf(), dtype=np.float64).reshape(-1, self._row).copy()
+        self._taken = states[-1].tolist() if states.size else self._taken
+        self._buffer.clear()
+        return states
