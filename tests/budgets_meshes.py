@@ -21,5 +21,5 @@ CENTROID_TOLERANCE_M = 1e-3
 FLAT_BASE_M = 1e-12
 """The plinth's lower corners are typed as z = 0 and only translated: rounding alone."""
 
-FLOAT32_ROUNDING_M: Final = 2e-7
+FLOAT32_ROUNDING_M = 2e-7
 """glTF keeps single precision: coordinates below 2 m round by at most 2 m times 2^-24, 1.2e-7 m."""
