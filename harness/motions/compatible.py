@@ -39,7 +39,10 @@ _RISE, _STRONG = 0.15, 0.60  # shares of the duration: quadratic rise, strong pa
 _DECAYED = 0.05
 _LOWEST_HZ = 0.15  # an artificial motion has no energy below
 _EDGE = 0.02  # share of the duration that fades in and out
-_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = 3.7, 14.0  # exponents' roots and values: exp(-14) = 8e-7
+_NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = (
+    3.2,
+    9.0,
+)  # exponents' root and value: below 1e-4, and corrected by later passes
 
 
 class NoMatchError(ValueError):
@@ -157,13 +160,11 @@ class _Wavelets:
         missing = (1.0 - peaks.accel_m_s2 / wanted) * peaks.sign
         impulse = self._impulse(peaks.t_s)
         parts = [self._shape(time, j) for j, time in enumerate(peaks.t_s.tolist())]
-        cross = np.stack(
-            [np.einsum("it,t->i", impulse[:, first : first + shape.size], shape) for first, shape in parts], 1
-        )
+        cross = np.empty((len(parts), len(parts)))
+        for j, (first, shape) in enumerate(parts):
+            np.einsum("it,t->i", impulse[:, first : first + shape.size], shape, out=cross[:, j])
         unit = wanted / np.diag(cross)  # amounts for which each wavelet alone makes its own oscillator's target
-        system = cross * unit[None, :] / wanted[:, None]
-        damped = np.einsum("ij,ik->jk", system, system) + _RIDGE**2 * np.eye(wanted.size)
-        amounts = unit * np.linalg.solve(damped, np.einsum("ij,i->j", system, _RELAX * missing))
+        amounts = unit * _least_squares(cross * unit[None, :] / wanted[:, None], _RELAX * missing)
         total = np.zeros(self._n)
         for amount, (first, shape) in zip(amounts, parts, strict=True):
             total[first : first + shape.size] += amount * shape
@@ -186,3 +187,16 @@ class _Wavelets:
             since = time - STEP_S * np.arange(last - reach, last)
             row[last - reach : last] = gain * np.exp(rate.real * since) * np.sin(rate.imag * since)
         return result
+
+
+def _least_squares(system: Floats, wanted: Floats) -> Floats:
+    """x that minimises |system x − wanted|² + (_RIDGE |x|)², by Cholesky written out: LAPACK's bits change with its threads."""
+    rows = np.column_stack([np.einsum("ij,ik->jk", system, system), np.einsum("ij,i->j", system, wanted)])
+    n = wanted.size
+    rows[np.arange(n), np.arange(n)] += _RIDGE**2
+    for k in range(n - 1):
+        rows[k + 1 :, k + 1 :] -= (rows[k, k + 1 : n] / rows[k, k])[:, None] * rows[k, k + 1 :]
+    x = np.zeros(n)
+    for k in range(n - 1, -1, -1):
+        x[k] = (rows[k, n] - np.einsum("i,i->", rows[k, k + 1 : n], x[k + 1 :])) / rows[k, k]
+    return x

@@ -1,0 +1,115 @@
+"""A motion's picture: three histories, the response spectrum against its target, the Arias intensity's build-up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from harness.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
+from harness.motions.measures import arias_share
+from harness.motions.series import displacement_m, velocity_m_s
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLOURS: Final = ("#0b3c5d", "#c8553d", "#5a8f5a", "#8a6d3b", "#6b5b95", "#444444")
+_MOST_POINTS: Final = 4000
+_BAND_COLOUR: Final = "#dddddd"
+
+
+def figure(inspection: Inspection) -> Figure:
+    """A matplotlib figure (11 × 7.5 inches) of an inspection; save it with `savefig` in any format."""
+    from matplotlib.figure import Figure
+
+    drawing = Figure(figsize=(11.0, 7.5))
+    grid = drawing.add_gridspec(
+        3, 2, width_ratios=(1.7, 1.0), left=0.075, right=0.985, top=0.915, bottom=0.075, hspace=0.16, wspace=0.2
+    )
+    histories = [drawing.add_subplot(grid[row, 0]) for row in range(3)]
+    _histories(histories, inspection)
+    _spectrum(drawing.add_subplot(grid[0:2, 1]), inspection)
+    _build_up(drawing.add_subplot(grid[2, 1]), inspection)
+    drawing.suptitle(_title(inspection), x=0.075, ha="left", fontsize=12)
+    return drawing
+
+
+def _title(inspection: Inspection) -> str:
+    parts = [inspection.title, *(inspection.source.get(key, "") for key in ("event", "station", "format"))]
+    return " · ".join(" ".join(part.split()) for part in parts if part)
+
+
+def _histories(axes: list[Axes], inspection: Inspection) -> None:
+    labels = ("acceleration (g)", "velocity (m/s)", "displacement (m)")
+    for i, trace in enumerate(inspection.traces):
+        series = trace.series
+        kept = _outline(series.accel_m_s2)
+        for axis, values in zip(
+            axes, (in_g(series.accel_m_s2), velocity_m_s(series), displacement_m(series)), strict=True
+        ):
+            axis.plot(series.t_s[kept], values[kept], color=_COLOURS[i % len(_COLOURS)], lw=0.8, label=trace.name)
+    for axis, label in zip(axes, labels, strict=True):
+        axis.set_ylabel(label)
+        axis.axhline(0.0, color="#999999", lw=0.5, zorder=0)
+        axis.margins(x=0.0)
+        axis.grid(alpha=0.25)
+    for axis in axes[:-1]:
+        axis.tick_params(labelbottom=False)
+    axes[-1].set_xlabel("time (s)")
+    peaks = [f"{t.name}: PGA {t.measures.pga_g:.3f} g, PGV {t.measures.pgv_m_s:.3f} m/s" for t in inspection.traces]
+    handles, _ = axes[0].get_legend_handles_labels()
+    axes[0].legend(handles, peaks, fontsize=8, loc="upper right", framealpha=0.85)
+
+
+def _outline(
+    accel: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
+) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    """Samples that draw the same picture: all, or each bin's least and greatest, so that no peak is lost."""
+    if accel.size <= _MOST_POINTS:
+        return np.arange(accel.size)
+    width = -(-2 * accel.size // _MOST_POINTS)
+    whole = accel.size // width * width
+    bins = accel[:whole].reshape(-1, width)
+    start = np.arange(0, whole, width)
+    ends = np.array([0, accel.size - 1])
+    return np.unique(np.concatenate([start + bins.argmin(1), start + bins.argmax(1), ends]))
+
+
+def _spectrum(axis: Axes, inspection: Inspection) -> None:
+    target = inspection.target
+    if target is not None:
+        wanted = in_g(target.accel_m_s2(PERIODS_S))
+        axis.fill_between(PERIODS_S, 0.9 * wanted, 1.1 * wanted, color=_BAND_COLOUR, label="target ± 10 %", zorder=1)
+        axis.plot(PERIODS_S, wanted, color="black", lw=1.4, ls="--", label=target.name, zorder=3)
+    for i, trace in enumerate(inspection.traces):
+        axis.plot(PERIODS_S, in_g(trace.spectrum_m_s2), color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=trace.name)
+    axis.set_xscale("log")
+    axis.set_xlim(PERIODS_S[0], PERIODS_S[-1])
+    axis.set_ylim(bottom=0.0)
+    ticks = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.minorticks_off()
+    damping = DAMPING if target is None else target.damping
+    axis.set_xlabel("period (s)", labelpad=1.0)
+    axis.set_ylabel(f"pseudo-acceleration (g), damping {damping:.0%}")
+    axis.grid(alpha=0.25)
+    axis.legend(fontsize=8, loc="upper right")
+
+
+def _build_up(axis: Axes, inspection: Inspection) -> None:
+    for i, trace in enumerate(inspection.traces):
+        if trace.measures.arias_m_s == 0.0:
+            continue
+        share = 100.0 * arias_share(trace.series.accel_m_s2**2)
+        kept = _outline(share)
+        label = f"{trace.name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {trace.measures.significant_5_95_s:.1f} s"
+        axis.plot(trace.series.t_s[kept], share[kept], color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=label)
+    for level in (5.0, 95.0):
+        axis.axhline(level, color="#999999", lw=0.6, ls=":")
+    axis.set_xlabel("time (s)")
+    axis.set_ylabel("Arias intensity (%)")
+    axis.margins(x=0.0)
+    axis.grid(alpha=0.25)
+    if axis.lines[:-2]:
+        axis.legend(fontsize=8, loc="lower right")
