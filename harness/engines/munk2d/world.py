@@ -69,8 +69,6 @@ def build(scene: Scene, settings: MunkSettings) -> World:
     floor = space.static_body
     if scene.table == "moving":
         floor = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        space.add(floor)
-    floor_shape = _floor(scene, space, floor)
     pedestal = None if scene.pedestal is None else _pedestal(scene, settings)
     statue = _statue(scene, settings)
     dynamic = [statue] if pedestal is None else [statue, pedestal]
@@ -78,6 +76,10 @@ def build(scene: Scene, settings: MunkSettings) -> World:
         dynamic.reverse()
     for body in dynamic:
         space.add(body, *body.shapes)
+    # The floor last: bodies are recorded in the order in which they are added.
+    if floor is not space.static_body:
+        space.add(floor)
+    floor_shape = _floor(scene, space, floor)
     recorder = native.Recorder(space)
     return World(
         space,
