@@ -111,10 +111,10 @@ def _probit(log_x: Array, y: Array) -> tuple[Array, Array]:
     information = np.eye(2)
     for _ in range(STEPS):
         eta = design @ beta
-        gradient, weight = _probit_terms(eta, y)
+        gradient, weight, likelihood = probit_terms(eta, y)
         information = design.T @ (weight[:, None] * design)
         step = np.linalg.solve(information, design.T @ gradient)
-        while _log_likelihood(design @ (beta + step), y) < _log_likelihood(eta, y) - 1e-12 * y.size:
+        while probit_terms(design @ (beta + step), y)[2] < likelihood - 1e-12 * y.size:
             step = 0.5 * step
         beta = beta + step
         if np.max(np.abs(step)) < CONVERGED:
@@ -123,20 +123,15 @@ def _probit(log_x: Array, y: Array) -> tuple[Array, Array]:
     return back @ beta, back @ np.linalg.inv(information) @ back.T
 
 
-def _probit_terms(eta: Array, y: Array) -> tuple[Array, Array]:
-    """First derivative of each case's log-likelihood in η, and minus the second."""
+def probit_terms(eta: Array, y: Array) -> tuple[Array, Array, float]:
+    """First derivative of each case's log-likelihood under P = Φ(η), minus the second, and the sum of all."""
     from scipy.special import log_ndtr
 
     sign = 2.0 * y - 1.0
     signed = sign * eta
-    mills = np.exp(-0.5 * signed**2 - 0.5 * math.log(2.0 * math.pi) - log_ndtr(signed))
-    return sign * mills, mills * (mills + signed)
-
-
-def _log_likelihood(eta: Array, y: Array) -> float:
-    from scipy.special import log_ndtr
-
-    return float(np.sum(log_ndtr((2.0 * y - 1.0) * eta)))
+    logs = log_ndtr(signed)
+    mills = np.exp(-0.5 * signed**2 - 0.5 * math.log(2.0 * math.pi) - logs)
+    return sign * mills, mills * (mills + signed), float(np.sum(logs))
 
 
 def _phi(x: Array) -> Array:

@@ -14,6 +14,9 @@ from harness.statistics import Interval, bootstrap, wilson
 
 Flags = NDArray[np.bool_]
 
+FELL: Final = "overturned"
+"""An observation that says that the statue fell, not to which side."""
+
 DECIDED: Final = (
     Outcome.STANDS,
     Outcome.OVERTURNED_LEFT,
@@ -28,14 +31,25 @@ DECIDED: Final = (
 class Case:
     """One case: what is predicted, what is true (observed, or the reference model's).
 
+    `observed` is an outcome, or `FELL` where the side is not known.
     `within_uncertainty`: the predicted outcome flips within its stated uncertainty, so that it decides nothing.
     `no_return_s` are the two no-return times, None where there was none.
     """
 
     predicted: Outcome
-    observed: Outcome
+    observed: Outcome | str
     within_uncertainty: bool = False
     no_return_s: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def fell(self) -> bool:
+        """Whether the statue truly overturned, whichever way."""
+        return self.observed == FELL or (isinstance(self.observed, Outcome) and self.observed.overturned)
+
+    @property
+    def decided(self) -> bool:
+        """Whether both outcomes say if the statue fell."""
+        return self.predicted in DECIDED and (self.observed in DECIDED or self.observed == FELL)
 
 
 @dataclass(frozen=True)
@@ -43,8 +57,8 @@ class OutcomeScores:
     """Scores of a set of predicted outcomes; `positive` means overturned, whichever way.
 
     `confusion[observed][predicted]` counts by side over all decided cases that are not within the uncertainty;
-    `side_accuracy` is the share of those with the very same outcome. Scores without meaning (no positive predicted, ...) are
-    None. Proportions carry Wilson's interval, F1 and Matthews' correlation the bootstrap's.
+    `side_accuracy` is the share of those with the very same outcome, where the side is known. Scores without meaning (no
+    positive predicted, ...) are None. Proportions carry Wilson's interval, F1 and Matthews' correlation the bootstrap's.
     """
 
     cases: int
@@ -66,23 +80,24 @@ class OutcomeScores:
 
 def score_outcomes(cases: Sequence[Case], *, seed: int = 0) -> OutcomeScores:
     """Score predicted outcomes against observed ones."""
-    decided = [case for case in cases if case.predicted in DECIDED and case.observed in DECIDED]
+    decided = [case for case in cases if case.decided]
     sure = [case for case in decided if not case.within_uncertainty]
     names = [outcome.value for outcome in DECIDED]
-    confusion = {observed: dict.fromkeys(names, 0) for observed in names}
+    confusion = {observed: dict.fromkeys(names, 0) for observed in (*names, FELL)}
     for case in sure:
-        confusion[case.observed.value][case.predicted.value] += 1
+        confusion[str(case.observed)][case.predicted.value] += 1
     predicted = np.array([case.predicted.overturned for case in sure], dtype=np.bool_)
-    observed = np.array([case.observed.overturned for case in sure], dtype=np.bool_)
+    observed = np.array([case.fell for case in sure], dtype=np.bool_)
     hits = int(np.sum(predicted & observed))
     size = len(sure)
+    sided = [case for case in sure if case.observed != FELL]
     return OutcomeScores(
         cases=len(cases),
         undecided=len(cases) - len(decided),
         within_uncertainty=len(decided) - size,
         confusion=confusion,
         accuracy=wilson(int(np.sum(predicted == observed)), size),
-        side_accuracy=wilson(sum(case.predicted is case.observed for case in sure), size),
+        side_accuracy=wilson(sum(case.predicted is case.observed for case in sided), len(sided)),
         precision=wilson(hits, int(predicted.sum())),
         recall=wilson(hits, int(observed.sum())),
         f1=bootstrap(lambda index: f1(predicted[index], observed[index]), size, seed=seed),

@@ -65,8 +65,7 @@ def test_doubles_rank_as_expected() -> None:
 def test_it_is_loaded_only_when_asked() -> None:
     code = (
         "import sys; from harness import compare; from tests import doubles; h = doubles.rocking(1.0);"
-        "assert compare(h, h).iso is None; assert 'objective_rating_metrics' not in sys.modules;"
-        "assert compare(h, h, iso=True).iso['overall'] == 1.0"
+        "assert compare(h, h).iso is None; assert 'objective_rating_metrics' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

@@ -1,0 +1,10 @@
+"""Models against measured tests: a table of experiments in, outcome scores out.
+
+How a table looks, column by column, stands in `harness.validation.table.COLUMNS`; `rockcheck validate EXPERIMENTS` runs it.
+"""
+
+from __future__ import annotations
+
+from harness.validation.run import validate
+
+__all__ = ["validate"]

@@ -1,0 +1,229 @@
+"""The table of experiments: one row for each test on a shake table, as CSV."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Final
+
+from harness import paths
+from harness.errors import InputError, Mistake
+from harness.history import Outcome
+from harness.outcomes import FELL
+
+COLUMNS: Final[Mapping[str, str]] = {
+    "test": "name of the test, each once",
+    "scene": "scene file (TOML) whose statue, pedestal and contact are meant; or",
+    "mesh": "file of the body's surface, standing on the floor",
+    "unit": "unit of the mesh: m, dm, cm, mm, in, ft (default m)",
+    "up": "vertical axis of the mesh's file (default z)",
+    "density_kg_m3": "density of the body (default 2700; without a pedestal it changes nothing)",
+    "azimuth_deg": "turn of the body about the vertical; several values with ; where it is not known (default 0)",
+    "friction": "friction of the body on its support; several values with ; where it is not known (default: the scene's)",
+    "motion": "file of the table's motion, any format that a scene may name (default: the scene's)",
+    "column": "channel along the rocking plane",
+    "column_y": "channel across it",
+    "column_z": "vertical channel",
+    "motion_unit": "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
+    "sign": "1 or -1: whether the table's positive direction is the scene's (default 1)",
+    "scale": "factor on the motion (default 1)",
+    "duration_s": "time to simulate (default: the motion's end and a while for rocking to die down)",
+    "observed": "stands, overturned, or with its side: overturned_left, overturned_right, overturned_front, overturned_back",
+    "history": "file of the measured rotation (columns t_s, theta_rad)",
+    "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
+}
+OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
+LIST_SEPARATOR: Final = ";"
+DEFAULT_DENSITY_KG_M3: Final = 2700.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One test of the table, paths resolved; None where a column is left empty and the scene decides."""
+
+    name: str
+    row: int
+    observed: str
+    scene: Path | None = None
+    mesh: Path | None = None
+    unit: str = "m"
+    up: str = "z"
+    density_kg_m3: float = DEFAULT_DENSITY_KG_M3
+    azimuths_deg: tuple[float, ...] = (0.0,)
+    frictions: tuple[float | None, ...] = (None,)
+    motion: Path | None = None
+    column: str | None = None
+    column_y: str | None = None
+    column_z: str | None = None
+    motion_unit: str | None = None
+    sign: int = 1
+    scale: float = 1.0
+    duration_s: float | None = None
+    history: Path | None = None
+    share: str = ""
+
+    @property
+    def body(self) -> str:
+        """What names the body: tests of one body share an unknown azimuth."""
+        return str(self.mesh or self.scene)
+
+    @property
+    def fell(self) -> bool:
+        """Whether the body was seen to overturn, whichever way."""
+        return self.observed != Outcome.STANDS.value
+
+
+def read_table(path: Path) -> list[Trial]:
+    """Read a table of experiments; raises `InputError` with every mistake, each with its row and column."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            lines = [line for line in csv.reader(stream) if line and not line[0].lstrip().startswith("#")]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
+    if len(lines) < 2:
+        raise InputError(Mistake(str(path), "", "a header line and at least one test", f"{len(lines)} lines"))
+    names = [name.strip() for name in lines[0]]
+    mistakes = _header(path, names)
+    if mistakes:
+        raise InputError(mistakes)
+    tests: list[Trial] = []
+    for number, cells in enumerate(lines[1:], 1):
+        row = _Row(path, number, names, cells, mistakes)
+        tests.append(row.trial())
+    mistakes += _set_of_tests(path, tests)
+    if mistakes:
+        raise InputError(mistakes)
+    return tests
+
+
+def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
+    mistakes = []
+    for name in names:
+        if name not in COLUMNS:
+            near = get_close_matches(name, COLUMNS, n=1)
+            advice = f"did you mean {near[0]}?" if near else ""
+            mistakes.append(Mistake(str(path), "header", f"a known column ({', '.join(COLUMNS)})", repr(name), advice))
+    mistakes += [
+        Mistake(str(path), "header", "each column once", f"{name} {names.count(name)} times")
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
+    mistakes += [
+        Mistake(str(path), "header", f"a column {name}", "none") for name in ("test", "observed") if name not in names
+    ]
+    if "scene" not in names and "mesh" not in names:
+        mistakes.append(Mistake(str(path), "header", "a column scene or mesh", "neither"))
+    return mistakes
+
+
+def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
+    """Mistakes that only the rows together show."""
+    mistakes = []
+    seen: dict[str, int] = {}
+    for test in tests:
+        if test.name in seen:
+            wanted = "a name of its own"
+            mistakes.append(
+                Mistake(str(path), f"row {test.row}: test", wanted, f"{test.name!r}, as row {seen[test.name]}")
+            )
+        seen.setdefault(test.name, test.row)
+    for column, attribute in (("azimuth_deg", "azimuths_deg"), ("friction", "frictions")):
+        lists = {getattr(test, attribute) for test in tests if len(getattr(test, attribute)) > 1}
+        if len(lists) > 1:
+            got = f"{len(lists)} different lists"
+            mistakes.append(Mistake(str(path), column, "the same list of values wherever it is not known", got))
+    return mistakes
+
+
+class _Row:
+    """One line being read; its mistakes go to the table's list."""
+
+    def __init__(self, path: Path, number: int, names: list[str], cells: list[str], mistakes: list[Mistake]) -> None:
+        self._path, self._number, self._mistakes = path, number, mistakes
+        if len(cells) != len(names):
+            self._wrong("", f"{len(names)} cells", f"{len(cells)}")
+        self._cells = {name: cell.strip() for name, cell in zip(names, cells, strict=False)}
+
+    def trial(self) -> Trial:
+        """The test of this row, with whatever could be read of it."""
+        scene, mesh = self._file("scene"), self._file("mesh")
+        if bool(self._cell("scene")) == bool(self._cell("mesh")):
+            self._wrong("scene", "either a scene or a mesh", "both" if self._cell("scene") else "neither")
+        motion = self._file("motion")
+        if self._cell("mesh") and not self._cell("motion"):
+            self._wrong("motion", "a file with the table's motion", "nothing")
+        return Trial(
+            name=self._cell("test") or self._missing("test"),
+            row=self._number,
+            observed=self._choice("observed", OBSERVED, ""),
+            scene=scene,
+            mesh=mesh,
+            unit=self._choice("unit", ("m", "dm", "cm", "mm", "in", "ft"), "m"),
+            up=self._choice("up", ("x", "y", "z", "-x", "-y", "-z"), "z"),
+            density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3, above=0.0),
+            azimuths_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
+            frictions=tuple(self._numbers("friction", above=0.0)) or (None,),
+            motion=motion,
+            column=self._cell("column") or None,
+            column_y=self._cell("column_y") or None,
+            column_z=self._cell("column_z") or None,
+            motion_unit=self._choice("motion_unit", ("m/s2", "cm/s2", "mm/s2", "g"), "") or None,
+            sign=int(self._choice("sign", ("1", "-1", "+1"), "1")),
+            scale=self._number_in("scale", 1.0, above=0.0),
+            duration_s=self._number_in("duration_s", 0.0, above=0.0) or None,
+            history=self._file("history"),
+            share=self._cell("share"),
+        )
+
+    def _cell(self, name: str) -> str:
+        return self._cells.get(name, "")
+
+    def _wrong(self, column: str, wanted: str, got: str, advice: str = "") -> None:
+        key = f"row {self._number}: {column}" if column else f"row {self._number}"
+        self._mistakes.append(Mistake(str(self._path), key, wanted, got, advice))
+
+    def _missing(self, column: str) -> str:
+        self._wrong(column, COLUMNS[column], "nothing")
+        return f"row {self._number}"
+
+    def _file(self, column: str) -> Path | None:
+        if not self._cell(column):
+            return None
+        key = f"row {self._number}: {column}"
+        try:
+            return paths.resolve(self._cell(column), base_dir=self._path.parent, where=str(self._path), key=key)
+        except InputError as error:
+            self._mistakes.extend(error.mistakes)
+            return None
+
+    def _choice(self, column: str, known: Sequence[str], otherwise: str) -> str:
+        cell = self._cell(column) or otherwise
+        if cell in known or (cell == otherwise and column != "observed"):
+            return cell
+        near = get_close_matches(cell, known, n=1)
+        self._wrong(column, f"one of {', '.join(known)}", repr(cell), f"did you mean {near[0]}?" if near else "")
+        return otherwise or known[0]
+
+    def _numbers(self, column: str, above: float = -math.inf) -> list[float]:
+        found = []
+        for text in self._cell(column).split(LIST_SEPARATOR) if self._cell(column) else []:
+            try:
+                value = float(text)
+            except ValueError:
+                value = math.nan
+            if not (math.isfinite(value) and value > above):
+                limit = "" if above == -math.inf else f" above {above:g}"
+                self._wrong(column, f"a finite number{limit} (several with {LIST_SEPARATOR})", repr(text.strip()))
+                continue
+            found.append(value)
+        return found
+
+    def _number_in(self, column: str, otherwise: float, above: float) -> float:
+        found = self._numbers(column, above)
+        if len(found) > 1:
+            self._wrong(column, "one number", self._cell(column))
+        return found[0] if found else otherwise

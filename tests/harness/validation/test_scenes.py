@@ -1,0 +1,142 @@
+"""From a test of the table to its scenes: the stone turned, pared, shaken; perturbations seeded and small."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import InputError
+from harness.validation.scenes import (
+    BASE_SD_M,
+    FRICTION_SD,
+    GRAVITY_M_S2,
+    RING_DOWN_S,
+    Variant,
+    digest_of,
+    intensity,
+    scene_of,
+    variants,
+)
+from harness.validation.table import Trial, read_table
+from tests.budgets_compare import QUANTILE_SE, TRAPEZOID_REL
+from tests.harness.validation.experiments import BASE, write_experiments, write_table
+
+TURNED = 90.0
+
+
+@pytest.fixture
+def trial(tmp_path: Path) -> Trial:
+    return read_table(write_experiments(tmp_path, [3.0], azimuth_deg=f"0;{TURNED:g}", friction="0.5;0.8"))[0]
+
+
+def test_the_stone_stands_on_its_scanned_base(trial: Trial) -> None:
+    scene = scene_of(trial, Variant())
+    assert scene.statue.corner_left_m + scene.statue.corner_right_m == pytest.approx(np.ptp(BASE[:, 0]), rel=1e-6)
+    assert scene.contact.statue == 0.5
+    assert scene.pedestal is None
+    assert scene.duration_s == pytest.approx(scene.shake.end_s + RING_DOWN_S)
+
+
+def test_turned_by_a_right_angle_width_and_depth_exchange(trial: Trial) -> None:
+    straight, turned = scene_of(trial, Variant()), scene_of(trial, Variant(azimuth=1, friction=1))
+    assert turned.statue.depth_m == pytest.approx(straight.statue.corner_left_m + straight.statue.corner_right_m)
+    assert turned.contact.statue == 0.8
+
+
+def test_variants_are_every_choice_nominal_and_perturbed(trial: Trial) -> None:
+    found = list(variants(trial, 3))
+    assert len(found) == len(set(found)) == 2 * 2 * 4
+    assert found[0] == Variant()
+
+
+def test_perturbations_are_seeded_small_and_of_the_stated_spread(trial: Trial) -> None:
+    nominal = scene_of(trial, Variant())
+    drawn = [scene_of(trial, Variant(sample=k)) for k in range(1, 101)]
+    again = scene_of(trial, Variant(sample=1))
+    assert again.statue.corner_left_m == drawn[0].statue.corner_left_m
+    assert again.contact.statue == drawn[0].contact.statue
+    other = scene_of(trial, Variant(sample=1), seed=1)
+    assert other.contact.statue != drawn[0].contact.statue
+    rough = np.log([scene.contact.statue / nominal.contact.statue for scene in drawn])
+    # The standard deviation of 100 normal draws errs by 1/√200 of itself.
+    assert rough.std() == pytest.approx(FRICTION_SD, rel=QUANTILE_SE / np.sqrt(200))
+    widths = np.array([scene.statue.corner_left_m + scene.statue.corner_right_m for scene in drawn])
+    assert 0.0 < widths.std() < 20 * BASE_SD_M
+    assert len({scene.statue.mass_kg for scene in drawn}) == 1
+
+
+def test_a_pared_base_is_narrower_by_twice_the_cut(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
+    from harness.validation import scenes
+
+    whole = scene_of(trial, Variant()).statue
+    monkeypatch.setattr(scenes, "_perturbation", lambda *_: (0.0, 0.004, 1.0))
+    pared = scene_of(trial, Variant(sample=1)).statue
+    assert pared.corner_left_m + pared.corner_right_m == pytest.approx(
+        whole.corner_left_m + whole.corner_right_m - 2 * 0.004
+    )
+    assert pared.solid is not None
+    assert whole.solid is not None
+    assert np.ptp(pared.solid.base_profile_m[:, 0]) == pytest.approx(np.ptp(whole.solid.base_profile_m[:, 0]) - 0.008)
+    assert pared.inertia_kg_m2 == whole.inertia_kg_m2
+
+
+def test_intensity_is_that_of_the_burst(trial: Trial) -> None:
+    """The burst's PGA is its amplitude (800 samples a second see the crest to (πf/800)²/2), its PGV A/ω."""
+    found = intensity(trial)
+    assert found.pga_g * GRAVITY_M_S2 == pytest.approx(3.0, rel=(np.pi * 2 / 800) ** 2 + TRAPEZOID_REL)
+    assert found.pgv_m_s == pytest.approx(3.0 / (4 * np.pi), rel=(np.pi * 2 / 800) ** 2 + TRAPEZOID_REL)
+    assert found.ratio_s == pytest.approx(found.pgv_m_s / (found.pga_g * GRAVITY_M_S2))
+
+
+def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
+    mirrored = scene_of(replace(trial, sign=-1, scale=2.0), Variant())
+    t = np.linspace(0.0, 2.0, 50)
+    assert mirrored.shake.x.accel_m_s2(t) == pytest.approx(
+        -2.0 * np.asarray(scene_of(trial, Variant()).shake.x.accel_m_s2(t))
+    )
+
+
+def test_the_digest_follows_the_files_content(trial: Trial, tmp_path: Path) -> None:
+    from harness.validation import scenes
+
+    before = digest_of(trial)
+    assert digest_of(replace(trial, scale=2.0)) != before
+    assert digest_of(replace(trial, observed="overturned", share="x")) == before
+    assert trial.motion is not None
+    trial.motion.write_text(trial.motion.read_text() + "9.0,0.0\n")
+    scenes._file_digest.cache_clear()
+    assert digest_of(trial) != before
+
+
+SCENE = """
+title = "block"
+duration_s = 3.0
+[statue]
+mass_kg = 100.0
+centroid_height_m = 0.5
+corner_left_m = 0.1
+corner_right_m = 0.1
+inertia_kg_m2 = 10.0
+height_m = 1.0
+depth_m = 0.4
+[motion.x]
+kind = "harmonic"
+amplitude_g = 0.3
+frequency_hz = 2.0
+"""
+
+
+def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path) -> None:
+    (tmp_path / "block.toml").write_text(SCENE)
+    rows = [{"test": "a", "scene": "block.toml", "observed": "stands", "azimuth_deg": "0;30"}]
+    block = read_table(write_table(tmp_path / "table.csv", rows))[0]
+    scene = scene_of(block, Variant())
+    assert scene.duration_s == 3.0
+    assert intensity(block).pga_g == pytest.approx(0.3, rel=1e-3)
+    narrower = scene_of(replace(block, azimuths_deg=(0.0,)), Variant())
+    assert narrower.statue.corner_left_m == 0.1
+    with pytest.raises(InputError, match="numbers alone"):
+        scene_of(block, Variant(azimuth=1))

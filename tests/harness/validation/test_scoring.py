@@ -1,0 +1,146 @@
+"""Scores of a validation from given answers: fitting, probabilities, classes of intensity, the baseline."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.history import Outcome
+from harness.outcomes import FELL
+from harness.validation.scenes import GRAVITY_M_S2, Intensity, Variant
+from harness.validation.scoring import (
+    Choice,
+    by_intensity,
+    case_of,
+    choose,
+    probability,
+    score_baseline,
+    score_model,
+)
+from harness.validation.table import Trial, read_table
+from tests.harness.validation.experiments import write_experiments
+
+STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT.value
+
+
+def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, frictions: int = 1) -> Trial:
+    return Trial(
+        name,
+        1,
+        FELL if fell else STANDS,
+        mesh=Path(body),
+        azimuths_deg=tuple(30.0 * k for k in range(azimuths)),
+        frictions=tuple(0.2 * (k + 1) for k in range(frictions)),
+    )
+
+
+def answer(fell: bool, **fields: Any) -> Mapping[str, Any]:
+    known: dict[str, Any] = {
+        "outcome": FALLS if fell else STANDS,
+        "numerical_uncertainty_rad": None,
+        "reliable_until_s": None,
+        "no_return_time_s": None,
+        "peak_theta_rad": 0.0,
+    }
+    return known | fields
+
+
+def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
+    """Body a is right at azimuth 1, body b at azimuth 0, both with friction 1 only."""
+    trials = [
+        trial(f"{body}{k}", k % 2 == 0, body=body, azimuths=2, frictions=2) for body in ("a", "b") for k in range(4)
+    ]
+    right = {"a": 1, "b": 0}
+    answers = {
+        (each.name, Variant(azimuth, friction)): answer(
+            each.fell if (azimuth == right[each.body] and friction == 1) else not each.fell
+        )
+        for each in trials
+        for azimuth in (0, 1)
+        for friction in (0, 1)
+    }
+    found = choose(trials, answers)
+    assert found == Choice(1, {"a": 1, "b": 0}, 8, 1.0)
+    assert found.variant(trials[0]) == Variant(1, 1)
+    assert found.variant(trial("known", True)) == Variant(0, 0)
+    assert choose([], {}) == Choice(0, {}, 0, None)
+
+
+def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() -> None:
+    one = trial("t", True)
+    outcomes = [answer(True), answer(False), answer(True), answer(True), {**answer(True), "outcome": "crashed"}]
+    answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
+    choice = Choice(0, {}, 0, None)
+    assert probability(one, choice, answers, 4) == 0.75
+    crashed = {(one.name, Variant()): {**answer(True), "outcome": "crashed"}}
+    assert probability(one, choice, crashed, 0) is None
+
+
+@pytest.mark.parametrize(
+    ("fields", "flips"),
+    [
+        ({"numerical_uncertainty_rad": None}, False),
+        ({"numerical_uncertainty_rad": 1e-3, "reliable_until_s": 2.0, "no_return_time_s": 2.5}, True),
+        ({"numerical_uncertainty_rad": 1e-3, "reliable_until_s": 3.0, "no_return_time_s": 2.5}, False),
+    ],
+)
+def test_a_fall_decided_after_the_reliable_time_flips(fields: dict[str, Any], flips: bool) -> None:
+    assert case_of(trial("t", True), Variant(), answer(True, **fields)).within_uncertainty is flips
+
+
+@pytest.mark.parametrize(("below", "flips"), [(1.9, True), (2.1, False)])
+def test_a_stand_within_twice_the_uncertainty_of_the_balance_point_flips(
+    tmp_path: Path, below: float, flips: bool
+) -> None:
+    one = read_table(write_experiments(tmp_path, [3.0]))[0]
+    from harness.validation.scenes import scene_of
+
+    statue = scene_of(one, Variant()).statue
+    limit = min(statue.slenderness_rad(1), statue.slenderness_rad(-1))
+    run = answer(False, numerical_uncertainty_rad=1e-3, peak_theta_rad=limit - below * 1e-3)
+    assert case_of(one, Variant(), run).within_uncertainty is flips
+
+
+def test_classes_of_intensity_are_of_equal_size() -> None:
+    trials = [trial(f"t{k}", k > 4) for k in range(9)]
+    shaking = {each.name: Intensity(0.1, 0.1 * (k + 1)) for k, each in enumerate(trials)}
+    found = by_intensity(trials, shaking, lambda each: each.name != "t4")
+    assert [(row["tests"], row["accuracy"]["value"]) for row in found] == [
+        (3, 1.0),
+        (3, pytest.approx(2 / 3)),
+        (3, 1.0),
+    ]
+    assert found[0]["pgv_to_m_s"] < found[1]["pgv_from_m_s"]
+
+
+def test_a_model_is_scored_whole() -> None:
+    trials = [trial(f"t{k}", k >= 6) for k in range(12)]
+    # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
+    shaking = {each.name: Intensity(0.1 * (k + 1), 0.01 * (k + 1) * GRAVITY_M_S2) for k, each in enumerate(trials)}
+    answers: dict[tuple[str, Variant], Mapping[str, Any]] = {}
+    for k, each in enumerate(trials):
+        answers[each.name, Variant()] = answer(k >= 5)
+        answers[each.name, Variant(sample=1)] = answer(k >= 6)
+    found = score_model(trials, trials, Choice(0, {}, 0, None), answers, shaking, 1)
+    assert found["outcomes"]["accuracy"]["value"] == pytest.approx(11 / 12)
+    assert found["outcomes"]["confusion"]["stands"]["overturned_right"] == 1
+    assert found["probability"]["brier"] == pytest.approx(0.25 / 12)
+    assert found["fragility_pgv"]["separated"]
+    assert found["contour"] is not None
+    assert found["failed"] == 0
+
+
+def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
+    trials = [trial(f"t{k}", k >= 6) for k in range(12)]
+    # The strongest that stood is just below the middle of its neighbours.
+    shaking = {each.name: Intensity(0.1, 0.1 * (k + 1) - 0.01 * (k == 5)) for k, each in enumerate(trials)}
+    apart = score_baseline(trials[::2], trials[1::2], shaking)
+    assert apart["threshold_m_s"] == pytest.approx(0.6)
+    assert apart["outcomes"]["accuracy"]["value"] == 1.0
+    alone = score_baseline([], trials, shaking)
+    assert "all tests but" in alone["fitted_on"]
+    # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
+    assert alone["outcomes"]["accuracy"]["value"] == 1.0

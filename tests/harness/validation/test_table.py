@@ -1,0 +1,86 @@
+"""The table of experiments: what it says, and every mistake at once with its row and column."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from harness.errors import InputError
+from harness.validation.table import COLUMNS, read_table
+from tests.harness.validation.experiments import write_experiments, write_table
+
+
+def test_a_table_is_read_with_its_defaults(tmp_path: Path) -> None:
+    trials = read_table(write_experiments(tmp_path, [2.0, 4.0], azimuth_deg="0;45;90", share="fit"))
+    assert [trial.name for trial in trials] == ["t0", "t1"]
+    first = trials[0]
+    assert first.azimuths_deg == (0.0, 45.0, 90.0)
+    assert first.frictions == (None,)
+    assert first.mesh == (tmp_path / "stone.ply").resolve()
+    assert (first.unit, first.up, first.sign, first.scale) == ("m", "z", 1, 1.0)
+    assert first.share == "fit"
+    assert not first.fell
+
+
+def test_comments_and_a_byte_order_mark_are_skipped(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, [2.0])
+    path.write_text("\ufeff# tests of May\n" + path.read_text(), encoding="utf-8")
+    with pytest.raises(InputError, match="column test"):
+        # The mark belongs to the first line, a comment here; a header below it is read.
+        read_table(write_table(tmp_path / "other.csv", [{"observed": "stands", "mesh": "stone.ply"}]))
+    assert len(read_table(path)) == 1
+
+
+def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, [2.0, 3.0, 4.0])
+    lines = path.read_text().splitlines()
+    lines[1] = lines[1].replace("stands", "stand")
+    lines[2] = lines[2].replace("burst1.csv", "lost.csv").replace("t1", "t0")
+    lines[3] = lines[3].replace("m/s2", "gal") + ",7"
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError) as caught:
+        read_table(path)
+    told = str(caught.value)
+    assert "row 1: observed: wanted one of overturned, stands" in told
+    assert "did you mean stands?" in told
+    assert "lost.csv" in told
+    assert "row 3: motion_unit" in told
+    assert "row 3: wanted 7 cells, got 8" in told or "row 3: wanted 6 cells, got 7" in told
+    assert "row 2: test: wanted a name of its own, got 't0', as row 1" in told
+
+
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"azimuth": "3"}, "did you mean azimuth_deg"),
+        ({"friction": "0.5;-1"}, "above 0"),
+        ({"azimuth_deg": "north"}, "a finite number"),
+        ({"sign": "2"}, "one of 1, -1"),
+        ({"scale": "1;2"}, "one number"),
+        ({"scene": "stone.ply"}, "either a scene or a mesh"),
+    ],
+)
+def test_a_wrong_cell_is_told(tmp_path: Path, columns: dict[str, str], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        read_table(write_experiments(tmp_path, [2.0], **columns))
+
+
+def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, [2.0, 3.0], friction="0.3;0.6")
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:2], lines[2].replace("0.3;0.6", "0.4;0.6")]) + "\n")
+    with pytest.raises(InputError, match="the same list of values"):
+        read_table(path)
+
+
+@pytest.mark.parametrize("text", ["", "test,observed,mesh\n"])
+def test_an_empty_table_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "empty.csv").write_text(text)
+    with pytest.raises(InputError, match="at least one test"):
+        read_table(tmp_path / "empty.csv")
+
+
+def test_every_column_is_documented(root: Path) -> None:
+    text = (root / "docs" / "scores.md").read_text(encoding="utf-8")
+    assert [name for name in COLUMNS if f"`{name}`" not in text] == []
