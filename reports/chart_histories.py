@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice, pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -164,18 +165,21 @@ def _strip(source: RunSource, axis: str) -> list[Json]:
 
 
 def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHES) -> list[tuple[float, float, str]]:
-    """At most about `most` stretches covering the same time: those too short to see take their longest neighbour's pattern."""
+    """At most `most` stretches covering the same time: where there are more, each bin takes its longest pattern."""
     stretches = [(float(start), float(end), str(name)) for start, end, name in patterns]
     if len(stretches) <= most:
         return stretches
-    first, last = stretches[0][0], stretches[-1][1]
+    edges = np.linspace(stretches[0][0], stretches[-1][1], most + 1).tolist()
     found: list[tuple[float, float, str]] = []
-    for low in np.linspace(first, last, most + 1)[:-1]:
-        high = low + (last - first) / most
+    first = 0
+    for low, high in pairwise(edges):
+        while stretches[first][1] <= low and first + 1 < len(stretches):
+            first += 1
         shares: dict[str, float] = {}
-        for start, end, name in stretches:
-            if start < high and end > low:
-                shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
+        for start, end, name in islice(stretches, first, None):
+            if start >= high:
+                break
+            shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
         longest = max(shares, key=lambda name: shares[name])
         if found and found[-1][2] == longest:
             found[-1] = (found[-1][0], high, longest)

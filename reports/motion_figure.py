@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 _COLOURS: Final = ("#0b3c5d", "#c8553d", "#5a8f5a", "#8a6d3b", "#6b5b95", "#444444")
 _MOST_POINTS: Final = 4000
 _BAND_COLOUR: Final = "#dddddd"
+_HEAD_ROOM: Final = 1.22
+"""Of the spectrum's axis, for its legend."""
+_ORIGIN_WIDTH: Final = 170
 
 
 def figure(inspection: Inspection) -> Figure:
@@ -24,20 +28,28 @@ def figure(inspection: Inspection) -> Figure:
     from matplotlib.figure import Figure
 
     drawing = Figure(figsize=(11.0, 7.5))
-    grid = drawing.add_gridspec(
-        3, 2, width_ratios=(1.7, 1.0), left=0.075, right=0.985, top=0.915, bottom=0.075, hspace=0.16, wspace=0.2
+    left = drawing.add_gridspec(3, 1, left=0.085, right=0.575, top=0.9, bottom=0.075, hspace=0.14)
+    right = drawing.add_gridspec(
+        2, 1, height_ratios=(1.8, 1.0), left=0.655, right=0.985, top=0.9, bottom=0.075, hspace=0.24
     )
-    histories = [drawing.add_subplot(grid[row, 0]) for row in range(3)]
+    histories = [drawing.add_subplot(left[row, 0]) for row in range(3)]
     _histories(histories, inspection)
-    _spectrum(drawing.add_subplot(grid[0:2, 1]), inspection)
-    _build_up(drawing.add_subplot(grid[2, 1]), inspection)
-    drawing.suptitle(_title(inspection), x=0.075, ha="left", fontsize=12)
+    drawing.align_ylabels(histories)
+    _spectrum(drawing.add_subplot(right[0, 0]), inspection)
+    _build_up(drawing.add_subplot(right[1, 0]), inspection)
+    title, origin = _title(inspection)
+    drawing.text(0.02, 0.965, title, fontsize=12, weight="bold")
+    drawing.text(0.02, 0.93, origin, fontsize=9, color="#444444")
     return drawing
 
 
-def _title(inspection: Inspection) -> str:
-    parts = [inspection.title, *(inspection.source.get(key, "") for key in ("event", "station", "format"))]
-    return " · ".join(" ".join(part.split()) for part in parts if part)
+def _title(inspection: Inspection) -> tuple[str, str]:
+    """The title, and the line below it: event, station and format, or what was done."""
+    facts = [inspection.source.get(key, "") for key in ("event", "station", "format")]
+    said = [" ".join(part.split()) for part in facts if part]
+    if not said:
+        said = list(inspection.traces[0].series.done[-2:])
+    return inspection.title, textwrap.shorten(" · ".join(said), _ORIGIN_WIDTH, placeholder=" …")
 
 
 def _histories(axes: list[Axes], inspection: Inspection) -> None:
@@ -86,7 +98,7 @@ def _spectrum(axis: Axes, inspection: Inspection) -> None:
         axis.plot(PERIODS_S, in_g(trace.spectrum_m_s2), color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=trace.name)
     axis.set_xscale("log")
     axis.set_xlim(PERIODS_S[0], PERIODS_S[-1])
-    axis.set_ylim(bottom=0.0)
+    axis.set_ylim(0.0, _HEAD_ROOM * axis.dataLim.y1)
     ticks = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
     axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axis.minorticks_off()

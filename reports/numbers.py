@@ -20,7 +20,7 @@ def digits(value: float | None, count: int = 3) -> str:
         mantissa, exponent = f"{value:.{count - 1}e}".split("e")
         mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
         return f"{mantissa}·10{_raised(int(exponent))}".replace("-", "−")
-    places = max(0, count - 1 - math.floor(math.log10(size)))
+    places = max(0, count - 1 - int(f"{size:e}".partition("e")[2]))
     return f"{value:.{places}f}".replace("-", "−")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -55,16 +55,12 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
     )
 
 
-def write_figure(folder: Path) -> Statue:
-    """Write the generated figure's mesh into a folder as the harness would; its numbers as a statue."""
-    import trimesh
-
+def with_figure(scene: Scene) -> Scene:
+    """The same scene with the generated figure's mesh."""
     from harness.load import statue_of
     from meshes import togatus
 
-    solid = togatus.build()
-    trimesh.Trimesh(solid.vertices_m, solid.faces, process=False).export(folder / "statue.glb")
-    return replace(statue_of(solid), solid=None)
+    return scene.but(statue=statue_of(togatus.build()))
 
 
 def invented_history(phase_rad: float, *, falls: bool = False, samples: int = 10001) -> History:
@@ -115,8 +111,7 @@ def invented_run(engine: str, history: History, outcome: Outcome, uncertainty_ra
 def write_invented(folder: Path, *, disagree: bool = False, mesh: bool = False, pedestal: bool = True) -> Path:
     """Write an invented result folder; `disagree` lets one engine's statue fall."""
     scene = block_scene(pedestal=pedestal)
-    folder.mkdir(parents=True, exist_ok=True)
-    scene = scene.but(statue=write_figure(folder)) if mesh else scene
+    scene = with_figure(scene) if mesh else scene
     fallen = Outcome.OVERTURNED_RIGHT if disagree else Outcome.STANDS
     runs = {
         "analytic": invented_run("analytic", invented_history(0.0), Outcome.STANDS, 1e-10),

@@ -1,0 +1,23 @@
+"""What the pages may cost and how exactly they must show their records."""
+
+from __future__ import annotations
+
+from typing import Final
+
+PAGE_BYTES: Final = 15_000_000
+"""A page must pass as an attachment of a mail: most servers refuse more than 20 MB, and base64 in the mail adds a third."""
+
+DRAWN_RAD: Final = 1e-6
+"""Curves are stored in single precision: 2⁻²⁴ of the largest rotation drawn, 1.5 rad, is 9e-8; ten times that."""
+
+POSE_M: Final = 1e-12
+"""Poses are rotations of points within 10 m in double precision: some 10 roundings of 1e-16 × 10 m."""
+
+NORMAL: Final = 0.02
+"""Normals are grouped in steps of 1/60 per component, so that a shared normal is at most √3/120 = 0.014 off."""
+
+FRAME_MS: Final = 10.0
+"""Script time per frame that leaves six milliseconds of the sixteen at 60 Hz for drawing."""
+
+CONTRAST: Final = 4.5
+"""Least contrast of text (WCAG 2.1, AA)."""

@@ -1,0 +1,243 @@
+"""The pages as a person meets them: opened from disk in a browser, at a desk and on a telephone."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.page import write_report
+from tests.budgets_reports import CONTRAST, FRAME_MS
+from tests.reports import invented_study
+from tests.reports.invented_run import write_invented
+
+pytestmark = pytest.mark.browser
+
+QUIET_FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+SIZES = {"desk": {"width": 1280, "height": 900}, "phone": {"width": 390, "height": 844}}
+SOFTWARE_WEBGL = "GPU stall due to ReadPixels"
+"""A remark of Chromium's software renderer on itself, which stands in for a graphics card here."""
+
+
+NAMELESS = """
+[...document.querySelectorAll('button, select, input, [role=img], svg[role]')].filter((item) =>
+  !(item.textContent.trim() || item.closest('label')
+    || item.getAttribute('aria-label') || item.getAttribute('aria-labelledby')))
+  .map((item) => item.outerHTML.slice(0, 80))
+"""
+WEAK_TEXT = """
+(least) => {
+  const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+  const linear = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+  const light = (text) => {
+    const [r, g, b] = parts(text).map((value) => linear(value / 255));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (item) => {
+    for (let at = item; at; at = at.parentElement) {
+      const colour = getComputedStyle(at).backgroundColor, all = parts(colour);
+      if (all.length < 4 || all[3] > 0.9) return colour;
+    }
+    return 'rgb(255,255,255)';
+  };
+  const ratio = (item) => {
+    const [a, b] = [light(getComputedStyle(item).color), light(ground(item))];
+    return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  };
+  const speaks = (item) => [...item.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  return [...document.querySelectorAll('main *')]
+    .filter((item) => speaks(item) && !item.closest('.chart, svg') && item.offsetParent)
+    .map((item) => [`${item.className} ${item.textContent.slice(0, 20)}`, ratio(item)])
+    .filter(([, value]) => value < least);
+}
+"""
+
+
+@dataclass
+class Visit:
+    """An open page and what it said and asked for."""
+
+    page: Any
+    said: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    if path is None:
+        pytest.skip("no Chromium on this machine (on Debian: apt-get install chromium)")
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra `dev`)")
+    with api.sync_playwright() as play:
+        found = play.chromium.launch(executable_path=path, args=list(QUIET_FLAGS))
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    base = tmp_path_factory.mktemp("pages")
+    found = {"run": write_report(write_invented(base / "run", disagree=True, mesh=True))}
+    found["table"] = write_report(invented_study.write_table_study(base / "table"))
+    found["map"] = write_report(invented_study.write_map_study(base / "map"))
+    return found
+
+
+@pytest.fixture(scope="module")
+def visit(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str], Visit]]:
+    """Opens a page once for all tests of one size, and brings it back to its beginning."""
+    known: dict[tuple[str, str], Visit] = {}
+
+    def opened(name: str, size: str) -> Visit:
+        if (name, size) not in known:
+            context = browser.new_context(viewport=SIZES[size], has_touch=size == "phone")
+            found = known[name, size] = Visit(context.new_page())
+            found.page.on("console", lambda message: found.said.append(message.text))
+            found.page.on("pageerror", lambda error: found.said.append(str(error)))
+            found.page.on("request", lambda request: found.asked.append(request.url))
+            found.page.goto(pages[name].as_uri())
+            found.page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+        page = known[name, size].page
+        if name == "run":
+            page.evaluate("rockcheck.replay.setPlaying(false); rockcheck.setTime(0)")
+            page.locator("[data-for=histories][data-do=all]").click()
+        return known[name, size]
+
+    yield opened
+    for found in known.values():
+        found.page.context.close()
+
+
+def errors(found: Visit) -> list[str]:
+    return [text for text in found.said if SOFTWARE_WEBGL not in text]
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", ["run", "table", "map"])
+def test_it_opens_without_an_error_a_request_or_sideways_scrolling(
+    visit: Callable[[str, str], Visit], pages: dict[str, Path], name: str, size: str
+) -> None:
+    found = visit(name, size)
+    found.page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
+    assert errors(found) == []
+    local = [url for url in found.asked if url.startswith(("data:", "blob:"))]
+    assert [url for url in found.asked if url not in local] == [pages[name].as_uri()]
+    assert found.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    assert found.page.locator(".wait").count() == 0
+
+
+def test_the_replay_plays_and_moves_only_a_transform(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.evaluate("Object.assign(rockcheck.replay.stats, { frames: 0, script_ms: 0, worst_ms: 0 })")
+    uploaded = "rockcheck.replay.figures.get('pybullet').body.geometry.attributes.position.version"
+    before = page.evaluate(uploaded)
+    page.locator("[data-replay=play]").click()
+    page.wait_for_function("rockcheck.replay.stats.frames > 5", timeout=30_000)
+    stats = page.evaluate("rockcheck.replay.stats")
+    assert page.evaluate("rockcheck.time") > 0.0
+    assert page.evaluate(uploaded) == before
+    assert stats["script_ms"] / stats["frames"] <= FRAME_MS
+    page.locator("[data-replay=play]").click()
+    assert page.evaluate("rockcheck.replay.isPlaying()") is False
+
+
+def test_the_drawn_pose_is_the_recorded_rotation(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.evaluate("rockcheck.setTime(2.2)")
+    drawn = page.evaluate("rockcheck.replay.figures.get('analytic').tilt.rotation.y")
+    told = page.locator("[data-theta=analytic]").inner_text()
+    assert f"{abs(drawn):.4f} rad" in told
+    pivot = page.evaluate("rockcheck.replay.figures.get('analytic').body.position.x")
+    assert (pivot > 0) == (drawn < 0), "θ < 0 turns about the left corner, which lies behind the mesh's origin"
+
+
+def test_slider_and_cursor_follow_one_clock(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.locator("#replay input[type=range]").fill("5")
+    assert page.evaluate("rockcheck.time") == pytest.approx(5.0)
+    cursor, plot = (
+        page.locator(".cursor").bounding_box(),
+        page.locator("#chart-histories .nsewdrag").first.bounding_box(),
+    )
+    assert cursor["x"] == pytest.approx(plot["x"] + 0.5 * plot["width"], abs=3.0)
+    page.locator("[data-for=histories][data-do=in]").click()
+    page.locator("[data-for=histories][data-do=later]").click()
+    page.wait_for_timeout(100)
+    assert page.locator(".cursor").bounding_box()["x"] == pytest.approx(plot["x"], abs=3.0)
+
+
+def test_the_histories_zoom_by_mouse_and_by_button(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    span = "(() => { const [a, b] = rockcheck.charts.histories.box.layout.xaxis.range; return b - a; })()"
+    whole = page.evaluate(span)
+    page.locator("[data-for=histories][data-do=in]").click()
+    assert page.evaluate(span) == pytest.approx(whole / 2.0)
+    page.locator("[data-for=histories][data-do=all]").click()
+    assert page.evaluate(span) == pytest.approx(whole)
+    box = page.locator("#chart-histories .nsewdrag").first
+    box.scroll_into_view_if_needed()
+    area = box.bounding_box()
+    middle = area["y"] + 0.5 * area["height"]
+    page.mouse.move(area["x"] + 0.2 * area["width"], middle)
+    page.mouse.down()
+    page.mouse.move(area["x"] + 0.4 * area["width"], middle, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"{span} < 0.3 * {whole}")
+    assert page.evaluate(span) == pytest.approx(0.2 * whole, rel=0.1)
+
+
+def test_the_keyboard_alone_plays_turns_and_reaches_everything(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    page.locator("#replay canvas").focus()
+    x = page.evaluate("rockcheck.replay.camera.position.x")
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("rockcheck.replay.camera.position.x") != x
+    page.keyboard.press("Space")
+    assert page.evaluate("rockcheck.replay.isPlaying()") is True
+    page.keyboard.press("Space")
+    unreachable = page.evaluate(
+        "[...document.querySelectorAll('button, select, input, a')].filter((item) => item.tabIndex < 0).length"
+    )
+    assert unreachable == 0
+
+
+def test_pictures_and_controls_have_names(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("run", "desk").page
+    nameless = page.evaluate(NAMELESS)
+    assert nameless == []
+    assert page.evaluate("document.documentElement.lang") == "en"
+    assert page.evaluate("document.querySelectorAll('h1').length") == 1
+
+
+def test_text_stands_out_from_its_ground(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("table", "desk").page
+    weak = page.evaluate(WEAK_TEXT, CONTRAST)
+    page.evaluate("document.querySelector('main p').style.color = '#aaa'")
+    seen = page.evaluate(WEAK_TEXT, CONTRAST)
+    page.evaluate("document.querySelector('main p').style.color = ''")
+    assert len(seen) == len(weak) + 1, "the check must notice grey on white"
+    assert weak == []
+
+
+def test_the_papers_panels_change_with_group_and_model(visit: Callable[[str, str], Visit]) -> None:
+    page = visit("table", "desk").page
+    shown = "document.getElementById('panel-chart').data.length"
+    both = page.evaluate(shown)
+    assert both == 30
+    page.locator("[data-panel-group='2']").click()
+    page.locator("#panel-model").select_option("pymunk (imposed ratio)")
+    page.wait_for_timeout(200)
+    assert page.evaluate(shown) == both
+    assert page.locator("[data-panel-group='2']").get_attribute("aria-pressed") == "true"
