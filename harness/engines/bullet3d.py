@@ -93,7 +93,7 @@ class Bullet3D(Engine):
         report = Report(
             engine=self.name,
             settings=rung.as_dict(),
-            steps=len(found.record.gravity),
+            steps=len(found.record.t_s) - 1,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from harness.contact import frame
 from harness.contact.trajectory import Trajectory
-from harness.engines.bullet.loop import Record
 from harness.engines.bullet.pose import matrices
+from harness.engines.bullet.stepper import Record
 from harness.scene import Scene
 
 Array = NDArray[np.float64]
@@ -55,7 +55,7 @@ def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Traj
 
 def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Array]:
     """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
-    t_s, rows = np.array(record.t_s), np.array(record.rows)
+    t_s, rows = np.array(record.t_s), record.rows.copy()
     jump = JUMP_IN_G * scene.gravity_m_s2
     for columns, limit in (
         (slice(7, 10), jump),

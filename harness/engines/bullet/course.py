@@ -13,9 +13,10 @@ from harness.contact.frame import step_count
 from harness.engine import Want
 from harness.engines.bullet import feet, loop, pose
 from harness.engines.bullet.edge import EdgeWatch
-from harness.engines.bullet.loop import Record, Row, Watch
+from harness.engines.bullet.loop import Watch
 from harness.engines.bullet.schedule import Schedule
 from harness.engines.bullet.settings import BulletSettings
+from harness.engines.bullet.stepper import Record, Row, Stepper, reader
 from harness.engines.bullet.world import World
 from harness.plan import first_motion_s, limit_of_rest_m_s2
 from harness.scene import Scene
@@ -73,16 +74,14 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     record = _part(scene, rung, setup, schedule, watch, full=full, row=None, start=first)
     full_from = 0.0 if full else None
     done = round(record.t_s[-1] / rung.dt_s)
-    if watch.halt is not None and done < count and watch.halt(record.rows[-1]):
+    if watch.halt is not None and done < count and watch.halt(record.last):
         # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
         full_from = record.t_s[-1]
-        rest_of = _part(
-            scene, rung, setup, schedule, replace(watch, halt=None), full=True, row=record.rows[-1], start=done
-        )
+        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=True, row=record.last, start=done)
         record = _joined(record, rest_of)
     if first > 0:
-        record.t_s.insert(0, 0.0)
-        record.rows.insert(0, record.rows[0])
+        still = Record(record.width, [0.0], record.flat[: record.width])
+        record = _joined(still, replace(record, t_s=[0.0, *record.t_s], flat=still.flat + record.flat))
     return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from)
 
 
@@ -124,17 +123,17 @@ def _part(
     with World(rung) as world:
         world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, hull, setup.start))
         if row is None:
-            row = loop.start_row(world)
+            row = reader(world)()
         else:
-            loop.Stepper(world, scene, schedule).restore(row)
+            Stepper(world, scene, schedule).restore(row)
         return loop.integrate(world, scene, schedule, watch, row, start)
 
 
 def _joined(before: Record, after: Record) -> Record:
     return Record(
+        before.width,
         before.t_s + after.t_s[1:],
-        before.rows + after.rows[1:],
-        before.gravity + after.gravity,
+        before.flat + after.flat[after.width :],
         before.repeated + after.repeated,
         before.imposed + after.imposed,
         after.rested,

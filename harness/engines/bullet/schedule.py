@@ -68,7 +68,7 @@ class Schedule:
             gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
         else:
             gravity = frame.apparent_gravity(self.scene, edges_s) * share
-        return [(float(x), float(y), float(z)) for x, y, z in gravity]
+        return [(x, y, z) for x, y, z in gravity.tolist()]
 
     def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step and its mean velocity in it."""

@@ -1,0 +1,167 @@
+"""One step of Bullet: a gravity or a moving table, friction with two numbers, and the row of numbers read after it."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engines.bullet.pose import Body
+from harness.engines.bullet.schedule import Schedule, Vector
+from harness.engines.bullet.world import World
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+Row = tuple[float, ...]
+
+SATURATED: Final = 0.998
+"""Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
+
+
+@dataclass(eq=False)
+class Record:
+    """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal)."""
+
+    width: int
+    t_s: list[float] = field(default_factory=list)
+    flat: array[float] = field(default_factory=lambda: array("d"))
+    repeated: int = 0
+    imposed: int = 0
+    rested: bool = False
+
+    @property
+    def rows(self) -> Array:
+        """The rows, shape (n, 13) or (n, 26)."""
+        return np.frombuffer(self.flat, dtype=np.float64).reshape(-1, self.width)
+
+    @property
+    def last(self) -> Row:
+        """The last row."""
+        return tuple(self.flat[-self.width :])
+
+
+def reader(world: World) -> Callable[[], Row]:
+    """What reads the state of both bodies as one row."""
+    pose, speed, client = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity, world.client
+    statue, pedestal = world.statue, world.pedestal
+
+    def both() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        below, level = pose(pedestal, client)
+        slip, tip = speed(pedestal, client)
+        return (*place, *turn, *velocity, *rate, *below, *level, *slip, *tip)
+
+    def alone() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        return (*place, *turn, *velocity, *rate)
+
+    return alone if pedestal is None else both
+
+
+def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
+    """Bullet's own step under a gravity, and the row after it."""
+    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+
+    def advance(gravity: Vector) -> Row:
+        set_gravity(*gravity, client)
+        step(client)
+        return read()
+
+    return advance
+
+
+def bodies(row: Row) -> tuple[Body, Body | None]:
+    """States of statue and pedestal in a row."""
+    statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]
+    if len(row) == 13:
+        return statue, None
+    return statue, Body(row[13:16], row[16:20], row[20:23], row[23:26])  # type: ignore[arg-type]
+
+
+class Stepper:
+    """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
+
+    def __init__(self, world: World, scene: Scene, schedule: Schedule) -> None:
+        self.world, self.schedule = world, schedule
+        self.read = reader(world)
+        self.advance = _advancer(world, self.read)
+        contact, pedestal = scene.contact, scene.pedestal
+        self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
+        self.switches = pedestal is not None and self.static != self.kinetic
+        self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        self.plain = not (schedule.moving or self.switches)
+        self.stuck = True
+        self.repeated = 0
+        self.table_rate: Vector = (0.0, 0.0, 0.0)
+
+    def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`."""
+        if self.schedule.moving:
+            place, self.table_rate = self.schedule.table(t_s, step_s)
+            self.world.move_table(place, self.table_rate)
+        row = self.advance(gravity)
+        if not self.switches:
+            return row
+        pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck:
+            return self._released(gravity, pull, before, row)
+        if not self._saturated(self.kinetic, pull, before, row):
+            self._hold(self.static)
+        elif self._reversed(before, row):
+            # The velocity passed zero: the step again with the static limit, which may hold.
+            self._hold(self.static)
+            self.restore(before)
+            row = self._released(gravity, pull, before, self.advance(gravity))
+        return row
+
+    def _released(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction."""
+        if not self._saturated(self.static, pull, before, row):
+            return row
+        self._hold(self.kinetic)
+        self.restore(before)
+        self.repeated += 1
+        return self.advance(gravity)
+
+    def _hold(self, friction: float) -> None:
+        self.world.set_floor_friction(friction)
+        self.stuck = friction == self.static
+
+    def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
+        """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+        statue, pedestal = self.masses
+        along, across, normal = (
+            statue * (row[7 + k] - before[7 + k] - pull[k]) + pedestal * (row[20 + k] - before[20 + k] - pull[k])
+            for k in range(3)
+        )
+        return math.hypot(along, across) >= SATURATED * friction * normal
+
+    def restore(self, row: Row) -> None:
+        """Put both bodies back into a row's state."""
+        statue, pedestal = bodies(row)
+        self.world.place(self.world.statue, statue)
+        if pedestal is not None and self.world.pedestal is not None:
+            self.world.place(self.world.pedestal, pedestal)
+
+    def _reversed(self, before: Row, row: Row) -> bool:
+        x, y = self.table_rate[0], self.table_rate[1]
+        return (before[20] - x) * (row[20] - x) + (before[21] - y) * (row[21] - y) < 0.0
+
+
+def axis_of(row: Row, axis: Vector) -> Vector:
+    """World components of the statue's vertical axis."""
+    x, y, z, w = row[3], row[4], row[5], row[6]
+    a, b, c = axis
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * a + 2.0 * (x * y - z * w) * b + 2.0 * (x * z + y * w) * c,
+        2.0 * (x * y + z * w) * a + (1.0 - 2.0 * (x * x + z * z)) * b + 2.0 * (y * z - x * w) * c,
+        2.0 * (x * z - y * w) * a + 2.0 * (y * z + x * w) * b + (1.0 - 2.0 * (x * x + y * y)) * c,
+    )
