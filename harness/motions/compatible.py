@@ -38,6 +38,7 @@ _RIDGE = 0.02  # neighbouring oscillators ask nearly the same: without damping t
 _RISE, _STRONG = 0.15, 0.60  # shares of the duration: quadratic rise, strong part until, exponential decay after
 _DECAYED = 0.05
 _LOWEST_HZ = 0.15  # an artificial motion has no energy below
+_DRIFT_HZ, _DRIFT_PAD = 0.12, 1.5  # and zeros around it, in its periods
 _EDGE = 0.02  # share of the duration that fades in and out
 _NEGLIGIBLE_WAVELET, _NEGLIGIBLE_RESPONSE = (
     3.2,
@@ -134,14 +135,23 @@ def match(series: Series, spectrum: DesignSpectrum) -> Match:
             best, best_off = accel, off
         if best_off <= (_AIM if passes < _HARD_PASSES else _SOFTER_AIM) or passes == _PASSES:
             break
-        change = wavelets.change(peaks, wanted)
-        accel = at_rest(accel + change * fade, STEP_S, fade)
+        change = _without_drift(wavelets.change(peaks, wanted) * fade) * fade
+        accel = at_rest(accel + change, STEP_S, fade)
     result = Series(STEP_S, best)
     largest = misfit(result, spectrum)
     if largest > MISFIT:
         raise NoMatchError(f"the nearest history is {largest:.1%} off {spectrum.name}, more than {MISFIT:.0%}")
     said = f"matched to {spectrum.name} in {passes} passes: {largest:.1%} off at most from {BAND_S[0]:g} to {BAND_S[1]:g} s"
     return Match(series.changed(best, said), largest, passes)
+
+
+def _without_drift(accel: Floats) -> Floats:
+    """Less what is slower than _DRIFT_HZ: wavelets cut by the record's ends would leave it drifting by decimetres."""
+    from scipy.signal import butter, sosfiltfilt
+
+    pad = round(_DRIFT_PAD / _DRIFT_HZ / STEP_S)
+    filtered = sosfiltfilt(butter(2, _DRIFT_HZ, "highpass", fs=1.0 / STEP_S, output="sos"), np.pad(accel, pad))
+    return np.asarray(filtered[pad : pad + accel.size])
 
 
 class _Wavelets:
