@@ -1,0 +1,168 @@
+"""A whole validation: runs, resumes, fits, scores, and compares a measured history."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.engine import Want
+from harness.errors import InputError
+from harness.outcomes import FELL
+from harness.run import simulate
+from harness.validation import run, validate
+from harness.validation.jobs import parse_model
+from harness.validation.scenes import Variant, scene_of
+from harness.validation.table import read_table
+from tests.harness.validation.experiments import write_experiments, write_table
+
+AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
+TRUE_AZIMUTH = 1
+
+
+class Inline:
+    """A pool of none: every task in this process, in order; it counts them, and stops after `limit` batches."""
+
+    def __init__(self, jobs: int | None = None, limit: int | None = None) -> None:
+        self.workers = jobs or 1
+        self.batches = 0
+        self.limit = limit
+
+    def run(self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any], None]) -> None:
+        for task in tasks:
+            if self.limit is not None and self.batches >= self.limit:
+                raise KeyboardInterrupt
+            self.batches += 1
+            done(task, work(task))
+
+
+@pytest.fixture(autouse=True)
+def inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "LocalPool", Inline)
+
+
+def measured(folder: Path) -> Path:
+    """A table whose observations are the model's own at the second of three azimuths, two thirds of them a share to fit on."""
+    path = write_experiments(folder, AMPLITUDES, azimuth_deg="0;90;180")
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
+        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", want=Want(history=False))
+        row["observed"] = FELL if true.outcome.overturned else true.outcome.value
+        row["share"] = "rest" if number % 3 == 2 else "fit"
+    return write_table(path, rows)
+
+
+def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> None:
+    path = measured(tmp_path)
+    found = validate(path, tmp_path / "out", models=["analytic"], samples=2, quiet=True)
+    model = found["models"]["analytic"]
+    stands = [row["observed"] == "stands" for row in found["rows"]]
+    assert 0 < sum(stands) < len(stands)
+    assert model["fitted"]["tests"] == 6
+    assert model["fitted"]["accuracy"] == 1.0
+    assert set(model["fitted"]["azimuth_deg"].values()) <= {0.0, 90.0, 180.0}
+    assert model["tests"] == 2
+    assert model["failed"] == 0
+    assert found["runs"] == {"wanted": len(AMPLITUDES) * 3 * 3, "computed": len(AMPLITUDES) * 3 * 3}
+    assert found["baseline"]["fitted_on"] == "the named share"
+    assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8")) == found
+
+
+def test_a_wrong_observation_costs_exactly_itself(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, AMPLITUDES)
+    before = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
+    falls = {row["test"]: row["predicted"]["analytic"] for row in before["rows"]}
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row in rows:
+        row["observed"] = falls[row["test"]]
+    right = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], resume=True, quiet=True)
+    rows[0]["observed"] = FELL
+    wrong = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], resume=True, quiet=True)
+    assert right["runs"]["computed"] == wrong["runs"]["computed"] == 0
+    accuracies = [each["models"]["analytic"]["outcomes"]["accuracy"]["value"] for each in (right, wrong)]
+    sure = right["models"]["analytic"]["outcomes"]
+    counted = sure["cases"] - sure["within_uncertainty"] - sure["undecided"]
+    assert accuracies == [1.0, pytest.approx(1.0 - 1.0 / counted)]
+
+
+def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from harness.validation import jobs
+
+    path = write_experiments(tmp_path, AMPLITUDES)
+    monkeypatch.setattr(jobs, "BATCH", {"analytic": 1})
+    monkeypatch.setattr(run, "LocalPool", lambda count: Inline(count, limit=3))
+    with pytest.raises(KeyboardInterrupt):
+        validate(path, tmp_path / "out", models=["analytic"], quiet=True)
+    monkeypatch.setattr(run, "LocalPool", Inline)
+    found = validate(path, tmp_path / "out", models=["analytic"], resume=True, quiet=True)
+    assert found["runs"] == {"wanted": len(AMPLITUDES), "computed": len(AMPLITUDES) - 3}
+
+
+def test_settings_are_scored_apart(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, AMPLITUDES[:2])
+    found = validate(path, tmp_path / "out", models=["analytic", "analytic@accuracy=1e-5"], quiet=True)
+    assert {name: model["accuracy_rad"] for name, model in found["models"].items()} == {
+        "analytic": 1e-3,
+        "analytic@accuracy=1e-5": 1e-5,
+    }
+    assert found["runs"]["computed"] == 4
+
+
+def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, [4.5], history="measured.csv")
+    trial = replace(read_table(_with_history(tmp_path, path))[0])
+    true = simulate(scene_of(trial, Variant()), "analytic")
+    assert true.history is not None
+    louder = replace(true.history, theta_rad=1.1 * true.history.theta_rad)
+    louder.write_csv(tmp_path / "measured.csv")
+    found = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
+    scores = found["models"]["analytic"]["histories"][0]["scores"]
+    assert scores["b"] == "measured t0"
+    assert scores["peak_ratio"] == pytest.approx(1.0 / 1.1, rel=1e-3)  # the scaled rates were left as they were
+
+
+def _with_history(folder: Path, path: Path) -> Path:
+    (folder / "measured.csv").write_text("t_s,theta_rad\n0,0\n1,0\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"models": ["analytik"]}, "did you mean analytic"),
+        ({"models": ["pymunk@steps=3"]}, "ENGINE@accuracy=RAD"),
+        ({"models": ["pymunk@dt=fast"]}, "ENGINE@dt=S"),
+        ({"models": ["pymunk@dt=5"]}, "a step between"),
+        ({"samples": -1}, "from 0 to"),
+        ({"jobs": 0}, "at least 1"),
+        ({"resume": True}, "begun"),
+    ],
+)
+def test_a_wrong_option_is_told_before_anything_is_written(tmp_path: Path, options: dict[str, Any], says: str) -> None:
+    path = write_experiments(tmp_path, [2.0])
+    with pytest.raises(InputError, match=says):
+        validate(path, tmp_path / "out", **{"models": ["analytic"], "quiet": True} | options)
+    assert not (tmp_path / "out").exists()
+
+
+def test_every_unreadable_file_is_told_at_once(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, [2.0, 3.0])
+    (tmp_path / "burst0.csv").write_text("time_s,table\n0,0\n")
+    (tmp_path / "burst1.csv").write_text("time_s,other\n0,0\n0.01,1\n0.02,0\n")
+    with pytest.raises(InputError) as caught:
+        validate(path, tmp_path / "out", models=["analytic"], quiet=True)
+    assert "burst0.csv" in str(caught.value)
+    assert "burst1.csv" in str(caught.value)
+
+
+def test_a_model_is_an_engine_with_a_setting() -> None:
+    assert parse_model("pymunk@dt=5e-4").dt_s == 5e-4
+    assert parse_model("pymunk@dt=5e-4").accuracy_rad is None
+    assert parse_model("analytic@accuracy=1e-6").accuracy_rad == 1e-6
