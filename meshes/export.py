@@ -12,4 +12,4 @@ def write_glb(solid: Solid, path: Path) -> None:
     import trimesh
 
     mesh = trimesh.Trimesh(solid.vertices_m, solid.faces, process=False)
-    path.write_bytes(mesh.export(file_type="glb"))
+    mesh.export(path, file_type="glb")
