@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,6 +114,10 @@ class History:
                 raise ValueError(f"column {name} is not finite at sample {first}")
         if np.any(np.diff(self.t_s) <= 0.0):
             raise ValueError("times of a history must increase strictly")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A read-only view of a mapping cannot be pickled; workers send histories home.
+        return History, (*(getattr(self, name) for name in COLUMNS), dict(self.extra))
 
     def columns(self) -> dict[str, Array]:
         """All columns by name, the contract's first, in the order of the file."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,13 @@ def test_csv_round_trip_is_bit_for_bit(tmp_path: Path) -> None:
     back = read_history(tmp_path / "h.csv")
     for name, values in history.columns().items():
         assert np.array_equal(values, back.columns()[name]), name
+
+
+def test_a_history_travels_between_processes() -> None:
+    history = wave()
+    back = pickle.loads(pickle.dumps(history))
+    assert all(np.array_equal(values, back.columns()[name]) for name, values in history.columns().items())
+    assert not back.theta_rad.flags.writeable
 
 
 @pytest.mark.parametrize(
