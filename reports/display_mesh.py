@@ -31,12 +31,12 @@ class DisplayMesh:
     source_faces: int
 
 
-def display_mesh(path: Path | None, shape: Section, depth_m: float) -> DisplayMesh:
+def display_mesh(path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES) -> DisplayMesh:
     """The mesh of a result folder, or the block that stands for a statue given by numbers."""
     vertices, faces = _prism(shape.outline_m, depth_m) if path is None else _read(path)
     count = len(faces)
-    if count > MOST_FACES:
-        vertices, faces = _decimated(vertices, faces)
+    if count > most_faces:
+        vertices, faces = _decimated(vertices, faces, most_faces)
     return _creased(vertices, faces, count)
 
 
@@ -47,10 +47,10 @@ def _read(path: Path) -> tuple[Array, Faces]:
     return np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
 
 
-def _decimated(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+def _decimated(vertices: Array, faces: Faces, most_faces: int) -> tuple[Array, Faces]:
     import fast_simplification
 
-    share = 1.0 - MOST_FACES / len(faces)
+    share = 1.0 - most_faces / len(faces)
     points, triangles = fast_simplification.simplify(vertices.astype(np.float32), faces.astype(np.int32), share)
     return np.asarray(points, dtype=np.float64), np.asarray(triangles, dtype=np.int64)
 

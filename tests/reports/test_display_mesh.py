@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from reports import display_mesh as shown
 from reports.display_mesh import display_mesh
 from reports.posing import Section
 from tests.budgets_reports import NORMAL
@@ -34,16 +33,15 @@ def test_a_sphere_is_smooth(tmp_path: Path) -> None:
     assert np.allclose(mesh.normals, mesh.vertices_m / 0.5, atol=NORMAL)
 
 
-def test_more_faces_than_show_are_decimated_and_keep_the_shape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shown, "MOST_FACES", 1000)
+def test_more_faces_than_show_are_decimated_and_keep_the_shape(tmp_path: Path) -> None:
     trimesh.creation.icosphere(subdivisions=5, radius=0.5).export(tmp_path / "ball.glb")
-    mesh = display_mesh(tmp_path / "ball.glb", BLOCK, 0.7)
+    mesh = display_mesh(tmp_path / "ball.glb", BLOCK, 0.7, most_faces=1000)
     assert len(mesh.faces) <= 1000
     assert mesh.source_faces == 20480
     assert np.linalg.norm(mesh.vertices_m, axis=1) == pytest.approx(0.5, rel=0.02)
 
 
-def test_a_vertex_of_very_many_faces_costs_no_square(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_vertex_of_very_many_faces_costs_no_square() -> None:
     rim = np.linspace(0.0, 2.0 * np.pi, 3000, endpoint=False)
     outline = np.column_stack([0.3 * np.cos(rim), 0.7 + 0.7 * np.sin(rim)])
     mesh = display_mesh(None, Section(outline, 0.3, 0.3), 0.5)
