@@ -1,0 +1,145 @@
+"""A target accuracy instead of a time step: climb an engine's ladder until its own runs agree.
+
+The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
+step, other order of bodies, fewer iterations), never from another model. A run that is finer than the one it is compared with
+by a factor of two in the step, at an order of at least one, is nearer to the limit than the two are to each other; `SAFETY`
+covers that errors of contact fall irregularly (tests/harness/test_uncertainty.py; `rockcheck bench` prints the coverage).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engine import Engine, Settings, Want
+from harness.history import History
+from harness.record import Run
+from harness.scene import Scene
+
+Array = NDArray[np.float64]
+
+SAFETY: Final = 2.0
+"""Factor from the spread to the stated uncertainty: measured coverage on seeded scenes is above 95 %."""
+START_SHARE: Final = 1.5
+"""The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
+FLOOR_SHARE: Final = 0.2
+"""Share of the finest rung's expected error below which no uncertainty is stated: what no setting resolves."""
+LEAST_COMPARED: Final = 200
+"""Instants at which two histories are compared at least, however coarse their output."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target."""
+
+    largest_rad: float
+    until_s: float
+    whole: bool
+
+
+def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
+    """Compute a scene to a target accuracy of the rotation, rad, at the least cost that the engine's own spread allows.
+
+    The run states its uncertainty and until when it holds; where the target is not met for the whole run it says why. Raises
+    `EngineFailure` when the engine cannot finish.
+    """
+    if engine.capabilities.certifies:
+        return engine.simulate(scene, _first_rung(engine.ladder(scene), accuracy_rad, 1.0)[0], want)
+    watch = replace(want, history=True)
+    ladder = engine.ladder(scene)
+    floor = FLOOR_SHARE * ladder[-1].expected_error_rad
+    runs: list[Run] = []
+    spreads: list[Spread] = []
+    for settings in _climb(engine, scene, ladder, accuracy_rad):
+        run = engine.simulate(scene, settings, watch)
+        if runs and not run.outcome.failed and not runs[-1].outcome.failed:
+            spreads.append(spread(runs[-1], run, accuracy_rad / SAFETY))
+        runs.append(run)
+        if run.outcome.failed:
+            continue
+        if spreads and (spreads[-1].whole or _hopeless(spreads, run.end_s, len(ladder))):
+            break
+    return _stated(runs, spreads, accuracy_rad, floor, want)
+
+
+def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+    for index, settings in enumerate(ladder):
+        if settings.expected_error_rad <= share * accuracy_rad:
+            return settings, index
+    return ladder[-1], len(ladder) - 1
+
+
+def _climb(engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_rad: float) -> Iterator[Settings]:
+    """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these."""
+    index = _first_rung(ladder, accuracy_rad, START_SHARE)[1]
+    finest = math.inf
+    while index < len(ladder):
+        yield ladder[index]
+        finest = ladder[index].dt_s
+        for probe in engine.probes(scene, ladder[index]):
+            yield probe
+            finest = min(finest, probe.dt_s)
+        index = next((i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < 0.75 * finest), len(ladder))
+
+
+def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
+    """How far two runs are apart, and until when that stays within `target_rad`.
+
+    Raises `ValueError` when a run has no history.
+    """
+    if coarse.history is None or fine.history is None:
+        raise ValueError("both runs must have kept their histories")
+    end_s = min(coarse.end_s, fine.end_s)
+    times = _instants(coarse.history, fine.history, end_s)
+    apart = np.abs(coarse.history.at(times) - fine.history.at(times))
+    over = np.flatnonzero(apart > target_rad)
+    # An overturn that only one run sees, or at another time, is a difference once the other has ended.
+    same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
+    if over.size == 0 and (same_end or coarse.outcome == fine.outcome):
+        return Spread(float(np.max(apart)), fine.end_s, True)
+    first = int(over[0]) if over.size else times.size - 1
+    within = apart[:first]
+    return Spread(float(np.max(within, initial=0.0)), float(times[max(first - 1, 0)]), False)
+
+
+def _instants(a: History, b: History, end_s: float) -> Array:
+    count = max(LEAST_COMPARED, min(a.t_s.size, b.t_s.size))
+    return np.linspace(0.0, end_s, count, dtype=np.float64)
+
+
+def _hopeless(spreads: list[Spread], end_s: float, rungs: int) -> bool:
+    """Whether finer runs are not expected to reach the end: what the last refinement gained is too little for what is left."""
+    if len(spreads) < 2:
+        return False
+    gained = spreads[-1].until_s - spreads[-2].until_s
+    return gained * (rungs - len(spreads)) < end_s - spreads[-1].until_s
+
+
+def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, floor_rad: float, want: Want) -> Run:
+    best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
+    work = {**best.work, "runs": len(runs), "steps_of_all_runs": sum(run.steps for run in runs)}
+    best = replace(best, work=work, wall_s=sum(run.wall_s for run in runs))
+    if not want.history and want.may_skip("no_history"):
+        best = replace(best, history=None)
+    if best.outcome.failed or not spreads:
+        return best
+    last = spreads[-1]
+    uncertainty = max(SAFETY * last.largest_rad, floor_rad)
+    if last.whole and uncertainty <= accuracy_rad:
+        return best.with_uncertainty(uncertainty, best.end_s)
+    if last.whole:
+        return best.with_uncertainty(
+            uncertainty, best.end_s, f"the target of {accuracy_rad:g} rad is below what the engine's contact resolves"
+        )
+    return best.with_uncertainty(
+        uncertainty,
+        last.until_s,
+        f"the target of {accuracy_rad:g} rad is met until {last.until_s:.4g} s of {best.end_s:.4g} s: from there two "
+        f"settings of this engine part, the finer one with steps of {best.settings['dt_s']:g} s, because impacts and "
+        "slips let small differences grow",
+    )
