@@ -62,9 +62,11 @@ class Account:
         return replace(self, changes=tuple(turned))
 
     @property
-    def volume_rel(self) -> float:
-        """All changes of volume together, signs ignored: what the limit on repair is held against."""
-        return sum(abs(change.volume_rel) for change in self.changes if change.volume_rel is not None)
+    def invented_rel(self) -> float:
+        """Volume taken away as crumbs or added as base and holes, signs ignored: what the limit on repair is held
+        against."""
+        changed = (change.volume_rel for change in self.changes if change.step in ("crumbs", "base", "holes"))
+        return sum(abs(volume) for volume in changed if volume is not None)
 
     def as_dict(self) -> dict[str, Any]:
         """The account as plain values."""
@@ -80,7 +82,8 @@ class Account:
 def measure(mesh: RawMesh) -> MassProperties:
     """Mass properties of a mesh that may still have holes: as if each were closed by a cone to the middle of all rims.
 
-    Each face makes a tetrahedron with that middle; their exact moments are summed some faces at a time, so that a scan of
+    Each face makes a tetrahedron with that middle; their exact moments are summed some faces at a time, so that a
+    scan of
     millions of faces stays small in memory.
     """
     open_rims = rims(mesh.faces)

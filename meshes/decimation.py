@@ -39,7 +39,7 @@ def decimate(mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds)
     before = measure(mesh)
     target = max_faces
     while target < 0.9 * len(mesh.faces):
-        fewer = _simplified(mesh, target, keep_below_m)
+        fewer = simplified(mesh, target, keep_below_m)
         if fewer is not None:
             what = f"{len(mesh.faces)} triangles reduced to {len(fewer.faces)}, the base kept"
             made = change("decimation", what, len(mesh.faces) - len(fewer.faces), before, measure(fewer))
@@ -60,7 +60,7 @@ def _within(made: Change, bounds: Bounds, height_m: float) -> bool:
     )
 
 
-def _simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | None:
+def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | None:
     """The mesh with its faces above the base simplified by quadric error; None if that broke the closed surface."""
     from fast_simplification import simplify
 

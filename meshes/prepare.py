@@ -29,7 +29,7 @@ class Limits:
     `ragged_share`
     the raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the
     edges and
-    faces; `volume_rel` all changes of volume together.
+    faces; `volume_rel` the volume removed as crumbs and invented under the base and over holes.
     """
 
     crumb_area: float = 0.02
@@ -220,10 +220,10 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             f" {count.misoriented} misoriented edges — repair it in MeshLab (Repair filters) or Blender (3D Print"
             f" toolbox)"
         )
-    if account.volume_rel > limits.volume_rel:
+    if account.invented_rel > limits.volume_rel:
         raise MeshError(
             f"{mesh.source}: wanted repairs that change the volume by at most {100 * limits.volume_rel:g} %, got"
-            f" {100 * account.volume_rel:.3g} % — too much would be invented; scan again what is missing\n{account}"
+            f" {100 * account.invented_rel:.3g} % — too much would be invented; scan again what is missing\n{account}"
         )
     return Prepared(mesh, _crossings(mesh, account, limits))
 

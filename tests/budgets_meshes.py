@@ -23,3 +23,15 @@ FLAT_BASE_M = 1e-12
 
 FLOAT32_ROUNDING_M = 2e-7
 """glTF keeps single precision: coordinates below 2 m round by at most 2 m times 2^-24, 1.2e-7 m."""
+
+CORNER_ASKED_M = 1e-3
+"""Corners recovered from a scan with 1 mm of noise must be within that noise."""
+
+QUIET_SCAN_REL = 1e-3
+"""A scan without noise loses only its ragged rim: 6 mm of the base's height closed straight down, chamfer included."""
+
+DECIMATION_VOLUME_REL = 1e-3
+"""The bound that decimation states for itself."""
+
+HULL_GAP_M = 5e-3
+"""With 128 vertices over a body of 1.5 m, sagitta of a facet of 0.15 m on a curve of 0.4 m: 7 mm at worst, half on average."""

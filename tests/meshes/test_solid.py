@@ -6,33 +6,10 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, solid_from_mesh
-from meshes.loft import loft, union
+from meshes.loft import union
 from meshes.solid import mass_properties, turn_about_z
 from tests.budgets_meshes import FACET_REL, ROUND_OFF_REL
-
-BOX_FACES = np.array(
-    [
-        [0, 2, 1],
-        [0, 3, 2],
-        [4, 5, 6],
-        [4, 6, 7],
-        [0, 1, 5],
-        [0, 5, 4],
-        [1, 2, 6],
-        [1, 6, 5],
-        [2, 3, 7],
-        [2, 7, 6],
-        [3, 0, 4],
-        [3, 4, 7],
-    ]
-)
-
-
-def box(width: float, depth: float, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """An axis-parallel box with a corner at the origin."""
-    plan = np.array([[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]])
-    low = np.column_stack([plan, np.zeros(4)])
-    return np.vstack([low, low + np.array([0.0, 0.0, height])]), BOX_FACES
+from tests.meshes.shapes import box, cylinder
 
 
 def test_box_mass_centroid_and_inertia_are_the_closed_form() -> None:
@@ -73,9 +50,7 @@ def test_off_diagonal_inertia_of_two_boxes() -> None:
 
 
 def test_cylinder_far_from_the_origin_loses_no_digits() -> None:
-    turn = 2.0 * np.pi * np.arange(128) / 128
-    ring = np.column_stack([0.2 * np.cos(turn), 0.2 * np.sin(turn), np.zeros(128)])
-    vertices, faces = loft(np.stack([ring, ring + np.array([0.0, 0.0, 1.0])]))
+    vertices, faces = cylinder(0.2, 1.0)
     near = mass_properties(vertices, faces)
     assert near.volume_m3 == pytest.approx(np.pi * 0.04, rel=FACET_REL)
     assert near.inertia_per_density_m5[2, 2] == pytest.approx(0.5 * np.pi * 0.2**4, rel=FACET_REL)

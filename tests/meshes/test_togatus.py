@@ -15,11 +15,6 @@ from tests.budgets_meshes import CENTROID_TOLERANCE_M, FLAT_BASE_M, RESOLVED_ABS
 FREE_ROTATION_RAD = 0.6
 
 
-@pytest.fixture(scope="module")
-def statue() -> Solid:
-    return togatus.build()
-
-
 @pytest.mark.parametrize(
     ("name", "survey"),
     [

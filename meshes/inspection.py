@@ -1,0 +1,154 @@
+"""What a scan is, in numbers and words: raw counts, the account of its preparation, the solid and its slenderness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from meshes import footprint as base
+from meshes.errors import MeshError
+from meshes.intake import read_mesh
+from meshes.mesh import RawMesh
+from meshes.prepare import Prepared, Wanted, prepare_mesh
+from meshes.solid import CONTACT_TOLERANCE_M, Solid
+from meshes.topology import EdgeCount, parts
+
+
+@dataclass(frozen=True)
+class Raw:
+    """The file as it came: size in its own units, and what keeps it from being a solid."""
+
+    vertices: int
+    faces: int
+    size: tuple[float, float, float]
+    parts: int
+    edges: EdgeCount
+
+    @classmethod
+    def of(cls, mesh: RawMesh) -> Raw:
+        """Counted on the mesh as read."""
+        x, y, z = (float(extent) for extent in np.ptp(mesh.vertices, axis=0))
+        count = int(parts(mesh.faces).max()) + 1
+        return cls(len(mesh.vertices), len(mesh.faces), (x, y, z), count, EdgeCount.of(mesh.faces))
+
+    def __str__(self) -> str:
+        size = " × ".join(f"{extent:.4g}" for extent in self.size)
+        state = "closed" if self.edges.closed else "not closed"
+        return (
+            f"{self.vertices} vertices, {self.faces} triangles, {size} units, {self.parts} parts; {state}:"
+            f" {self.edges.boundary} open, {self.edges.branching} branching, {self.edges.misoriented} misoriented edges"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """A scan inspected: raw, prepared, and its solid (None with the reason where it does not stand)."""
+
+    raw: Raw
+    prepared: Prepared
+    solid: Solid | None
+    refusal: str | None
+
+    def rose(self, step_deg: int = 30) -> list[dict[str, float]]:
+        """Corner distance and slenderness towards every `step_deg` of azimuth."""
+        if self.solid is None:
+            return []
+        azimuth = np.arange(0, 360, step_deg, dtype=np.float64)
+        corner = base.corner_m(self.solid.footprint_m, azimuth)
+        slender = base.slenderness_rose_rad(self.solid.footprint_m, self.solid.centroid_height_m, azimuth)
+        rows = zip(azimuth.tolist(), corner.tolist(), np.rad2deg(slender).tolist(), strict=True)
+        return [{"azimuth_deg": a, "corner_m": b, "slenderness_deg": c} for a, b, c in rows]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The inspection as plain values."""
+        from dataclasses import asdict
+
+        return {
+            "schema_version": 1,
+            "raw": asdict(self.raw),
+            "account": self.prepared.account.as_dict(),
+            "refusal": self.refusal,
+            "solid": None if self.solid is None else _numbers(self.solid),
+            "rose": self.rose(10),
+        }
+
+    def __str__(self) -> str:
+        lines = [str(self.prepared.account), f"as read: {self.raw}"]
+        if self.solid is None:
+            return "\n".join([*lines, f"no solid: {self.refusal}"])
+        return "\n".join(
+            [*lines, *_sentences(self.solid), "slenderness (degrees) towards each azimuth:", *self._rose_lines()]
+        )
+
+    def _rose_lines(self) -> list[str]:
+        return [
+            "  "
+            + "  ".join(
+                f"{row['azimuth_deg']:3.0f}°: {row['slenderness_deg']:5.2f}" for row in self.rose()[begin : begin + 6]
+            )
+            for begin in (0, 6)
+        ]
+
+
+def inspect(
+    path: str | Path,
+    wanted: Wanted,
+    *,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+) -> Inspection:
+    """Read, prepare and measure a scan; raises MeshError where it cannot be prepared."""
+    mesh = read_mesh(path)
+    prepared = prepare_mesh(mesh, wanted, Path(path).suffix.lower())
+    solid, refusal = None, None
+    try:
+        solid = prepared.solid(density_kg_m3=density_kg_m3, mass_kg=mass_kg, contact_tolerance_m=contact_tolerance_m)
+    except MeshError as error:
+        refusal = str(error)
+    return Inspection(Raw.of(mesh), prepared, solid, refusal)
+
+
+def _numbers(solid: Solid) -> dict[str, Any]:
+    """The solid's numbers as plain values."""
+    weakest = base.weakest_azimuth_deg(solid.footprint_m)
+    return {
+        "mass_kg": solid.mass_kg,
+        "density_kg_m3": solid.density_kg_m3,
+        "height_m": solid.height_m,
+        "centroid_height_m": solid.centroid_height_m,
+        "corner_left_m": solid.corner_left_m,
+        "corner_right_m": solid.corner_right_m,
+        "depth_m": solid.depth_m,
+        "inertia_kg_m2": solid.inertia_kg_m2.tolist(),
+        "principal_kg_m2": solid.principal[0].tolist(),
+        "principal_axes": solid.principal[1].T.tolist(),
+        "footprint_m": solid.footprint_m.tolist(),
+        "base_profile_m": solid.base_profile_m.tolist(),
+        "contact_tolerance_m": solid.contact_tolerance_m,
+        "base_unevenness_m": float(np.ptp(solid.feet_m[:, 2])),
+        "weakest_azimuth_deg": weakest,
+        "weakest_slenderness_rad": float(
+            base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]
+        ),
+    }
+
+
+def _sentences(solid: Solid) -> list[str]:
+    """The solid in words."""
+    numbers = _numbers(solid)
+    moments = ", ".join(f"{value:.5g}" for value in numbers["principal_kg_m2"])
+    return [
+        f"mass {solid.mass_kg:.5g} kg at {solid.density_kg_m3:.5g} kg/m³, {solid.height_m:.4g} m high,"
+        f" centroid at {solid.centroid_height_m:.4g} m",
+        f"x-z plane: b_left {solid.corner_left_m:.4g} m, b_right {solid.corner_right_m:.4g} m,"
+        f" J_G {solid.inertia_planar_kg_m2:.5g} kg m²; base {solid.depth_m:.4g} m across",
+        f"principal moments {moments} kg m²",
+        f"touches with {len(solid.footprint_m)} corners within {1e3 * solid.contact_tolerance_m:g} mm,"
+        f" {len(solid.feet_m)} feet uneven by {1e3 * numbers['base_unevenness_m']:.2f} mm (kept as scanned)",
+        f"weakest towards {numbers['weakest_azimuth_deg']:.1f}° (from x, counter-clockwise from above):"
+        f" {np.rad2deg(numbers['weakest_slenderness_rad']):.2f}°",
+    ]

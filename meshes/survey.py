@@ -1,0 +1,123 @@
+"""What a surface cannot tell: hollow or inhomogeneous statues, weighed and surveyed numbers set against the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes import footprint as base
+from meshes.errors import MeshError
+from meshes.solid import Solid, mass_properties
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+AGREES_REL = 5e-3
+"""A survey's number and the mesh's agree within this relative difference."""
+
+SURVEYED = (
+    "mass_kg",
+    "centroid_height_m",
+    "corner_left_m",
+    "corner_right_m",
+    "depth_m",
+    "height_m",
+    "inertia_planar_kg_m2",
+)
+"""The numbers of a solid that a survey may give."""
+
+
+def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Array) -> Solid:
+    """The same surface with other mass properties; `centroid_m` (3,) in the solid's present frame, inertia about it
+    (3, 3).
+
+    The frame moves so that its origin is again below the centroid. Raises MeshError for a mass or tensor that no body
+    has, or a
+    centroid outside the base.
+    """
+    moments = np.linalg.eigvalsh(inertia_kg_m2)
+    if not (mass_kg > 0.0 and np.isfinite(mass_kg)) or moments[0] <= 0.0 or moments[0] + moments[1] < moments[2]:
+        raise MeshError(
+            f"wanted a positive mass and the inertia of a body, got {mass_kg:g} kg and principal moments {moments}"
+            " — no moment may exceed the sum of the others"
+        )
+    shift = np.array([centroid_m[0], centroid_m[1], 0.0])
+    footprint = solid.footprint_m - shift
+    if base.margin_m(footprint) <= 0.0:
+        beside = f"({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m"
+        raise MeshError(f"wanted a centroid above the base, got one at {beside}, beside it")
+    return replace(
+        solid,
+        vertices_m=solid.vertices_m - shift,
+        footprint_m=footprint,
+        mass_kg=mass_kg,
+        centroid_height_m=float(centroid_m[2]),
+        inertia_kg_m2=np.array(inertia_kg_m2),
+        density_kg_m3=mass_kg / mass_properties(solid.vertices_m, solid.faces).volume_m3,
+    )
+
+
+def with_core(solid: Solid, vertices_m: Array, faces: Faces, core_density_kg_m3: float = 0.0) -> Solid:
+    """The statue with the space inside a closed inner shell filled at another density (0: hollow, 7850: an iron core).
+
+    The shell (n, 3), (m, 3) lies in the solid's frame; it must be inside, which is checked on its corners' bounding
+    box only.
+    """
+    core = mass_properties(vertices_m, faces)
+    if core.volume_m3 <= 0.0:
+        raise MeshError(f"wanted a closed inner shell with its faces outward, got a volume of {core.volume_m3:g} m³")
+    low, high = solid.vertices_m.min(axis=0), solid.vertices_m.max(axis=0)
+    if (vertices_m < low).any() or (vertices_m > high).any():
+        wanted = "wanted an inner shell inside the statue, got one that leaves its bounding box"
+        raise MeshError(f"{wanted} — check unit and axes")
+    change = core_density_kg_m3 - solid.density_kg_m3
+    mass = solid.mass_kg + change * core.volume_m3
+    if mass <= 0.0:
+        raise MeshError(f"wanted an inner shell smaller than the statue, got a mass left of {mass:g} kg")
+    outer_centroid = np.array([0.0, 0.0, solid.centroid_height_m])
+    centroid = (solid.mass_kg * outer_centroid + change * core.volume_m3 * core.centroid_m) / mass
+    inertia = _moved(solid.inertia_kg_m2, solid.mass_kg, outer_centroid - centroid) + _moved(
+        change * core.inertia_per_density_m5, change * core.volume_m3, core.centroid_m - centroid
+    )
+    return with_mass(solid, mass, centroid, inertia)
+
+
+def _moved(inertia: Array, mass: float, offset: Array) -> Array:
+    """Inertia about a point at `offset` from the body's centroid (Huygens and Steiner)."""
+    return np.asarray(inertia + mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))
+
+
+@dataclass(frozen=True)
+class Reconciled:
+    """One number of a survey beside the mesh's: what agrees, what does not, which is used."""
+
+    name: str
+    survey: float
+    mesh: float
+    apart_rel: float
+    agrees: bool
+    used: str
+
+    def __str__(self) -> str:
+        word = "agrees with" if self.agrees else "differs from"
+        numbers = f"survey {self.survey:.6g} {word} mesh {self.mesh:.6g} ({100 * self.apart_rel:+.2f} %)"
+        return f"{self.name}: {numbers}; used: {self.used}"
+
+
+def reconcile(solid: Solid, survey: Mapping[str, float]) -> tuple[Reconciled, ...]:
+    """A survey's numbers set against the mesh; a weighed mass is used (it sets the density), of all else the mesh.
+
+    Raises MeshError for a name that a solid does not have.
+    """
+    rows = []
+    for name, value in survey.items():
+        if name not in SURVEYED:
+            raise MeshError(f"wanted a number out of {', '.join(SURVEYED)}, got {name!r}")
+        found = float(getattr(solid, name))
+        apart = value / found - 1.0
+        used = "the weighed mass" if name == "mass_kg" else "the mesh"
+        rows.append(Reconciled(name, value, found, apart, abs(apart) <= AGREES_REL, used))
+    return tuple(rows)

@@ -1,0 +1,13 @@
+"""Solids that several mesh tests share."""
+
+from __future__ import annotations
+
+import pytest
+
+from meshes import Solid, togatus
+
+
+@pytest.fixture(scope="session")
+def statue() -> Solid:
+    """The generated togatus."""
+    return togatus.build()

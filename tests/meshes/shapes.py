@@ -1,0 +1,36 @@
+"""Simple closed meshes with known properties."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.loft import loft
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+LOWER_FACES = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4]]
+UPPER_FACES = [[1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]]
+BOX_FACES = np.array([*LOWER_FACES, *UPPER_FACES])
+
+
+def box(width: float, depth: float, height: float) -> tuple[Array, Faces]:
+    """An axis-parallel box with a corner at the origin."""
+    plan = np.array([[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]])
+    low = np.column_stack([plan, np.zeros(4)])
+    return np.vstack([low, low + np.array([0.0, 0.0, height])]), BOX_FACES.copy()
+
+
+def prism(outline: Array, depth: float) -> tuple[Array, Faces]:
+    """An outline (n, 2) in (x, z), counter-clockwise as drawn with x right and z up, drawn out over `depth` along y."""
+    front = np.column_stack([outline[:, 0], np.full(len(outline), -0.5 * depth), outline[:, 1]])
+    vertices, faces = loft(np.stack([front, front + np.array([0.0, depth, 0.0])]))
+    return vertices, faces[:, ::-1]
+
+
+def cylinder(radius: float, height: float, around: int = 128) -> tuple[Array, Faces]:
+    """A cylinder about z from z = 0."""
+    turn = 2.0 * np.pi * np.arange(around) / around
+    ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(around)])
+    return loft(np.stack([ring, ring + np.array([0.0, 0.0, height])]))

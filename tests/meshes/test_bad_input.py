@@ -1,0 +1,127 @@
+"""Every bad scan gives one clear sentence or an accounted repair; none a traceback or a number from nowhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import MeshError, Solid, load_solid
+from meshes.loft import union
+from meshes.mesh import RawMesh
+from meshes.prepare import Wanted, prepare, prepare_mesh
+from tests.meshes.scanner import write
+from tests.meshes.shapes import box
+
+METRES = Wanted(unit="m", up="z")
+
+
+def obj(path: Path, vertices: list[str], faces: list[str]) -> Path:
+    path.write_text("\n".join([f"v {row}" for row in vertices] + [f"f {row}" for row in faces]) + "\n")
+    return path
+
+
+def test_missing_empty_foreign_and_broken_files(tmp_path: Path) -> None:
+    with pytest.raises(MeshError, match="none of that name"):
+        load_solid(tmp_path / "absent.ply", unit="m", density_kg_m3=2700.0)
+    for name, content, said in (
+        ("empty.obj", "", "empty file"),
+        ("statue.txt", "x", "one of .ply"),
+        ("broken.ply", "ply\nnonsense", "does not parse"),
+        ("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no face|does not parse"),
+    ):
+        (tmp_path / name).write_text(content)
+        with pytest.raises(MeshError, match=said):
+            prepare(tmp_path / name, METRES)
+
+
+def test_nan_vertices_are_named(tmp_path: Path) -> None:
+    vertices, faces = box(0.4, 0.7, 1.5)
+    vertices[5, 1] = np.nan
+    rows = [" ".join(str(value) for value in row) for row in vertices]
+    file = obj(tmp_path / "nan.obj", rows, [" ".join(str(index + 1) for index in row) for row in faces])
+    with pytest.raises(MeshError, match="vertex 5"):
+        prepare(file, METRES)
+
+
+def test_flat_sheet() -> None:
+    vertices, faces = box(0.4, 0.7, 1.5)
+    with pytest.raises(MeshError, match="flat sheet"):
+        prepare_mesh(RawMesh(vertices * [1.0, 1e-6, 1.0], faces, "sheet"), METRES)
+
+
+def test_two_statues_in_one_file() -> None:
+    vertices, faces = box(0.4, 0.7, 1.5)
+    both = RawMesh(np.vstack([vertices, vertices + np.array([2.0, 0.0, 0.0])]), np.vstack([faces, faces + 8]), "pair")
+    with pytest.raises(MeshError, match="2 separate bodies"):
+        prepare_mesh(both, METRES)
+
+
+def test_statue_and_plinth_that_overlap_become_one() -> None:
+    plinth, faces = box(0.6, 0.8, 0.2)
+    figure = box(0.4, 0.5, 1.4)[0] + [0.1, 0.15, 0.1]
+    both = RawMesh(np.vstack([plinth, figure]), np.vstack([faces, faces + 8]), "pair")
+    prepared = prepare_mesh(both, METRES)
+    assert [change.step for change in prepared.account.changes] == ["bodies"]
+    expected = 0.6 * 0.8 * 0.2 + 0.4 * 0.5 * (1.4 - 0.1)
+    assert prepared.solid(density_kg_m3=1.0).mass_kg == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("unit", "said"), [("km", "between"), ("furlong", "unit out of"), (-1.0, "unit out of")])
+def test_absurd_units(unit: str | float, said: str) -> None:
+    vertices, faces = box(0.4, 0.7, 1.5)
+    with pytest.raises(MeshError, match=said):
+        prepare_mesh(RawMesh(10.0 * vertices, faces, "block"), Wanted(unit=unit, up="z"))
+
+
+def test_no_unit_is_never_guessed() -> None:
+    vertices, faces = box(400.0, 700.0, 1500.0)
+    with pytest.raises(MeshError, match="1\\.5 m in mm"):
+        prepare_mesh(RawMesh(vertices, faces, "block"), Wanted(up="z"))
+
+
+def test_unit_and_height_exclude_each_other() -> None:
+    with pytest.raises(MeshError, match="got both"):
+        prepare_mesh(RawMesh(*box(0.4, 0.7, 1.5), "block"), Wanted(unit="m", height_m=1.5, up="z"))
+
+
+def test_an_unclear_up_axis_is_asked_for() -> None:
+    with pytest.raises(MeshError, match="up axis"):
+        prepare_mesh(RawMesh(*box(1.0, 1.0, 1.0), "cube"), Wanted(unit="m"))
+
+
+def test_a_statue_that_does_not_stand() -> None:
+    low, faces = box(0.2, 0.2, 0.2)
+    beam = box(2.0, 0.2, 0.2)[0] + [0.0, 0.0, 0.2]
+    prepared = prepare_mesh(RawMesh(*union([(low, faces), (beam, faces)]), "crane"), METRES)
+    with pytest.raises(MeshError, match="stands"):
+        prepared.solid(density_kg_m3=2700.0)
+
+
+def test_a_branching_edge_is_repaired_or_refused(statue: Solid) -> None:
+    fin = np.vstack([statue.vertices_m, statue.vertices_m[statue.faces[100]].mean(axis=0) + np.array([0.0, 0.0, 0.02])])
+    a, b, _ = statue.faces[100]
+    faces = np.vstack([statue.faces, [[a, b, len(fin) - 1]]])
+    prepared = prepare_mesh(RawMesh(fin, faces, "fin"), METRES)
+    assert "non-manifold" in [change.step for change in prepared.account.changes]
+    vertices, cube = box(0.4, 0.7, 1.5)
+    many = np.vstack([cube, [[0, 1, 6], [1, 2, 7], [2, 3, 4], [3, 0, 5]]])
+    with pytest.raises(MeshError, match="non-manifold"):
+        prepare_mesh(RawMesh(vertices, many, "cube"), METRES)
+
+
+def test_a_surface_through_itself_is_refused(statue: Solid) -> None:
+    crumpled = statue.vertices_m.copy()
+    crumpled[1:] += np.random.default_rng(3).normal(0.0, 0.02, crumpled[1:].shape) * (crumpled[1:, 2:] > 0.01)
+    with pytest.raises(MeshError, match="pass through itself"):
+        prepare_mesh(RawMesh(crumpled, statue.faces, "crumpled"), METRES)
+
+
+def test_load_refuses_what_prepare_would_repair(statue: Solid, tmp_path: Path) -> None:
+    file = write(RawMesh(statue.vertices_m, statue.faces[:-1], "open"), tmp_path / "open.ply")
+    with pytest.raises(MeshError, match="rockcheck mesh prepare"):
+        load_solid(file, unit="m", density_kg_m3=2700.0)
+    for up in ("w", "Z"):
+        with pytest.raises(MeshError, match="up axis"):
+            load_solid(file, unit="m", up=up, density_kg_m3=2700.0)

@@ -1,0 +1,166 @@
+"""The scanner bench: a statue of known truth scanned with every fault, and recovered; the account says what was done."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import MeshError, Solid, load_solid
+from meshes.account import measure
+from meshes.mesh import RawMesh
+from meshes.prepare import Limits, Prepared, Wanted, prepare, prepare_mesh
+from meshes.solid import mass_properties
+from meshes.topology import EdgeCount
+from tests.budgets_meshes import CORNER_ASKED_M, DECIMATION_VOLUME_REL, QUIET_SCAN_REL, ROUND_OFF_REL, SURVEY_ASKED_REL
+from tests.meshes.scanner import Faults, scan, write
+
+DENSITY = 2700.0
+COARSE = Faults(edge_m=0.02)
+
+
+@pytest.fixture(scope="module")
+def noisy(statue: Solid) -> Prepared:
+    """A scan with every fault, prepared with the unit alone known."""
+    return prepare_mesh(scan(statue, COARSE), Wanted(unit="mm", max_faces=30_000))
+
+
+def test_mass_properties_are_recovered(statue: Solid, noisy: Prepared) -> None:
+    solid = noisy.solid(density_kg_m3=DENSITY)
+    for name in ("mass_kg", "centroid_height_m", "inertia_planar_kg_m2"):
+        assert getattr(solid, name) == pytest.approx(getattr(statue, name), rel=SURVEY_ASKED_REL), name
+
+
+def test_corners_are_recovered(statue: Solid, noisy: Prepared) -> None:
+    solid = noisy.solid(density_kg_m3=DENSITY)
+    for name in ("corner_left_m", "corner_right_m", "depth_m"):
+        assert getattr(solid, name) == pytest.approx(getattr(statue, name), abs=CORNER_ASKED_M), name
+
+
+def test_the_account_names_every_step_with_its_effect(noisy: Prepared) -> None:
+    account = noisy.account
+    assert [change.step for change in account.changes] == ["crumbs", "up axis", "scale", "base", "decimation"]
+    assert account.changes[0].count == COARSE.crumbs
+    closing = account.changes[3]
+    assert closing.volume_rel is not None
+    assert 0.0 < closing.volume_rel < 0.01
+    text = str(account)
+    assert "open base closed" in text
+    assert "centroid moved" in text
+
+
+def test_the_result_is_closed_and_in_metres(noisy: Prepared, tmp_path: Path) -> None:
+    assert EdgeCount.of(noisy.mesh.faces).closed
+    assert len(noisy.mesh.faces) < 31_000
+    noisy.write(tmp_path / "prepared.ply")
+    again = load_solid(tmp_path / "prepared.ply", unit="m", density_kg_m3=DENSITY)
+    assert again.mass_kg == pytest.approx(noisy.solid(density_kg_m3=DENSITY).mass_kg, rel=1e-6)
+
+
+@pytest.mark.parametrize("up", ["z", "-z", "x", "-x", "-y"])
+def test_any_up_axis_is_found(statue: Solid, up: str) -> None:
+    faults = Faults(edge_m=0.05, noise_m=0.0, crumbs=0, up=up, units_per_m=1.0)
+    solid = prepare_mesh(scan(statue, faults), Wanted(unit="m")).solid(density_kg_m3=DENSITY)
+    assert solid.mass_kg == pytest.approx(statue.mass_kg, rel=QUIET_SCAN_REL)
+    assert solid.corner_right_m == pytest.approx(statue.corner_right_m, abs=CORNER_ASKED_M)
+
+
+def test_a_closed_body_on_its_side_is_stood_up(statue: Solid) -> None:
+    faults = Faults(edge_m=1.0, noise_m=0.0, crumbs=0, open_below=False, up="x", units_per_m=1.0)
+    prepared = prepare_mesh(scan(statue, faults), Wanted(unit="m"))
+    solid = prepared.solid(density_kg_m3=DENSITY)
+    assert solid.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-6)
+    assert [change.step for change in prepared.account.changes] == ["up axis"]
+
+
+def test_scale_from_a_known_height(statue: Solid) -> None:
+    faults = replace(COARSE, noise_m=0.0, units_per_m=3.7)
+    solid = prepare_mesh(scan(statue, faults), Wanted(height_m=statue.height_m)).solid(density_kg_m3=DENSITY)
+    assert solid.mass_kg == pytest.approx(statue.mass_kg, rel=3 * QUIET_SCAN_REL)
+
+
+def test_glb_is_in_metres_by_its_standard(statue: Solid, tmp_path: Path) -> None:
+    file = write(
+        scan(statue, Faults(edge_m=1.0, noise_m=0.0, crumbs=0, open_below=False, units_per_m=1.0)), tmp_path / "s.glb"
+    )
+    assert prepare(file, Wanted(up="y")).solid(density_kg_m3=DENSITY).mass_kg == pytest.approx(statue.mass_kg, rel=1e-5)
+
+
+def test_inside_out_is_turned_and_accounted(statue: Solid) -> None:
+    inside_out = RawMesh(statue.vertices_m, np.ascontiguousarray(statue.faces[:, ::-1]), "scan")
+    prepared = prepare_mesh(inside_out, Wanted(unit="m"))
+    assert [change.step for change in prepared.account.changes] == ["orientation"]
+    assert prepared.solid(density_kg_m3=DENSITY).mass_kg == pytest.approx(statue.mass_kg, rel=ROUND_OFF_REL)
+
+
+def test_some_faces_turned_are_turned_back(statue: Solid) -> None:
+    faces = statue.faces.copy()
+    faces[::7] = faces[::7, ::-1]
+    prepared = prepare_mesh(RawMesh(statue.vertices_m, faces, "scan"), Wanted(unit="m"))
+    assert prepared.account.changes[0].count == len(faces[::7])
+    assert measure(prepared.mesh).volume_m3 == pytest.approx(statue.mass_kg / DENSITY, rel=ROUND_OFF_REL)
+
+
+def test_small_holes_are_closed_and_accounted(statue: Solid) -> None:
+    middle = statue.vertices_m[statue.faces].mean(axis=1)
+    kept = np.linalg.norm(middle - middle[len(middle) // 2], axis=1) > 0.03
+    prepared = prepare_mesh(RawMesh(statue.vertices_m, statue.faces[kept], "scan"), Wanted(unit="m", up="z"))
+    assert "holes" in [change.step for change in prepared.account.changes]
+    assert measure(prepared.mesh).volume_m3 == pytest.approx(statue.mass_kg / DENSITY, rel=QUIET_SCAN_REL)
+
+
+def test_a_wide_hole_is_refused_with_advice(statue: Solid) -> None:
+    middle = statue.vertices_m[statue.faces].mean(axis=1)
+    kept = np.linalg.norm(middle - np.array([0.1, 0.0, 0.9]), axis=1) > 0.3
+    with pytest.raises(MeshError, match="MeshLab"):
+        prepare_mesh(RawMesh(statue.vertices_m, statue.faces[kept], "scan"), Wanted(unit="m", up="z"))
+
+
+def test_the_limit_on_repair_is_a_limit(statue: Solid) -> None:
+    limits = Limits(volume_rel=1e-6)
+    with pytest.raises(MeshError, match="too much would be invented"):
+        prepare_mesh(scan(statue, COARSE), Wanted(unit="mm", limits=limits))
+
+
+def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> None:
+    dense = scan(statue, Faults(edge_m=0.02, noise_m=0.0, crumbs=0, open_below=False, up="z", units_per_m=1.0))
+    prepared = prepare_mesh(dense, Wanted(unit="m", up="z", max_faces=12_000))
+    made = prepared.account.changes[-1]
+    assert made.step == "decimation"
+    assert made.volume_rel is not None
+    assert abs(made.volume_rel) <= DECIMATION_VOLUME_REL
+    base = {tuple(vertex) for vertex in dense.vertices[dense.vertices[:, 2] <= 1e-3]}
+    left = {tuple(vertex) for vertex in prepared.mesh.vertices}
+    assert base <= left
+
+
+def test_measure_agrees_with_trimesh(statue: Solid) -> None:
+    ours = measure(RawMesh(statue.vertices_m, statue.faces, "solid"))
+    theirs = mass_properties(statue.vertices_m, statue.faces)
+    assert ours.volume_m3 == pytest.approx(theirs.volume_m3, rel=ROUND_OFF_REL)
+    np.testing.assert_allclose(
+        ours.inertia_per_density_m5, theirs.inertia_per_density_m5, atol=1e-3 * ROUND_OFF_REL**0.5
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted", "watertight_as_read"),
+    [
+        ("maria.obj", Wanted(unit="m"), True),
+        ("maria_acephalous.obj", Wanted(unit="m"), True),
+        ("demosthenes-low-res.obj", Wanted(height_m=0.7), False),
+    ],
+)
+def test_real_scans_become_watertight(data_dir: Path, name: str, wanted: Wanted, watertight_as_read: bool) -> None:
+    prepared = prepare(data_dir / "meshes" / name, wanted)
+    assert EdgeCount.of(prepared.mesh.faces).closed
+    assert ("base" in [change.step for change in prepared.account.changes]) != watertight_as_read
+    assert prepared.solid(density_kg_m3=DENSITY).mass_kg > 50.0
+
+
+def test_real_closed_scans_are_left_as_they_are(data_dir: Path) -> None:
+    prepared = prepare(data_dir / "meshes" / "maria.obj", Wanted(unit="m"))
+    assert prepared.account.changes == ()
+    assert prepared.solid(density_kg_m3=DENSITY).mass_kg / DENSITY == pytest.approx(0.1935, abs=1e-4)

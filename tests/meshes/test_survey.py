@@ -1,0 +1,65 @@
+"""Hollow and cored statues against closed forms, and a survey set against the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshes import MeshError, Solid, solid_from_mesh
+from meshes.survey import reconcile, with_core, with_mass
+from tests.budgets_meshes import ROUND_OFF_REL, SURVEY_ASKED_REL
+from tests.meshes.shapes import box
+
+
+@pytest.fixture
+def block() -> Solid:
+    return solid_from_mesh(*box(0.4, 0.7, 1.5), density_kg_m3=2000.0)
+
+
+def test_hollow_block_is_the_difference_of_two_boxes(block: Solid) -> None:
+    inner, faces = box(0.2, 0.3, 1.0)
+    inner = inner + np.array([-0.1, -0.15, 0.1])
+    hollow = with_core(block, inner, faces)
+    outer_mass, inner_mass = 2000.0 * 0.42, 2000.0 * 0.06
+    mass = outer_mass - inner_mass
+    height = (outer_mass * 0.75 - inner_mass * 0.6) / mass
+    expected = (
+        outer_mass * (0.4**2 + 1.5**2) / 12.0
+        + outer_mass * (0.75 - height) ** 2
+        - inner_mass * (0.2**2 + 1.0**2) / 12.0
+        - inner_mass * (0.6 - height) ** 2
+    )
+    assert hollow.mass_kg == pytest.approx(mass, rel=ROUND_OFF_REL)
+    assert hollow.centroid_height_m == pytest.approx(height, rel=ROUND_OFF_REL)
+    assert hollow.inertia_planar_kg_m2 == pytest.approx(expected, rel=ROUND_OFF_REL)
+
+
+def test_an_off_centre_core_moves_the_frame_and_keeps_the_base(block: Solid) -> None:
+    inner, faces = box(0.1, 0.3, 1.0)
+    cored = with_core(block, inner + np.array([0.05, -0.15, 0.1]), faces, core_density_kg_m3=7850.0)
+    shift = 5850.0 * 0.03 * 0.1 / cored.mass_kg
+    assert cored.corner_right_m == pytest.approx(0.2 - shift, rel=ROUND_OFF_REL)
+    assert cored.corner_left_m == pytest.approx(0.2 + shift, rel=ROUND_OFF_REL)
+    assert cored.corner_left_m + cored.corner_right_m == pytest.approx(0.4, rel=ROUND_OFF_REL)
+
+
+def test_a_core_outside_and_an_impossible_tensor_are_refused(block: Solid) -> None:
+    inner, faces = box(0.2, 0.3, 1.0)
+    with pytest.raises(MeshError, match="inside the statue"):
+        with_core(block, inner + np.array([1.0, 0.0, 0.0]), faces)
+    with pytest.raises(MeshError, match="no moment may exceed"):
+        with_mass(block, 800.0, np.array([0.0, 0.0, 0.75]), np.diag([1.0, 1.0, 5.0]))
+    with pytest.raises(MeshError, match="above the base"):
+        with_mass(block, 800.0, np.array([0.3, 0.0, 0.75]), block.inertia_kg_m2)
+
+
+def test_a_survey_is_set_against_the_mesh(statue: Solid) -> None:
+    survey = {"mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "depth_m": 0.72 * 1.02}
+    rows = {row.name: row for row in reconcile(statue, survey)}
+    assert rows["mass_kg"].agrees
+    assert rows["mass_kg"].used == "the weighed mass"
+    assert not rows["depth_m"].agrees
+    assert "differs from" in str(rows["depth_m"])
+    assert abs(rows["depth_m"].apart_rel - 0.02) < SURVEY_ASKED_REL
+    with pytest.raises(MeshError, match="colour"):
+        reconcile(statue, {"colour": 1.0})
