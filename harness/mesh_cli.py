@@ -1,0 +1,117 @@
+"""What `rockcheck mesh inspect|prepare` and `rockcheck new` do: records and text; the command's own words are
+elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from harness import record
+from harness.errors import InputError, Mistake
+from harness.new_scene import scene_text
+
+if TYPE_CHECKING:
+    from meshes.inspection import Inspection
+
+MARBLE_KG_M3 = 2700.0
+"""Density assumed for a statue of which nothing is said, and said so: marble."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the user says of a scan on the command line; None is found, assumed or refused, and said so."""
+
+    unit: str | None = None
+    height_m: float | None = None
+    up: str | None = None
+    density_kg_m3: float | None = None
+    mass_kg: float | None = None
+    max_faces: int = 50_000
+    contact_tolerance_m: float = 1e-3
+
+
+def inspect(file: Path, known: Known) -> Inspection:
+    """Inspect a scan; raises `InputError` where it cannot be prepared."""
+    from meshes import MeshError
+    from meshes.inspection import inspect as inspected
+    from meshes.prepare import Wanted
+
+    if known.density_kg_m3 is not None and known.mass_kg is not None:
+        raise InputError(Mistake("--density", "", "a density or a weighed mass", "both", "give one of them"))
+    density = known.density_kg_m3
+    if density is None and known.mass_kg is None:
+        density = MARBLE_KG_M3
+    wanted = Wanted(unit=known.unit, height_m=known.height_m, up=known.up, max_faces=known.max_faces)
+    try:
+        return inspected(
+            file,
+            wanted,
+            density_kg_m3=density,
+            mass_kg=known.mass_kg,
+            contact_tolerance_m=known.contact_tolerance_m,
+        )
+    except MeshError as error:
+        raise InputError(Mistake(str(file), "", "a scan that can be prepared", str(error))) from error
+
+
+def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
+    """Prepare a scan into the mesh file `out`, with its account beside it as JSON; returns the inspection and that
+    path.
+
+    Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
+    """
+    _check_out(out, file)
+    found = inspect(file, known)
+    if found.solid is None:
+        raise InputError(Mistake(str(file), "", "a statue that stands", str(found.refusal)))
+    out.parent.mkdir(parents=True, exist_ok=True)
+    found.prepared.write(out)
+    account = out.with_suffix(".account.json")
+    record.write_json(account, _plain(found, known))
+    return found, account
+
+
+def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str | None = None) -> Path:
+    """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
+
+    Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
+    """
+    from harness.load import load_scene
+    from harness.motions.readers import read_record
+
+    if out.suffix != ".toml":
+        raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))
+    if out.exists():
+        raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
+    if not motion.is_file():
+        raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
+    shaking = read_record(motion, unit=unit_of_motion)
+    mesh = out.with_name(f"{out.stem}_statue.ply")
+    found, account = prepare(scan, mesh, known)
+    try:
+        text = scene_text(found, scan, mesh, shaking, motion, known.density_kg_m3, known.mass_kg, unit_of_motion)
+        out.write_text(text, encoding="utf-8")
+        load_scene(out)
+    except Exception:
+        for written in (out, mesh, account):
+            written.unlink(missing_ok=True)
+        raise
+    return out
+
+
+def _check_out(out: Path, file: Path) -> None:
+    """Refuse an output that is no mesh format or would overwrite the scan."""
+    from meshes.intake import FORMATS
+
+    if out.suffix.lower() not in FORMATS:
+        raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
+    if out.resolve() == file.resolve():
+        raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
+
+
+def _plain(found: Inspection, known: Known) -> dict[str, Any]:
+    """The account as it is written, with what the user said."""
+    from dataclasses import asdict
+
+    return {**found.as_dict(), "known": asdict(known)}
