@@ -90,7 +90,8 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
     may_rest = want.may_skip("quiet_end") and end_s < scene.duration_s
     halt = None
     if scene.pedestal is not None and not full:
-        halt = EdgeWatch(setup.hull_m, 0.5 * scene.pedestal.height_m)
+        p = scene.pedestal
+        halt = EdgeWatch(setup.hull_m, (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m))
     return Watch(
         axis=_vector(setup.axes[2]),
         rest=_vector(setup.rest.rotation[:, 2]),
@@ -164,7 +165,7 @@ def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bo
         why = (
             "a level floor and a wall touch a convex body at its vertices only"
             if scene.pedestal is None
-            else "no part of the statue came below the plane of the pedestal's top, where its edges are"
+            else "no part of the statue came below the pedestal's top or beside it, where its edges are"
         )
         said.append(f"base_only: collision shapes beyond the vertices that touch; {why}")
     if rested:

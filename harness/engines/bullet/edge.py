@@ -1,4 +1,4 @@
-"""When the pedestal's edge can meet the statue: only if some part of the statue lies below the plane of the pedestal's top.
+"""When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's plane beside it.
 
 Above that plane nothing but the plane itself can touch a convex body, and it does so at vertices: the feet are exact.
 """
@@ -11,33 +11,34 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.bullet.pose import matrices
+
 Array = NDArray[np.float64]
 
 DEPTH_M: Final = 1e-4
-"""A vertex so far below the top's plane is beyond any contact's penetration, and just where the inset hull begins."""
+"""Nearer than this a vertex counts as touching; deeper is beyond any contact's penetration, and where the inset hull begins."""
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeWatch:
-    """Called with a row, says whether the statue reaches below the top of a pedestal `height_m` high.
+    """Called with a row, says whether the statue reaches below the pedestal's top or stands beside it.
 
-    `points_m` (n, 3) are the vertices of the statue's hull about its centroid, in its principal frame.
+    `points_m` (n, 3) are the vertices of the statue's hull about its centroid, in its principal frame; `half_m` the pedestal's
+    half width, depth and height.
     """
 
     points_m: Array
-    half_height_m: float
+    half_m: tuple[float, float, float]
 
     def __call__(self, row: tuple[float, ...]) -> bool:
-        # The top's normal, in the world, then in the statue's frame: rows of rotation matrices.
-        a, b, c, d = row[16:20]
-        nx, ny, nz = 2.0 * (a * c + b * d), 2.0 * (b * c - a * d), 1.0 - 2.0 * (a * a + b * b)
-        x, y, z, w = row[3:7]
-        here = np.array(
-            [
-                (1 - 2 * (y * y + z * z)) * nx + 2 * (x * y + z * w) * ny + 2 * (x * z - y * w) * nz,
-                2 * (x * y - z * w) * nx + (1 - 2 * (x * x + z * z)) * ny + 2 * (y * z + x * w) * nz,
-                2 * (x * z + y * w) * nx + 2 * (y * z - x * w) * ny + (1 - 2 * (x * x + y * y)) * nz,
-            ]
-        )
-        above = (row[0] - row[13]) * nx + (row[1] - row[14]) * ny + (row[2] - row[15]) * nz - self.half_height_m
-        return bool(above + (self.points_m @ here).min() < -DEPTH_M)
+        top, statue = matrices(np.array([row[16:20], row[3:7]]))
+        between = top.T @ (np.array(row[0:3]) - np.array(row[13:16]))
+        turn = top.T @ statue
+        above = between[2] - self.half_m[2] + self.points_m @ turn[2]
+        low = above < DEPTH_M
+        if not low.any():
+            return False
+        if above.min() < -DEPTH_M:
+            return True
+        there = np.abs(between[:2] + self.points_m[low] @ turn[:2].T)
+        return bool((there > np.array(self.half_m[:2]) + DEPTH_M).any())

@@ -32,3 +32,7 @@ class BulletSettings(Settings):
     def residual_for(self, step_s: float) -> float:
         """Threshold for a step of `step_s`."""
         return self.residual * (step_s / REFERENCE_DT_S) ** 2
+
+    def erp_for(self, step_s: float) -> float:
+        """Share of a penetration corrected in a step of `step_s`: in proportion, so that a sub-step pushes no faster."""
+        return self.erp * step_s / self.dt_s

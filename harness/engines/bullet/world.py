@@ -54,7 +54,7 @@ class World:
 
     def set_step(self, step_s: float) -> None:
         """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
-        s = self.settings
+        s, erp = self.settings, self.settings.erp_for(step_s)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=step_s,
             numSubSteps=0,
@@ -62,9 +62,9 @@ class World:
             solverResidualThreshold=s.residual_for(step_s),
             contactBreakingThreshold=s.breaking_threshold_m,
             enableConeFriction=int(s.cone_friction),
-            erp=s.erp,
-            contactERP=s.erp,
-            frictionERP=s.erp,
+            erp=erp,
+            contactERP=erp,
+            frictionERP=erp,
             globalCFM=0.0,
             contactSlop=0.0,
             restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
@@ -82,7 +82,7 @@ class World:
         statue: tuple[float, Array, Array, Array | None, Body],
     ) -> None:
         """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
-        and hull (n, 3) or None in its principal frame, and its state.
+        and hull (n, 3) or None in its principal frame, and its state. With a hull the pedestal has edges.
         """
         radius = self.settings.foot_radius_m
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
@@ -91,9 +91,9 @@ class World:
             self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
             self._add_statue(statue)
-            self._add_pedestal(pedestal)
+            self._add_pedestal(pedestal, statue[3] is not None)
         else:
-            self._add_pedestal(pedestal)
+            self._add_pedestal(pedestal, statue[3] is not None)
             self._add_statue(statue)
         # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
         self._surface(self.statue, contact.statue)
@@ -112,11 +112,11 @@ class World:
         self._homes[body] = place
         return body
 
-    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None) -> None:
+    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None, edges: bool) -> None:
         if pedestal is None:
             return
         p, centre_m = pedestal
-        shape = shapes.pedestal(p, self.settings.foot_radius_m, self.client)
+        shape = shapes.pedestal(p, self.settings.foot_radius_m, edges, self.client)
         place = [centre_m, 0.0, p.centroid_height_m]
         self.pedestal = int(pybullet.createMultiBody(p.mass_kg, shape, basePosition=place, physicsClientId=self.client))
         squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
