@@ -1,0 +1,109 @@
+"""Scans inspected, prepared and made into a first scene, as the command does."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import InputError
+from harness.load import load_scene
+from harness.mesh_cli import MARBLE_KG_M3, Known, inspect, new, prepare
+from meshes import togatus
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The generated statue as a file without units."""
+    file = tmp_path_factory.mktemp("scan") / "togatus.obj"
+    togatus.write(file)
+    return file
+
+
+@pytest.fixture(scope="module")
+def motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short record of three channels in m/s², the second horizontal one the stronger."""
+    file = tmp_path_factory.mktemp("motion") / "pulse.csv"
+    t = np.arange(0.0, 2.0, 0.01)
+    rows = np.column_stack([t, np.sin(t), 3.0 * np.sin(2.0 * t), 0.5 * np.sin(3.0 * t)])
+    lines = ["t_s,a_0_ms2,a_90_ms2,a_UP_ms2", *(",".join(f"{value:.6f}" for value in row) for row in rows)]
+    file.write_text("\n".join(lines) + "\n")
+    return file
+
+
+def test_inspect_says_what_the_statue_is(scan: Path) -> None:
+    found = inspect(scan, Known(unit="m", up="z"))
+    assert found.solid is not None
+    assert found.solid.density_kg_m3 == MARBLE_KG_M3
+    text = str(found)
+    assert "weakest towards" in text
+    assert "b_right 0.0682" in text
+    record = found.as_dict()
+    assert len(record["rose"]) == 36
+    assert json.loads(json.dumps(record))["solid"]["mass_kg"] == pytest.approx(707.0, rel=1e-6)
+
+
+def test_a_weighed_mass_sets_the_density(scan: Path) -> None:
+    found = inspect(scan, Known(unit="m", up="z", mass_kg=800.0))
+    assert found.solid is not None
+    assert found.solid.density_kg_m3 == pytest.approx(2700.0 * 800.0 / 707.0, rel=1e-6)
+
+
+def test_prepare_writes_the_mesh_and_its_account(scan: Path, tmp_path: Path) -> None:
+    found, account = prepare(scan, tmp_path / "made" / "statue.ply", Known(unit="m", up="z"))
+    assert (tmp_path / "made" / "statue.ply").is_file()
+    written = json.loads(account.read_text())
+    assert written["known"]["unit"] == "m"
+    assert written["solid"]["mass_kg"] == pytest.approx(found.solid.mass_kg if found.solid else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [
+        (Known(), "without units"),
+        (Known(unit="km"), "between"),
+        (Known(unit="m", density_kg_m3=2700.0, mass_kg=700.0), "both"),
+        (Known(unit="m", up="w"), "up axis"),
+        (Known(unit="m", up="x"), "statue that stands"),
+    ],
+)
+def test_mistakes_are_input_errors_and_nothing_is_written(scan: Path, tmp_path: Path, known: Known, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        prepare(scan, tmp_path / "statue.ply", known)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scan_is_never_overwritten(scan: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="another file"):
+        prepare(scan, scan, Known(unit="m"))
+    with pytest.raises(InputError, match="ending in"):
+        prepare(scan, tmp_path / "statue.txt", Known(unit="m"))
+
+
+def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path) -> None:
+    out = new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"))
+    text = out.read_text()
+    assert text.count("ASSUMED") >= 4
+    scene = load_scene(out)
+    assert scene.statue.mass_kg == pytest.approx(707.0, rel=1e-6)
+    assert scene.statue.corner_right_m == pytest.approx(0.0682, rel=1e-5)
+    assert scene.shake.x.peak_m_s2 == pytest.approx(3.0, rel=1e-3)
+    assert scene.shake.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
+    assert scene.shake.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
+    assert scene.duration_s > 2.0 + 4.0
+
+
+def test_new_refuses_what_exists_and_leaves_nothing_half_written(scan: Path, motion: Path, tmp_path: Path) -> None:
+    taken = tmp_path / "taken.toml"
+    taken.write_text("")
+    for wrong, said in (
+        ((scan, motion, taken), "does not exist yet"),
+        ((scan, motion, tmp_path / "a.txt"), "toml"),
+        ((scan, tmp_path / "absent.csv", tmp_path / "a.toml"), "existing file"),
+        ((tmp_path / "absent.ply", motion, tmp_path / "a.toml"), "none of that name"),
+    ):
+        with pytest.raises(InputError, match=said):
+            new(*wrong, Known(unit="m"))
+    assert [path.name for path in tmp_path.iterdir()] == ["taken.toml"]
