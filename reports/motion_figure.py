@@ -20,6 +20,7 @@ _MOST_POINTS: Final = 4000
 _BAND_COLOUR: Final = "#dddddd"
 _HEAD_ROOM: Final = 1.22
 """Of the spectrum's axis, for its legend."""
+_LEAST_G: Final = 1e-3
 _ORIGIN_WIDTH: Final = 170
 
 
@@ -98,7 +99,7 @@ def _spectrum(axis: Axes, inspection: Inspection) -> None:
         axis.plot(PERIODS_S, in_g(trace.spectrum_m_s2), color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=trace.name)
     axis.set_xscale("log")
     axis.set_xlim(PERIODS_S[0], PERIODS_S[-1])
-    axis.set_ylim(0.0, _HEAD_ROOM * axis.dataLim.y1)
+    axis.set_ylim(0.0, _HEAD_ROOM * max(float(axis.dataLim.y1), _LEAST_G))
     ticks = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
     axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axis.minorticks_off()

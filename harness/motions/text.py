@@ -108,7 +108,7 @@ def _touching(line: str, where: str, number: int) -> list[float]:
     values: list[float] = []
     for word in line.split():
         found = _NUMBERS.findall(word)
-        if "".join(found) != word:
+        if "".join(found) != word or any(part[0] not in "+-" for part in found[1:]):
             if not _WHOLE.fullmatch(word):
                 raise mistake(
                     where, f"line {number}", "numbers", repr(word), "the file is damaged, or not of this format"

@@ -32,7 +32,7 @@ _READERS: Final[tuple[Reader, ...]] = (v2a, v2, cosmos, smc, esm, at2)
 FORMATS: Final[tuple[tuple[str, bool], ...]] = tuple((r.NAME, r.TESTED_ON_ORIGINALS) for r in (*_READERS, csv))
 """Every format's name and whether its reader was tried on originals of the network."""
 
-_ALIKE = 0.5  # share of two file names' letters that agree at their ends, for files of one record
+_ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
 
 
 def read_file(path: Path, *, unit: str | None = None) -> RecordFile:
@@ -82,9 +82,9 @@ def _sisters(path: Path) -> list[Path]:
     for other in sorted(path.parent.iterdir()):
         if other == path or other.suffixes[-1:] != path.suffixes[-1:] or not other.is_file():
             continue
-        same = _alike(path.name, other.name)
-        same += _alike(path.name[same:][::-1], other.name[same:][::-1])
-        if same >= _ALIKE * max(len(path.name), len(other.name)) + len(path.suffix):
+        same = _alike(path.stem, other.stem)
+        same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
+        if same >= _ALIKE * max(len(path.stem), len(other.stem)):
             found.append(other)
     return found
 

@@ -88,7 +88,7 @@ def _column(header: str) -> tuple[str, Orientation, str | None]:
 def _split(line: str) -> list[str]:
     for mark in (";", "\t", ","):
         if mark in line:
-            return [part.strip() for part in line.strip().rstrip(mark if mark != "\t" else "").split(mark)]
+            return [part.strip() for part in line.split(mark)]
     return line.split()
 
 
@@ -104,6 +104,8 @@ def _table(text: str, where: str) -> _Table:
     rows = [(i + 1, line) for i, line in enumerate(text.splitlines()) if line.strip()]
     rows = [(i, line) for i, line in rows if not line.lstrip().startswith(("#", "%"))]
     first = _split(rows[0][1])
+    trailing = first[-1] == ""  # every line ends with the separator
+    first = first[:-1] if trailing else first
     headed = not all(_numeric(part) for part in first)
     headers = tuple(part.strip('"') for part in first) if headed else tuple(str(i + 1) for i in range(len(first)))
     body = rows[1:] if headed else rows
@@ -113,7 +115,7 @@ def _table(text: str, where: str) -> _Table:
         raise mistake(where, "", "two samples or more", str(len(body)), "the file holds no motion")
     values = np.empty((len(body), len(headers)))
     for row, (number, line) in enumerate(body):
-        parts = _split(line)
+        parts = _split(line)[:-1] if trailing else _split(line)
         if len(parts) != len(headers):
             advice = "the file is cut off" if row == len(body) - 1 else "the file is damaged, or has decimal commas"
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)

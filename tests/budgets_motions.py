@@ -1,0 +1,48 @@
+"""Tolerances of the motion tests, each with the sentence that derives it."""
+
+from typing import Final
+
+CSV_DIGITS: Final = 5.001e-5
+"""The CSVs of the data folder print four decimals of m/s², but never more than five digits: half of the last one, absolute
+or relative."""
+
+STATED_VELOCITY: Final = 0.01
+"""The networks integrate before they filter and decimate, and print three digits: their peak velocity agrees to 1 %."""
+
+SAME_MOTION: Final = 1e-12
+"""The same sums in another order, relative to the peak."""
+
+WRITTEN_DIGITS_G: Final = 1e-7
+"""The synthetic AT2 files are written with seven decimals of g."""
+
+NIGAM_JENNINGS: Final = 1e-7
+"""Two exact recurrences on the same samples differ by rounding, and by eqsig's 2π of eight digits (3e-9, amplified by a few
+tens of cycles)."""
+
+PEAK_BETWEEN_SAMPLES: Final = 0.0124
+"""At 20 samples in a period the peak between two samples is missed by 1 − cos(π/20) = 1.23 %."""
+
+EQSIG_MISFIT: Final = 0.10
+"""The promise: within 10 % of the target between 0.05 and 2 s."""
+
+RETURN_TO_REST_M_S: Final = 1e-12
+RETURN_TO_REST_M: Final = 1e-10
+"""Sums of a few thousand terms of order 1 round at 1e-16 each; displacement adds their sum over the duration."""
+
+CODE_TABLE: Final = 6e-4
+"""The codes' tables print three or four digits."""
+
+FLOOR_LINES: Final = 2e-3
+"""Straight lines with 70 points in a period miss a sine by (2π/70)²/8 = 0.1 %; twice that for a peak between samples."""
+
+STEADY_STATE: Final = 2e-3
+"""After ten decay times the transient is e⁻¹⁰ of the peak; the rest is FLOOR_LINES."""
+
+FILTER_PASS: Final = 1e-3
+"""A Butterworth of order 4 run both ways at four times its corner: |H|² = 1/(1 + 4⁻⁸) is within 2e-5; edges add the rest."""
+
+FILTER_STOP: Final = 5e-3
+"""At a quarter of the corner |H|² = 1/(1 + 4⁸) = 1.5e-5; what remains are the window's edges."""
+
+LIKENESS: Final = 0.5
+"""An unrelated motion of 30 s and 10 Hz correlates with the record by about 1/√600 = 0.04: half is that earthquake still."""
