@@ -20,6 +20,10 @@ LEAST_RATE_RAD_S: Final = 1e-3
 """A slower approach is no impact: what a step's error could change is below a millionth of a radian."""
 LEAST_LEAN_RAD: Final = 1e-5
 """With a rate below `LEAST_RATE_RAD_S`, a lean that counts as none."""
+LEAST_SHARE: Final = 0.1
+"""Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
+ALONE: Final = 13
+"""Numbers in a row without a pedestal."""
 RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
 MOST_FREE: Final = 16
@@ -56,8 +60,9 @@ def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, firs
     """Run from step `start` with state `first` to the schedule's end, an overturn, rest, or a halt."""
     stepper = Stepper(world, scene, schedule)
     record = Record(len(first), [start * schedule.step_s], array("d", first))
-    bound = _greatest_accel(scene)
-    number, row, was_near, fine_before, still = start, first, False, False, Still(watch)
+    pull = _greatest_pull(scene)
+    bound, kinetic = 2.0 * pull / scene.statue.centroid_height_m, scene.contact.floor_kinetic * scene.gravity_m_s2
+    number, row, was_near, fine_before, still, cut = start, first, False, False, Still(watch), -1
     while number < schedule.count:
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and _overturned(zx, zy, zz):
@@ -68,7 +73,9 @@ def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, firs
             record.rested = True
             break
         free = _free_steps(row, zx - watch.rest[0], zy - watch.rest[1], schedule.step_s, bound)
-        if free == 0 or was_near:
+        if len(row) > ALONE and len(record.t_s) > 1:
+            free = min(free, _free_of_halt(stepper, record, row, pull, kinetic))
+        if free == 0 or was_near or number == cut:
             row = _through(stepper, scene, watch, record, number, row, fine_before)
             was_near, fine_before = free == 0, True
             number += 1
@@ -79,16 +86,18 @@ def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, firs
             fine_before, number = False, number + 1
             continue
         begin = number - schedule.first
-        pulls = schedule.coarse[begin : begin + free]
-        row = _whole(stepper, record, pulls, number, row)
-        number += len(pulls)
+        taken = len(record.t_s)
+        row = _whole(stepper, record, schedule.coarse[begin : begin + free], number, row)
+        number += len(record.t_s) - taken
+        # A step that ends earlier found the pedestal let loose inside it: that step is taken again in sub-steps.
+        cut = number if len(record.t_s) - taken < free else -1
     record.repeated = stepper.repeated
     return record
 
 
 def _whole(stepper: Stepper, record: Record, pulls: list[Vector], number: int, row: Row) -> Row:
-    """Whole steps from `number` on, one for each gravity."""
-    step_s, keep = stepper.schedule.step_s, record.flat.extend
+    """Whole steps from `number` on, one for each gravity; ends before a step in which static friction was passed."""
+    step_s, keep, taken = stepper.schedule.step_s, record.flat.extend, len(pulls)
     if stepper.plain:
         advance = stepper.advance
         for gravity in pulls:
@@ -96,9 +105,14 @@ def _whole(stepper: Stepper, record: Record, pulls: list[Vector], number: int, r
             keep(row)
     else:
         for index, gravity in enumerate(pulls):
-            row = stepper.step(gravity, (number + index) * step_s, step_s, row)
+            after = stepper.step(gravity, (number + index) * step_s, step_s, row)
+            if stepper.just_released:
+                stepper.take_back(row)
+                taken = index
+                break
+            row = after
             keep(row)
-    record.t_s.extend((number + index) * step_s for index in range(1, len(pulls) + 1))
+    record.t_s.extend((number + index) * step_s for index in range(1, taken + 1))
     return row
 
 
@@ -127,11 +141,29 @@ def _comes_down(row: Row, watch: Watch, step_s: float) -> bool:
     return lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S and abs(lean) <= abs(rate) * step_s
 
 
-def _greatest_accel(scene: Scene) -> float:
-    """A bound, rad/s², on what weight and table can do to a rocking body's rate: twice the greatest pull over its height."""
+def _greatest_pull(scene: Scene) -> float:
+    """A bound, m/s², on what weight and table together can do."""
     shake = scene.shake
-    pull = scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
-    return 2.0 * pull / scene.statue.centroid_height_m
+    return scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
+
+
+def _free_of_halt(stepper: Stepper, record: Record, row: Row, pull: float, kinetic: float) -> int:
+    """Number of whole steps in which the pedestal cannot come to a halt: 0 when it is about to, at most `MOST_FREE`.
+
+    `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
+    """
+    step_s, before = stepper.schedule.step_s, record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
+    vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
+    speed = math.hypot(vx, vy)
+    if speed <= LEAST_SHARE * kinetic * step_s:
+        return RESTING_FREE
+    last_s = min(record.t_s[-1] - record.t_s[-2], step_s)
+    ax = (vx - before[0] + stepper.table_before[0]) / last_s
+    ay = (vy - before[1] + stepper.table_before[1]) / last_s
+    slowing = -(vx * ax + vy * ay) / speed
+    if slowing > LEAST_SHARE * kinetic and speed <= AHEAD * step_s * slowing:
+        return 0
+    return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
 
 
 def _free_steps(row: Row, zx: float, zy: float, step_s: float, bound: float) -> int:

@@ -100,13 +100,17 @@ class Stepper:
         self.plain = not (schedule.moving or self.switches)
         self.stuck = True
         self.repeated = 0
+        self.just_released = False
         self.table_rate: Vector = (0.0, 0.0, 0.0)
+        self.table_before = self.table_rate
 
     def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
         """Advance the world from `before` at `t_s` by `step_s`."""
         if self.schedule.moving:
+            self.table_before = self.table_rate
             place, self.table_rate = self.schedule.table(t_s, step_s)
             self.world.move_table(place, self.table_rate)
+        self.just_released = False
         row = self.advance(gravity)
         if not self.switches:
             return row
@@ -129,7 +133,13 @@ class Stepper:
         self._hold(self.kinetic)
         self.restore(before)
         self.repeated += 1
+        self.just_released = True
         return self.advance(gravity)
+
+    def take_back(self, row: Row) -> None:
+        """Undo a step in which the pedestal was let loose: the state before it, held by static friction."""
+        self._hold(self.static)
+        self.restore(row)
 
     def _hold(self, friction: float) -> None:
         self.world.set_floor_friction(friction)
