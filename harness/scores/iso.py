@@ -12,6 +12,9 @@ from harness.scores.grid import Pair
 SAMPLES: Final = 1001
 """Samples after resampling: the rating's time warping costs the square of their number in time and memory."""
 
+WEIGHTS: Final = {"corridor": 0.4, "phase": 0.2, "magnitude": 0.2, "slope": 0.2}
+"""Weights of the overall rating (ISO/TS 18571, also the library's defaults)."""
+
 
 def rate(pair: Pair, samples: int = SAMPLES) -> dict[str, Any]:
     """Corridor, phase, magnitude, slope and overall rating (1 is perfect) of θ_a against θ_b.
@@ -31,15 +34,15 @@ def rate(pair: Pair, samples: int = SAMPLES) -> dict[str, Any]:
         raise InputError(Mistake("--iso", "", "two histories that move", "one that stays at a constant rotation"))
     curves, step = resampled(pair, samples)
     rating = ISO18571(reference_curve=curves[1], comparison_curve=curves[0], dt=step)
-    return {
+    # Each rating once: the library's own overall_rating computes them all again.
+    parts = {
         "corridor": float(rating.corridor_rating(-1)),
         "phase": float(rating.phase_rating(-1)),
         "magnitude": float(rating.magnitude_rating(-1)),
         "slope": float(rating.slope_rating(-1)),
-        "overall": float(rating.overall_rating(-1)),
-        "resampled_dt_s": step,
-        "samples": samples,
     }
+    overall = sum(WEIGHTS[name] * value for name, value in parts.items())
+    return {**parts, "overall": overall, "resampled_dt_s": step, "samples": samples}
 
 
 def resampled(pair: Pair, samples: int) -> tuple[tuple[Any, Any], float]:
