@@ -39,7 +39,7 @@ def resolve(model: SceneFile, path: Path, content: dict[str, object] | None = No
     """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`."""
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    shake = _shake(model.motion, path, mistakes)
+    shake = _shake(model.motion, path, model.duration_s, mistakes, notes)
     statue = None
     try:
         statue = _statue(model.statue, path, notes)
@@ -79,19 +79,19 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(motion: Motion, path: Path, mistakes: list[Mistake]) -> Shake:
-    found: dict[str, Excitation] = {}
-    for axis in ("x", "y", "z"):
+def _shake(motion: Motion, path: Path, duration_s: float, mistakes: list[Mistake], notes: list[str]) -> Shake:
+    found: dict[str, Excitation] = {axis: Rest() for axis in ("x", "y", "z")}
+    for axis in found:
         component: Component | None = getattr(motion, axis)
+        if component is None:
+            continue
+        key = f"motion.{axis}"
         try:
-            found[axis] = (
-                Rest()
-                if component is None
-                else motions.build(component, base_dir=path.parent, where=str(path), key=f"motion.{axis}")
-            )
+            prepared = motions.prepare(component, base_dir=path.parent, where=str(path), key=key, duration_s=duration_s)
+            found[axis] = prepared.excitation
+            notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)
-            found[axis] = Rest()
     return Shake(**found)
 
 
