@@ -46,3 +46,6 @@ FILTER_STOP: Final = 5e-3
 
 LIKENESS: Final = 0.5
 """An unrelated motion of 30 s and 10 Hz correlates with the record by about 1/√600 = 0.04: half is that earthquake still."""
+
+MATCHING_PASSES: Final = 24
+"""El Centro takes 9 to 17 wavelet passes to either limit state: half as many again is a loss of convergence."""

@@ -30,20 +30,17 @@ def recognises(text: str) -> bool:
 def read(text: str, where: str) -> RecordFile:
     """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
     lines = text.splitlines()
-    starts = [i for i, line in enumerate(lines) if _BLOCK.match(line)]
+    blocks = [(i, block) for i, line in enumerate(lines) if (block := _BLOCK.match(line))]
     channels: list[Channel] = []
     head_from = 0
-    for start in starts:
-        channels.append(_channel(lines, head_from, start, where))
+    for start, block in blocks:
+        channels.append(_channel(lines, head_from, start, block, where))
         head_from = start + 1
     facts = {"event": lines[2].strip(), "station": lines[6].strip()}
     return RecordFile(where, NAME, TESTED_ON_ORIGINALS, "cm/s2", tuple(channels), facts)
 
 
-def _channel(lines: list[str], head_from: int, start: int, where: str) -> Channel:
-    block = _BLOCK.match(lines[start])
-    if block is None:
-        raise AssertionError("the caller found this block")
+def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
     count, dt_s, unit = int(block.group(1)), float(block.group(2)), block.group(3).strip()
     if unit not in _UNITS:
         raise mistake(where, f"line {start + 1}", "accelerations in cm/sec/sec or g", repr(unit))

@@ -72,7 +72,7 @@ def test_the_headers_clock_five_seconds_off_is_said(records: Path) -> None:
 
 
 def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_path: Path) -> None:
-    """Why V2A is read here: eqsig splits at blanks, and this file has none between "-1003.2-10061.4" (fails: use eqsig)."""
+    """Why V2A is read here: eqsig splits at blanks, and this file has none between "-6454.0-10565.6" (fails: use eqsig)."""
     import gzip
 
     from eqsig.loader import load_3_comp_values_and_dt_from_v2a

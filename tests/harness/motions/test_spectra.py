@@ -20,6 +20,7 @@ from tests.budgets_motions import (
     CODE_TABLE,
     EQSIG_MISFIT,
     LIKENESS,
+    MATCHING_PASSES,
     NIGAM_JENNINGS,
     PEAK_BETWEEN_SAMPLES,
     RETURN_TO_REST_M,
@@ -177,7 +178,7 @@ def test_a_real_record_is_matched_within_its_work(data_dir: Path) -> None:
     assert abs(float(found.excitation.velocity_m_s(end))) <= RETURN_TO_REST_M_S
     assert abs(float(found.excitation.displacement_m(end))) <= RETURN_TO_REST_M
     passes = int(found.done[-1].split(" in ")[1].split()[0])
-    assert passes <= 30
+    assert passes <= MATCHING_PASSES
     original = prepare(
         ADAPTER.validate_python({"kind": "record", **record}), base_dir=Path(), where="scene.toml", key="motion.x"
     )
