@@ -21,7 +21,7 @@ __all__ = ["Prepared", "build", "prepare"]
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """An excitation, the steps that led to it, what is doubtful about it, and its target spectrum if it has one."""
+    """An excitation, the steps that led to it, what is doubtful, and the target it follows (none behind a building)."""
 
     excitation: Excitation
     done: tuple[str, ...] = ()

@@ -119,3 +119,23 @@ def test_an_endless_motion_through_a_building_needs_the_scenes_duration() -> Non
     with pytest.raises(InputError, match="a motion that ends"):
         made(**keys)
     assert made(scene_s=3.0, **keys).end_s == 3.0
+
+
+def test_a_floor_has_no_ground_target() -> None:
+    keys: dict[str, Any] = {
+        "kind": "spectrum",
+        "code": "ec8",
+        "ag_g": 0.2,
+        "soil": "A",
+        "type": 2,
+        "seed": 4,
+        "duration_s": 5.0,
+    }
+    ground, floor = (
+        prepare(ADAPTER.validate_python({**keys, **more}), base_dir=Path(), where="s", key="motion.x")
+        for more in ({}, {"floor": [{"period_s": 0.3, "damping": 0.1}]})
+    )
+    assert ground.target is not None
+    assert floor.target is None
+    assert floor.excitation.peak_m_s2 > ground.excitation.peak_m_s2
+    assert floor.excitation.end_s > ground.excitation.end_s
