@@ -18,7 +18,7 @@ from harness.errors import InputError, Mistake
 from harness.history import History
 from reports.display_mesh import display_mesh
 from reports.palette import look
-from reports.posing import Section, section
+from reports.posing import SOLID_COLUMNS, Section, posed_in_space_m, section
 from reports.replay import default_model
 from reports.source import RunSource, run_source
 
@@ -36,7 +36,7 @@ GREYS: Final = 64
 VIEW: Final = (0.42, 0.16)
 """Azimuth and elevation of the view in rad."""
 SUN: Final = np.array([-0.55, -0.55, 0.63])
-FLOOR: Final = np.array([[-1.0, -0.55, 0.0], [1.0, -0.55, 0.0], [1.0, 0.75, 0.0], [-1.0, 0.75, 0.0]])
+FLOOR: Final = np.array([[-0.62, -0.4, 0.0], [0.62, -0.4, 0.0], [0.62, 0.5, 0.0], [-0.62, 0.5, 0.0]])
 LIGHT, PAPER, STONE, LINE, PINK = range(GREYS, GREYS + 5)
 FIRST_MODEL: Final = GREYS + 5
 
@@ -145,24 +145,28 @@ def _chart(stage: Stage, start_s: float, end_s: float) -> Image:
     top = SIZE[1] - CHART
     draw.rectangle((0, top, SIZE[0], SIZE[1]), fill=PAPER)
     draw.line((0, top, SIZE[0], top), fill=STONE)
-    most = _shown_rad(stage)
-    middle = top + CHART / 2
+    low, high = _shown_rad(stage)
+    per_rad = (CHART - 34) / (high - low)
+    middle = SIZE[1] - 8 + low * per_rad
     draw.line((0, middle, SIZE[0], middle), fill=STONE)
     for name, history in stage.source.histories.items():
         t = np.linspace(start_s, min(end_s, float(history.t_s[-1])), 1200)
-        theta = np.clip(history.at(t) / most, -1.1, 1.1)
-        points = np.column_stack([(t - start_s) / (end_s - start_s) * SIZE[0], middle - 0.42 * CHART * theta])
+        theta = np.clip(history.at(t), low, high)
+        points = np.column_stack([(t - start_s) / (end_s - start_s) * SIZE[0], middle - per_rad * theta])
         draw.line([tuple(point) for point in points.tolist()], fill=_model_colour(stage, name), width=2)
     for k, name in enumerate(stage.source.histories):
         draw.text((8 + 90 * k, top + 4), name, fill=_model_colour(stage, name))
     return image
 
 
-def _shown_rad(stage: Stage) -> float:
+def _shown_rad(stage: Stage) -> tuple[float, float]:
+    """Least and largest rotation of the chart: those of the histories, cut a little beyond the balance points."""
     statue = stage.source.scene["statue"]
-    limit = 1.2 * max(float(statue["slenderness_left_rad"]), float(statue["slenderness_right_rad"]))
-    most = max(float(np.abs(item.theta_rad).max()) for item in stage.source.histories.values())
-    return min(most, limit) or 1e-3
+    least = min(float(item.theta_rad.min()) for item in stage.source.histories.values())
+    most = max(float(item.theta_rad.max()) for item in stage.source.histories.values())
+    low = max(least, -1.2 * float(statue["slenderness_left_rad"]))
+    high = min(most, 1.2 * float(statue["slenderness_right_rad"]))
+    return min(low, -1e-3), max(high, 1e-3)
 
 
 def _frame(stage: Stage, t_s: float, chart: Image, start_s: float, end_s: float) -> Image:
@@ -174,7 +178,7 @@ def _frame(stage: Stage, t_s: float, chart: Image, start_s: float, end_s: float)
     theta, slip = _at(solid, t_s)
     floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)[0]
     draw.polygon([tuple(point) for point in floor.tolist()], fill=PAPER, outline=STONE)
-    faces, shades = _faces(stage, theta, slip)
+    faces, shades = _faces(stage, _posed(stage, solid, t_s), slip)
     for polygon, shade in zip(faces, shades, strict=True):
         draw.polygon([tuple(point) for point in polygon.tolist()], fill=shade)
     if stage.ghost is not None:
@@ -193,11 +197,21 @@ def _at(history: History, t_s: float) -> tuple[float, float]:
     return float(np.interp(time, history.t_s, history.theta_rad)), float(np.interp(time, history.t_s, slip))
 
 
-def _faces(stage: Stage, theta: float, slip: float) -> tuple[Sequence[Array], Sequence[int]]:
-    """Visible faces of pedestal and statue from far to near with their shades."""
+def _posed(stage: Stage, history: History, t_s: float) -> Array:
+    """The statue's vertices at a time: the whole pose of a 3D engine, else the planar one."""
+    if all(name in history.extra for name in SOLID_COLUMNS):
+        time = min(t_s, float(history.t_s[-1]))
+        pose = {name: float(np.interp(time, history.t_s, history.extra[name])) for name in SOLID_COLUMNS}
+        return posed_in_space_m(stage.vertices_m, stage.shape.corner_right_m, pose)
+    theta, slip = _at(history, t_s)
     posed = stage.vertices_m.copy()
     posed[:, [0, 2]] = stage.shape.posed_m(stage.vertices_m[:, [0, 2]], theta, slip)[0]
     posed[:, 2] += stage.lift_m
+    return posed
+
+
+def _faces(stage: Stage, posed: Array, slip: float) -> tuple[Sequence[Array], Sequence[int]]:
+    """Visible faces of pedestal and statue from far to near with their shades."""
     groups = [(posed, stage.faces, GREYS - 1)]
     pedestal = stage.source.scene["pedestal"]
     if pedestal is not None:

@@ -33,14 +33,15 @@ def unit(value: float | None, name: str, count: int = 3) -> str:
     return digits(value, count) if value is None else f"{digits(value, count)}\u00a0{name}"
 
 
-def length(value_m: float) -> str:
+def length(value_m: float, count: int = 3) -> str:
     """A length in the unit in which a person would say it: m, cm or mm."""
     size = abs(value_m)
     if size < 5e-7:
         return "0\u00a0mm"
-    value, name, count = (value_m, "m", 3) if size >= 1.0 else (100.0 * value_m, "cm", 2 if size < 0.1 else 3)
+    value, name = (value_m, "m") if size >= 1.0 else (100.0 * value_m, "cm")
     if size < 0.01:
-        value, name, count = 1000.0 * value_m, "mm", 2
+        value, name = 1000.0 * value_m, "mm"
+    count -= size < 0.1
     return f"{short(value, count)}\u00a0{name}"
 
 

@@ -9,7 +9,8 @@ from typing import Any, Final
 from harness.history import Outcome
 from reports.assets import plotly_js, source_text, three_js
 from reports.chart_histories import histories_figure
-from reports.numbers import angle, digits, given, label, length, plain, short, split_unit, unit
+from reports.glossary import score_rows, validity_rows
+from reports.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.palette import look
 from reports.replay import default_model, replay_payload
 from reports.scene_picture import scene_svg
@@ -163,25 +164,6 @@ def outcome_rows(runs: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
         heading = f"{words} [{name}]" if name else words
         rows.append((heading, [str(v) if isinstance(v, int) else digits(v, 4) for v in values]))
     rows.append(("impacts", [str(len(run["impact_times_s"])) for run in runs.values()]))
-    return rows
-
-
-def score_rows(scores: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
-    """The table of scores: one row per quantity that any pair holds as a number, sentence or short list."""
-    keys: dict[str, None] = {}
-    for item in scores.values():
-        keys |= dict.fromkeys(
-            key for key, value in item.items() if not isinstance(value, Mapping) and not key.startswith("verdict")
-        )
-    return [(label(key), [plain(item.get(key)) for item in scores.values()]) for key in keys]
-
-
-def validity_rows(validity: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """The limits met in one run: words, value, unit."""
-    rows = []
-    for key, value in validity.items():
-        words, name = split_unit(key)
-        rows.append((words, plain(value), name))
     return rows
 
 

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+SOLID_COLUMNS: Final = (
+    "pitch_rad",
+    "roll_rad",
+    "yaw_rad",
+    "corner_right_x_m",
+    "corner_right_y_m",
+    "corner_right_z_m",
+)
+"""Columns of a 3D engine's history that give the statue's whole pose: R = R_z(yaw) R_y(pitch) R_x(roll) and its right corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,3 +62,17 @@ def section(scene: Mapping[str, Any]) -> Section:
     statue = scene["statue"]
     outline = np.asarray(statue["section_m"], dtype=np.float64)
     return Section(outline, float(statue["corner_left_m"]), float(statue["corner_right_m"]))
+
+
+def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, float]) -> Array:
+    """Points (n, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame."""
+    pitch, roll, yaw, *corner = (pose[name] for name in SOLID_COLUMNS)
+    cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
+    turn = np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+    return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ turn.T + corner)

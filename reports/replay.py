@@ -14,7 +14,7 @@ from harness.record import to_plain
 from reports.assets import pack_text, packed_array
 from reports.display_mesh import display_mesh
 from reports.palette import look
-from reports.posing import section
+from reports.posing import SOLID_COLUMNS, section
 from reports.source import RunSource
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 FRAME_S: Final = 0.005
 """Step of the frames kept; the page interpolates between them, so that slow replay stays smooth."""
 MOST_FRAMES: Final = 20_000
-POSE_COLUMNS: Final = ("statue_slip_m", "statue_y_m", "roll_rad", "yaw_rad", "pedestal_tilt_rad")
+POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
 """Further columns of a history that move the statue or the pedestal in the replay, where an engine records them."""
 
 
@@ -84,8 +84,6 @@ def _floor(motion: Mapping[str, Any], gravity_m_s2: float, step_s: float, end_s:
 def default_model(source: RunSource) -> str:
     """The model shown solid: a 3D engine's where there is one, else the last that has a history."""
     names = list(source.histories)
-    solid = [
-        name for name in names if any(column in source.histories[name].extra for column in ("roll_rad", "yaw_rad"))
-    ]
+    solid = [name for name in names if SOLID_COLUMNS[0] in source.histories[name].extra]
     preferred = [name for name in ("pybullet", "mujoco", "pymunk") if name in names]
     return (solid or preferred or names)[0]

@@ -81,8 +81,9 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
     balance = source.scene["statue"]["slenderness_right_rad" if side > 0 else "slenderness_left_rad"]
     peaks = [peak for peak, _, _ in found]
     share = spread([100.0 * peak / balance for peak in peaks], "%", 2)
+    by = "" if len(found) == len(answered) else f" ({', '.join(name for _, _, name in found)})"
     return [
-        f"Largest lean: {spread(peaks, 'rad')} ({spread([math.degrees(peak) for peak in peaks], '°', 2)}) to the "
+        f"Largest lean{by}: {spread(peaks, 'rad')} ({spread([math.degrees(peak) for peak in peaks], '°', 2)}) to the "
         f"{SIDES[side]}, {share} of the {angle(balance)} at which the statue balances on that edge."
     ]
 
@@ -125,7 +126,9 @@ def _slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
 
 def _scores(record: Mapping[str, Any]) -> list[str]:
     return [
-        f"{pair.replace('_vs_', ' against ')}: {scores['verdict_sentence']}"
+        str(scores["verdict_sentence"])
+        if pair.partition("_vs_")[0] in scores["verdict_sentence"]
+        else f"{pair.replace('_vs_', ' against ')}: {scores['verdict_sentence']}"
         for pair, scores in record["scores"].items()
         if scores.get("verdict_sentence")
     ]

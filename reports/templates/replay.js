@@ -64,13 +64,14 @@ rockcheck.whenReady.push(async () => {
     const frames = Object.fromEntries(Object.entries(model.frames).map(([name, packed]) => [name, array(packed)]));
     const body = new THREE.Mesh(geometry, null);
     const tilt = new THREE.Group(), whole = new THREE.Group();
-    tilt.rotation.order = "YXZ";
+    tilt.rotation.order = "ZYX";
     tilt.add(body);
     whole.add(tilt);
     let stone = null;
     if (data.pedestal) {
       stone = new THREE.Mesh(new THREE.BoxGeometry(data.pedestal.width_m, data.pedestal.depth_m, data.pedestal.height_m), null);
       stone.position.set(centre + data.pedestal.offset_m, 0, 0.5 * lift);
+      stone.rotation.order = "ZYX";
       whole.add(stone);
     }
     scene.add(whole);
@@ -113,10 +114,21 @@ rockcheck.whenReady.push(async () => {
     const slip = at(figure, "slip_m", time);
     const aside = choice.beside && figure.model.name === choice.ghost ? Math.max(1.15 * data.height_m, 1.6 * (data.pedestal ? data.pedestal.depth_m : data.depth_m)) : 0;
     figure.whole.position.y = aside;
-    figure.tilt.position.set(pivot + slip + at(figure, "statue_slip_m", time), at(figure, "statue_y_m", time), lift);
-    figure.tilt.rotation.set(at(figure, "roll_rad", time), theta, at(figure, "yaw_rad", time));
-    figure.body.position.x = -pivot;
-    if (figure.stone) figure.stone.position.x = centre + data.pedestal.offset_m + slip;
+    if (figure.frames.corner_right_x_m) {
+      figure.tilt.position.set(...["x", "y", "z"].map((axis) => at(figure, `corner_right_${axis}_m`, time)));
+      figure.tilt.rotation.set(at(figure, "roll_rad", time), at(figure, "pitch_rad", time), at(figure, "yaw_rad", time));
+      figure.body.position.x = -data.corner_right_m;
+    } else {
+      figure.tilt.position.set(pivot + slip + at(figure, "statue_slip_m", time), 0, lift);
+      figure.tilt.rotation.y = theta;
+      figure.body.position.x = -pivot;
+    }
+    if (figure.stone) {
+      const lean = at(figure, "pedestal_tilt_rad", time);
+      const up = 0.5 * (lift * Math.cos(lean) + data.pedestal.width_m * Math.abs(Math.sin(lean)));
+      figure.stone.position.set(centre + data.pedestal.offset_m + slip, at(figure, "pedestal_y_m", time), up);
+      figure.stone.rotation.set(0, lean, at(figure, "pedestal_yaw_rad", time));
+    }
     return theta;
   };
   const dress = () => {

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from reports.posing import Section
+from reports.posing import SOLID_COLUMNS, Section, posed_in_space_m
 from tests.budgets_reports import POSE_M
 
 OUTLINE = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])
@@ -49,3 +49,20 @@ def test_overhang_is_measured_from_the_bases_edge() -> None:
     assert still == pytest.approx([0.0], abs=POSE_M)
     leaning = PAESTUM.overhang_m(np.array([0.5]), np.zeros(1), 1)
     assert leaning == pytest.approx([1.46 * math.sin(0.5)], abs=POSE_M)
+
+
+def test_a_planar_pose_in_space_is_the_planar_pose() -> None:
+    theta, slip, lift = 0.3, 0.02, 0.2
+    pose = dict.fromkeys(SOLID_COLUMNS, 0.0)
+    pose |= {"pitch_rad": theta, "corner_right_x_m": 0.0682 + slip, "corner_right_z_m": lift}
+    points = np.column_stack([OUTLINE[:, 0], [0.1, 0.2, -0.1, 0.3], OUTLINE[:, 1]])
+    posed = posed_in_space_m(points, 0.0682, pose)
+    flat = PAESTUM.posed_m(OUTLINE, theta, slip)[0]
+    assert np.allclose(posed[:, [0, 2]] - flat, np.array([0.0, lift]), atol=POSE_M, rtol=0.0)
+    assert np.array_equal(posed[:, 1], points[:, 1])
+
+
+def test_yaw_turns_about_the_right_corner() -> None:
+    pose = dict.fromkeys(SOLID_COLUMNS, 0.0) | {"yaw_rad": math.pi / 2.0, "corner_right_x_m": 0.0682}
+    posed = posed_in_space_m(np.array([[0.0682, 0.0, 0.0], [1.0682, 0.0, 0.5]]), 0.0682, pose)
+    assert np.allclose(posed, [[0.0682, 0.0, 0.0], [0.0682, 1.0, 0.5]], atol=POSE_M, rtol=0.0)

@@ -1,0 +1,101 @@
+"""What a record's keys mean, in the words of a page; keys not named here are shown as they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from reports.numbers import digits, label, plain, split_unit
+
+SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
+    "together_until_s": ("stay together until [s]", "how long the two rotations stay within the tolerance below"),
+    "together_tolerance_rad": ("within [rad]", "the tolerance of “together”"),
+    "reliable_until_s": ("both reliable until [s]", "the earlier of the two models' own horizons"),
+    "rms_reliable_rad": ("root mean square difference up to there [rad]", "over the time in which both are reliable"),
+    "rms_theta_rad": ("root mean square difference, whole run [rad]", "over all common instants"),
+    "largest_difference_rad": ("largest difference [rad]", "over all common instants"),
+    "peak_theta_a_rad": ("largest rotation of the first [rad]", "of the model named first"),
+    "peak_theta_b_rad": ("largest rotation of the second [rad]", "of the model named second"),
+    "peak_ratio": ("ratio of the largest rotations", "first over second"),
+    "peak_time_difference_s": ("their times apart by [s]", "first less second"),
+    "uplift_time_differences_s": ("uplifts apart by [s]", "of the uplifts that both models have"),
+    "impact_times_a_s": ("impacts of both, at [s]", "times of the first model's impacts that the second has too"),
+    "impact_time_differences_s": ("impacts apart by [s]", "first less second"),
+    "impacts_alone_a": ("impacts that only the first has", ""),
+    "impacts_alone_b": ("impacts that only the second has", ""),
+    "impact_energy_share_lost_a": ("energy lost per impact, first (share)", "share of the rocking energy"),
+    "impact_energy_share_lost_b": ("energy lost per impact, second (share)", "share of the rocking energy"),
+    "rms_slip_m": ("root mean square difference of the slip [m]", "of the pedestal on the floor"),
+    "residual_slip_difference_m": ("remaining slips apart by [m]", "at the common end"),
+    "residual_theta_difference_rad": ("remaining rotations apart by [rad]", "at the common end"),
+    "magnitude": ("magnitude error", "Sprague and Geers: 0 is equal"),
+    "phase": ("phase error", "Sprague and Geers: 0 is equal"),
+    "combined": ("combined error", "Sprague and Geers: root of the sum of both squares"),
+    "no_return_time_difference_s": ("times of no return apart by [s]", "where both overturn"),
+    "coverage": ("share of the time compared", "common time over the longer run"),
+}
+"""Words of each score and what it means, in the order of the table."""
+SCORES_LEFT_OUT: Final = frozenset(
+    {"a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s", "compared_until_s"}
+)
+"""Keys whose content stands elsewhere on the page."""
+
+VALIDITY_WORDS: Final[Mapping[str, str]] = {
+    "peak_over_slenderness": "largest rotation over the balance point's",
+    "statue_friction_needed": "friction that the statue's pivot needed",
+    "statue_friction_needed_at_impact": "the same at impacts",
+    "statue_normal_least_n": "least force of the statue on its support",
+    "floor_normal_least_n": "least force on the floor",
+    "left_domain_s": "left the model's domain at",
+    "left_domain_by": "left the model's domain by",
+    "pedestal_tipping_margin_m": "pedestal's least margin against tipping",
+    "pedestal_tipping_margin_at_impact_m": "the same at impacts",
+    "energy_gained_j": "energy gained",
+    "energy_lost_j": "energy lost",
+    "impact_ratios": "angular velocity after each impact over before",
+    "statue_slip_m": "slip of the statue on its support",
+    "statue_flight_m": "height of the statue's flight",
+    "penetration_m": "deepest penetration of contacts",
+    "pedestal_tilt_rad": "tilt of the pedestal",
+    "out_of_plane_rad": "rotation out of the rocking plane",
+    "yaw_rad": "turn about the vertical",
+    "statue_across_m": "movement across the rocking plane",
+    "rest_lean_rad": "lean at rest on the scanned base",
+    "touching_vertices": "vertices of the base that can touch",
+    "full_shape_from_s": "whole shape in contact from",
+}
+
+
+def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, list[str]]]:
+    """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
+    known: dict[str, None] = dict.fromkeys(SCORE_WORDS)
+    for item in scores.values():
+        known |= dict.fromkeys(key for key, value in item.items() if not isinstance(value, Mapping))
+    rows = []
+    for key in known:
+        values = [item.get(key) for item in scores.values()]
+        if key in SCORES_LEFT_OUT or all(value is None or value == [] for value in values):
+            continue
+        words, meaning = SCORE_WORDS.get(key, (label(key), ""))
+        rows.append((words, meaning, [_score(item, key) for item in scores.values()]))
+    return rows
+
+
+def _score(scores: Mapping[str, Any], key: str) -> str:
+    value, uncertainty = scores.get(key), (scores.get("numerical_uncertainty") or {}).get(key)
+    text = plain(value)
+    return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
+
+
+def validity_rows(validity: Mapping[str, Any]) -> Sequence[tuple[str, str]]:
+    """The limits met in one run: words and value with unit; what did not happen is left out."""
+    rows = []
+    for key, value in validity.items():
+        if value is None or value in ("", []):
+            continue
+        words, name = split_unit(key)
+        shown = plain(value).replace("_", " ")
+        rows.append(
+            (VALIDITY_WORDS.get(key, words), f"{shown} {name}" if name and not isinstance(value, list) else shown)
+        )
+    return rows
