@@ -96,6 +96,4 @@ def _on_floor(
         raise mistake(where, f"{key}.floor", "a motion that ends, or the scene's duration_s", got)
     said = "; ".join(f"{mode.period_s:g} s, damping {mode.damping:g}, share {mode.share:g}" for mode in modes)
     moved = floor_motion(ground.excitation, modes, until)
-    return Prepared(
-        moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.warnings, ground.target
-    )
+    return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.warnings)
