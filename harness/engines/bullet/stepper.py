@@ -22,6 +22,8 @@ Row = tuple[float, ...]
 
 SATURATED: Final = 0.998
 """Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
+HALTED: Final = 0.3
+"""Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
 
 
 @dataclass(eq=False)
@@ -117,7 +119,7 @@ class Stepper:
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
         if self.stuck:
             return self._released(gravity, pull, before, row)
-        if not self._saturated(self.kinetic, pull, before, row):
+        if not self._saturated(self.kinetic, pull, before, row) and self._halted(before, row):
             self._hold(self.static)
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
@@ -128,7 +130,8 @@ class Stepper:
 
     def _released(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
         """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction."""
-        if not self._saturated(self.static, pull, before, row):
+        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
+        if not gaining or not self._saturated(self.static, pull, before, row):
             return row
         self._hold(self.kinetic)
         self.restore(before)
@@ -160,6 +163,14 @@ class Stepper:
         self.world.place(self.world.statue, statue)
         if pedestal is not None and self.world.pedestal is not None:
             self.world.place(self.world.pedestal, pedestal)
+
+    def _speed(self, row: Row, table: Vector) -> float:
+        return math.hypot(row[20] - table[0], row[21] - table[1])
+
+    def _halted(self, before: Row, row: Row) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: sweeps leave a little."""
+        here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
+        return here <= HALTED * max(there - here, 0.0)
 
     def _reversed(self, before: Row, row: Row) -> bool:
         x, y = self.table_rate[0], self.table_rate[1]
