@@ -23,12 +23,12 @@ from harness.scene import Scene
 
 Array = NDArray[np.float64]
 
-SAFETY: Final = 2.0
+SAFETY: Final = 3.0
 """Factor from the spread to the stated uncertainty: measured coverage on seeded scenes is above 95 %."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
-FLOOR_SHARE: Final = 0.2
-"""Share of the finest rung's expected error below which no uncertainty is stated: what no setting resolves."""
+FLOOR_SHARE: Final = 0.5
+"""Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEAST_COMPARED: Final = 200
 """Instants at which two histories are compared at least, however coarse their output."""
 
@@ -52,7 +52,6 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         return engine.simulate(scene, _first_rung(engine.ladder(scene), accuracy_rad, 1.0)[0], want)
     watch = replace(want, history=True)
     ladder = engine.ladder(scene)
-    floor = FLOOR_SHARE * ladder[-1].expected_error_rad
     runs: list[Run] = []
     spreads: list[Spread] = []
     for settings in _climb(engine, scene, ladder, accuracy_rad):
@@ -64,7 +63,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
             continue
         if spreads and (spreads[-1].whole or _hopeless(spreads, run.end_s, len(ladder))):
             break
-    return _stated(runs, spreads, accuracy_rad, floor, want)
+    return _stated(runs, spreads, accuracy_rad, want)
 
 
 def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
@@ -120,7 +119,7 @@ def _hopeless(spreads: list[Spread], end_s: float, rungs: int) -> bool:
     return gained * (rungs - len(spreads)) < end_s - spreads[-1].until_s
 
 
-def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, floor_rad: float, want: Want) -> Run:
+def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, want: Want) -> Run:
     best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
     work = {**best.work, "runs": len(runs), "steps_of_all_runs": sum(run.steps for run in runs)}
     best = replace(best, work=work, wall_s=sum(run.wall_s for run in runs))
@@ -129,7 +128,8 @@ def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, floor_r
     if best.outcome.failed or not spreads:
         return best
     last = spreads[-1]
-    uncertainty = max(SAFETY * last.largest_rad, floor_rad)
+    expected = float(best.settings.get("expected_error_rad", 0.0))
+    uncertainty = max(SAFETY * last.largest_rad, FLOOR_SHARE * expected)
     if last.whole and uncertainty <= accuracy_rad:
         return best.with_uncertainty(uncertainty, best.end_s)
     if last.whole:

@@ -11,6 +11,7 @@ velocities first.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -28,8 +29,10 @@ Array = NDArray[np.float64]
 
 SLOW_DEPTHS: Final = 2.0
 """An impact is split when the corner moves more than this many depths in a step; slower ones the engine resolves itself."""
-LEAST_SHARE, MOST_SHARE = 0.5, 1.5
-"""Shares of a step between which an impact ahead is brought to a step's end."""
+STANDING_RAD: Final = 1e-6
+"""Below this rotation both corners stand."""
+MOST_SHARE: Final = 1.5
+"""An impact nearer than this share of a step (and farther than half a step) is brought to a step's end."""
 PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
@@ -51,6 +54,13 @@ class Drive:
     work: dict[str, int] = field(
         default_factory=lambda: {"engine_steps": 0, "impacts_split": 0, "halts_split": 0, "steps_repeated": 0}
     )
+
+    @property
+    def masses_kg(self) -> tuple[float, ...]:
+        """Masses of the moving bodies."""
+        pedestal = self.scene.pedestal
+        statue = self.scene.statue.mass_kg
+        return (statue,) if pedestal is None else (statue, pedestal.mass_kg)
 
     @property
     def aligned(self) -> bool:
@@ -87,15 +97,17 @@ def advance(drive: Drive, move_s: float, kick_s: float) -> None:
         _shift(body, back)
     native.set_iterations(space, drive.settings.impact_iterations)
     end_s = drive.t_s + kick_s
+    gravity = (0.0, 0.0)
     if drive.moving:
-        native.set_gravity(space, (0.0, -drive.scene.gravity_m_s2 * kick_s / dt))
+        gravity = (0.0, -drive.scene.gravity_m_s2 * kick_s / dt)
         _place_table(drive, end_s, drive.place_s + move_s)
-    else:
-        gravity = _mean_gravity(drive.scene, drive.t_s, end_s) if kick_s > 0.0 else np.zeros(3)
-        native.set_gravity(space, (float(gravity[0]) * kick_s / dt, float(gravity[2]) * kick_s / dt))
+    elif kick_s > 0.0:
+        mean = _mean_gravity(drive.scene, drive.t_s, end_s)
+        gravity = (float(mean[0]) * kick_s / dt, float(mean[2]) * kick_s / dt)
+    native.set_gravity(space, gravity)
     drive.t_s = end_s
     drive.place_s += move_s
-    step_with_friction(drive)
+    step_with_friction(drive, gravity)
     native.set_iterations(space, drive.settings.iterations)
 
 
@@ -128,7 +140,7 @@ def slip_rate(drive: Drive) -> float:
     return rate - float(native.get_velocity(native.body_of(drive.world.floor)).x) if drive.moving else rate
 
 
-def step_with_friction(drive: Drive) -> None:
+def step_with_friction(drive: Drive, gravity: tuple[float, float]) -> None:
     """One engine step with the coefficient that the sliding state asks for (harness/contact/friction.py)."""
     world, friction = drive.world, drive.friction
     space, dt = native.space_of(world.space), drive.settings.dt_s
@@ -137,12 +149,16 @@ def step_with_friction(drive: Drive) -> None:
         native.step(space, dt)
         return
     before = slip_rate(drive)
-    saved = [_state(body) for body in world.movers] if drive.stuck else []
+    saved = [_state(body) for body in world.movers]
     floor = native.body_of(world.floor)
     floor_place = native.get_place(floor)
     native.step(space, dt)
     rate = slip_rate(drive)
-    if drive.stuck and abs(rate) > friction.stuck_below_m_s:
+    if not drive.stuck:
+        if abs(rate) <= friction.stuck_below_m_s or rate * before < 0.0:
+            set_stuck(drive, stuck=True)
+        return
+    if broke_loose(drive, [(state[2].x, state[2].y) for state in saved], gravity):
         set_stuck(drive, stuck=False)
         for body, state in zip(world.movers, saved, strict=True):
             _restore(body, state)
@@ -150,9 +166,23 @@ def step_with_friction(drive: Drive) -> None:
             native.set_place(floor, floor_place)
         native.step(space, dt)
         drive.work["steps_repeated"] += 1
-        rate = slip_rate(drive)
-    elif not drive.stuck and (abs(rate) <= friction.stuck_below_m_s or rate * before < 0.0):
-        set_stuck(drive, stuck=True)
+
+
+def broke_loose(drive: Drive, velocities: Sequence[tuple[float, float]], gravity: tuple[float, float]) -> bool:
+    """Whether the floor's friction reached its static limit in the step just made from these `velocities` (statue, pedestal)."""
+    dt, friction, normal = drive.settings.dt_s, 0.0, 0.0
+    for body, mass, (x, z) in zip(drive.world.movers, drive.masses_kg, velocities, strict=True):
+        after = native.get_velocity(body)
+        friction += mass * (after.x - x - gravity[0] * dt)
+        normal += mass * (after.y - z - gravity[1] * dt)
+    return drive.friction.at_limit(friction, normal, stuck=True)
+
+
+def recorded_velocities(drive: Drive) -> list[tuple[float, float]]:
+    """Velocities of statue and pedestal in the state recorded last."""
+    world = drive.world
+    row = world.recorder.last()
+    return [(row[column + 3], row[column + 4]) for column in (world.statue_column, world.pedestal_column)]
 
 
 def set_stuck(drive: Drive, *, stuck: bool) -> None:
@@ -219,15 +249,20 @@ def split_impact(drive: Drive, end_s: float) -> bool:
 
 def _time_to_contact(drive: Drive) -> float:
     """Time, s, in which the incoming corner reaches the depth at which contacts are kept, at present velocities."""
+    # Anticlockwise angle: below zero the statue leans right and its left corner comes in.
+    incoming = -1 if native.get_angle(native.body_of(drive.world.statue)) < 0.0 else 1
+    gap, opening = _gap(drive, incoming)
+    return -(gap + drive.settings.depth_m) / opening if opening < 0.0 else math.inf
+
+
+def _gap(drive: Drive, side: int) -> tuple[float, float]:
+    """Height of a corner (+1 right, −1 left) over its support, m, and its rate, m/s."""
     world, statue = drive.world, drive.scene.statue
     body = native.body_of(world.statue)
     angle, spin = native.get_angle(body), native.get_spin(body)
     place, velocity = native.get_place(body), native.get_velocity(body)
-    # Anticlockwise angle: below zero the statue leans right and its left corner comes in.
-    x = -statue.corner_left_m if angle < 0.0 else statue.corner_right_m
-    z = -statue.centroid_height_m
+    x, z = side * statue.corner_m(side), -statue.centroid_height_m
     cos, sin = math.cos(angle), math.sin(angle)
-    arm, drop = x * cos - z * sin, x * sin + z * cos
     top, rise = 0.0, 0.0
     if world.pedestal is not None and drive.scene.pedestal is not None:
         pedestal = native.body_of(world.pedestal)
@@ -236,9 +271,24 @@ def _time_to_contact(drive: Drive) -> float:
     elif drive.moving:
         floor = native.body_of(world.floor)
         top, rise = native.get_place(floor).y, native.get_velocity(floor).y
-    gap = place.y + drop - top
-    closing = velocity.y + spin * arm - rise
-    return float(-(gap + drive.settings.depth_m) / closing) if closing < 0.0 else math.inf
+    gap = place.y + x * sin + z * cos - top
+    return float(gap), float(velocity.y + spin * (x * cos - z * sin) - rise)
+
+
+def keep_depth(drive: Drive) -> None:
+    """Take back what the standing corner has drifted off its support.
+
+    Each step moves it along the tangent of its circle, ω² h dt²/2 outwards; a contact that is lost for a step comes back as a
+    blow, and its force flickers between none and twice the weight.
+    """
+    body = native.body_of(drive.world.statue)
+    angle = native.get_angle(body)
+    if abs(angle) < STANDING_RAD:
+        return
+    gap = _gap(drive, -1 if angle > 0.0 else 1)[0]
+    if abs(gap) < drive.settings.slop_m:
+        place = native.get_place(body)
+        native.set_place(body, (place.x, place.y - gap - drive.settings.depth_m))
 
 
 def _impact(drive: Drive, move_s: float) -> None:

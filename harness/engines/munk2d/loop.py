@@ -23,6 +23,10 @@ Pair = tuple[float, float]
 
 BLOCK_STEPS: Final = 512
 """Whole steps between two looks at whether the run can end."""
+CREEP_SHARE: Final = 1e-3
+"""Share of the velocity of rest above which a stuck pedestal is asked whether its friction is at the limit."""
+KEEP_STEPS: Final = 16
+"""Steps after which the standing corner's drift is taken back."""
 STILL_BLOCKS: Final = 2
 STILL_RAD_S: Final = 1e-5
 STILL_M_S: Final = 1e-5
@@ -108,6 +112,7 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
     record_with, record_to = recorder.each, recorder.target
     dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
     half, far, last_split = 0.5 * dt, driving.MOST_SHARE * dt, len(gravity) - EVENT_STEPS
+    switches, creep = friction.switches, CREEP_SHARE * rest
     halts = drive.settings.align and pedestal is not None and rest > 0.0
     least_spin = driving.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
     begin, event, share = k, END, 0.0
@@ -132,10 +137,12 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
         step(space, dt)
         if pedestal is not None:
             before, rate = rate, velocity_of(pedestal).x - (grid.table_velocity[k][0] if moving else 0.0)
-            if friction.switches and (drive.stuck != (-rest <= rate <= rest) or rate * before < 0.0):
+            if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
                 rate = _switch(drive, grid, k, rate)
         each(space, record_with, record_to)
         k += 1
+        if k % KEEP_STEPS == 0 and drive.aligned:
+            driving.keep_depth(drive)
     drive.rate_before_m_s = before
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
     drive.work["engine_steps"] += k - begin
@@ -153,6 +160,9 @@ def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
     if not drive.stuck:
         driving.set_stuck(drive, stuck=True)
         return rate
+    before = driving.recorded_velocities(drive)
+    if not driving.broke_loose(drive, before, grid.gravity[k]):
+        return rate
     space, many = native.space_of(drive.world.space), drive.settings.impact_iterations
     for stuck in (True, False):
         driving.restore_recorded(drive)
@@ -163,7 +173,6 @@ def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
         native.step(space, drive.settings.dt_s)
         native.set_iterations(space, drive.settings.iterations)
         drive.work["steps_repeated"] += 1
-        rate = driving.slip_rate(drive)
-        if abs(rate) <= drive.friction.stuck_below_m_s:
+        if stuck and not driving.broke_loose(drive, before, grid.gravity[k]):
             break
-    return rate
+    return driving.slip_rate(drive)

@@ -32,9 +32,9 @@ class MunkSettings(Settings):
     """
 
     iterations: int
+    depth_m: float
+    slop_m: float
     impact_iterations: int = 400
-    slop_m: float = 1e-5
-    depth_m: float = 1e-6
     pedestal_first: bool = True
     align: bool = True
 

@@ -1,0 +1,124 @@
+"""Is the stated numerical uncertainty honest? Seeded scenes, each against a much finer run of the same engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from harness.engine import Engine, Want
+from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.uncertainty import run_to_accuracy
+
+DURATION_S: Final = 3.0
+GRAVITY_M_S2: Final = 9.81
+FINER: Final = 5.0
+"""The run that stands for the truth has a step this many times finer than the finest of the ladder's own two."""
+FIRST_SEED: Final = 20_000
+"""Scenes from here on were not used to choose the ladder or the safety factor."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scene: what was stated and what was found, rad; `covered`: the error stays within the statement while it holds."""
+
+    seed: int
+    engine: str
+    outcome: str
+    target_rad: float
+    stated_rad: float
+    reliable_until_s: float
+    error_rad: float
+    covered: bool
+    met_whole: bool
+    dt_s: float
+    runs: int
+    steps: int
+    wall_s: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """The row as plain values."""
+        return dict(vars(self))
+
+
+def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
+    """A reproducible scene: a statue of any size and asymmetry, pedestal or none, any friction, harmonic, pulse or record."""
+    rng = np.random.default_rng(seed)
+    height = rng.uniform(0.3, 1.2)
+    left, right = height * rng.uniform(0.08, 0.5, 2)
+    mass = rng.uniform(50.0, 900.0)
+    depth = 0.8 * (left + right)
+    inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
+    statue = _block(mass, float(left), float(right), height, inertia, depth)
+    pedestal = None
+    if rng.random() < 0.5:
+        width = (left + right) * rng.uniform(1.1, 2.0)
+        pedestal = Pedestal(mass * rng.uniform(0.2, 1.5), float(width), depth, height * rng.uniform(0.1, 0.4))
+    kinetic = rng.uniform(0.08, 0.4)
+    static = kinetic * rng.uniform(1.0, 1.4)
+    limit = GRAVITY_M_S2 * min(left, right) / height
+    shake = Shake(x=_motion(rng, limit * rng.uniform(1.1, 4.0)), z=Rest())
+    return Scene(
+        title=f"seed {seed}",
+        duration_s=duration_s,
+        gravity_m_s2=GRAVITY_M_S2,
+        form=Form(),
+        statue=statue,
+        pedestal=pedestal,
+        contact=Contact(static, kinetic, 2.0),
+        shake=shake,
+    )
+
+
+def _block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+    top, half = 2.0 * height, 0.5 * depth
+    section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
+    footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
+    across, along = mass * (left + right) ** 2 / 12.0, mass * depth**2 / 12.0
+    tensor = np.diag([inertia - across + along, inertia, across + along])
+    return Statue(mass, height, left, right, inertia, top, depth, section, footprint, tensor)
+
+
+def _motion(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
+    kind = int(rng.integers(3))
+    if kind == 0:
+        return Harmonic(peak_m_s2, float(rng.uniform(0.8, 5.0)))
+    if kind == 1:
+        return Pulse("one_sine", peak_m_s2, float(rng.uniform(0.2, 1.2)), float(rng.uniform(0.0, 0.5)))
+    times = np.linspace(0.0, DURATION_S, 151)
+    noise = rng.normal(size=times.size)
+    smooth = np.convolve(noise, np.hanning(9), mode="same") * np.sin(np.pi * times / DURATION_S)
+    return Record(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
+
+
+def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int]) -> Iterator[Row]:
+    """For each seed run to the accuracy, then against a finer run of the same engine, and say whether the statement held."""
+    for seed in seeds:
+        scene = random_scene(seed)
+        run = run_to_accuracy(engine, scene, accuracy_rad, Want())
+        fine = engine.settings_for_dt(scene, float(run.settings["dt_s"]) / FINER)
+        truth = engine.simulate(scene, fine, Want())
+        if run.history is None or truth.history is None:
+            continue
+        until = run.reliable_until_s or 0.0
+        times = run.history.t_s[run.history.t_s <= min(until, truth.end_s)]
+        error = float(np.max(np.abs(run.history.at(times) - truth.history.at(times)), initial=0.0))
+        stated = run.numerical_uncertainty_rad or 0.0
+        yield Row(
+            seed=seed,
+            engine=engine.name,
+            outcome=run.outcome.value,
+            target_rad=accuracy_rad,
+            stated_rad=stated,
+            reliable_until_s=until,
+            error_rad=error,
+            covered=error <= stated,
+            met_whole=until >= run.end_s and stated <= accuracy_rad,
+            dt_s=float(run.settings["dt_s"]),
+            runs=int(run.work.get("runs", 1)),
+            steps=int(run.work.get("steps_of_all_runs", run.steps)),
+            wall_s=run.wall_s,
+        )
