@@ -29,11 +29,14 @@ if TYPE_CHECKING:
     from analytic.solution import Solution as Solution
     from analytic.solution import Validity as Validity
     from analytic.solver import simulate as simulate
+    from analytic.sweep import Ensemble as Ensemble
+    from analytic.sweep import ensemble as ensemble
 
 _HOME: Final = {
     "AnalyticInputError": "analytic.errors",
     "Block": "analytic.block",
     "Certified": "analytic.certainty",
+    "Ensemble": "analytic.sweep",
     "Event": "analytic.solution",
     "EventKind": "analytic.solution",
     "Excitation": "analytic.excitation",
@@ -50,6 +53,7 @@ _HOME: Final = {
     "Validity": "analytic.solution",
     "Wall": "analytic.block",
     "certify": "analytic.certainty",
+    "ensemble": "analytic.sweep",
     "simulate": "analytic.solver",
 }
 __all__ = sorted(_HOME)

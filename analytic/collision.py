@@ -80,7 +80,8 @@ def land(task: Task, facet: int, residual: float) -> None:
         if 0.0 <= rebound < p[REST_ANGLE]:
             c[ZENO] += 1
             after, moved, normal = 0.0, rate, abs(m * xo * omega)
-            if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0:
+            # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
+            if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0 and not stuck:
                 after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
     s[S_OM], s[S_V] = after, moved
     c[IMPACTS] += 1

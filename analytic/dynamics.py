@@ -27,6 +27,7 @@ from analytic.layout import (
     FLOOR,
     GE,
     INERTIA,
+    INVERSE,
     MASS,
     MU_KINETIC,
     NORMAL,
@@ -64,10 +65,11 @@ def place(task: Task, theta: float, pivot: int) -> float:
 def _advance(w: Floats, i: int, sx: float, sz: float, acc: float) -> None:
     """Coefficient i + 1 of θ̇, θ, X and Z from coefficient i of θ̈, Xθ̇ and Zθ̇."""
     w[XW, i], w[ZW, i] = sx, sz
-    w[OM, i + 1] = acc / (i + 1)
-    w[TH, i + 1] = w[OM, i] / (i + 1)
-    w[PX, i + 1] = sz / (i + 1)
-    w[PZ, i + 1] = -(sx / (i + 1))
+    inverse = INVERSE[i + 1]
+    w[OM, i + 1] = acc * inverse
+    w[TH, i + 1] = w[OM, i] * inverse
+    w[PX, i + 1] = sz * inverse
+    w[PZ, i + 1] = -(sx * inverse)
 
 
 @jit
@@ -126,7 +128,7 @@ def rock_slide(
     """Rocking on a sliding pedestal; returns the order reached, n or less where h needs less."""
     om, x, z, g, w2, zx, zz, det, acc = w[OM], w[PX], w[PZ], w[GE], w[W2], w[ZX], w[ZZ], w[DET], w[ACC]
     ratio = m / m_total
-    power, small = 1.0, 0
+    power, small, per_det = 1.0, 0, 0.0
     for i in range(n):
         sx, sz, so, szx, szz = 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(i + 1):
@@ -139,6 +141,7 @@ def rock_slide(
         det[i] = -(m * ratio) * (szz - kappa_n * szx)
         if i == 0:
             det[0] += j
+            per_det = 1.0 / det[0]
         centrifugal = 0.0
         implicit = 0.0
         for k in range(i + 1):
@@ -148,7 +151,7 @@ def rock_slide(
         weight = 0.0
         for k in range(min(i, deg_z) + 1):
             weight += g[k] * (x[i - k] + kappa * z[i - k])
-        acc[i] = (m * weight - (m * ratio) * centrifugal - implicit) / det[0]
+        acc[i] = (m * weight - (m * ratio) * centrifugal - implicit) * per_det
         _slide_coefficient(w, i, ratio, kappa, kappa_n, sx, sz)
         _advance(w, i, sx, sz, acc[i])
         # θ̇ does not feel the floor while the pedestal slides; u̇ does, and may need more terms
@@ -160,7 +163,6 @@ def rock_slide(
             break
     _last_products(w, n)
     _slide_coefficient(w, n, ratio, kappa, kappa_n, w[XW, n], w[ZW, n])
-    w[SLIP, n] = w[RATE, n - 1] / n
     for i in range(n):
         w[ABS, i] = -(kappa * g[i]) - ratio * (i + 1) * (w[ZW, i + 1] - kappa_n * w[XW, i + 1])
     return n
@@ -170,8 +172,8 @@ def rock_slide(
 def _slide_coefficient(w: Floats, i: int, ratio: float, kappa: float, kappa_n: float, sx: float, sz: float) -> None:
     """Coefficient i of the sliding velocity: v' = −κ g_e − a_x − m/M (Pθ̇)'."""
     if i > 0:
-        w[RATE, i] = -(kappa * w[GE, i - 1] + w[AX, i - 1]) / i - ratio * (sz - kappa_n * sx)
-        w[SLIP, i] = w[RATE, i - 1] / i
+        w[RATE, i] = -(kappa * w[GE, i - 1] + w[AX, i - 1]) * INVERSE[i] - ratio * (sz - kappa_n * sx)
+        w[SLIP, i] = w[RATE, i - 1] * INVERSE[i]
 
 
 @jit

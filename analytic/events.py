@@ -22,7 +22,6 @@ from analytic.layout import (
     PIVOT,
     PIVOT_V,
     POWER,
-    PX,
     RATE,
     SLIDE,
     SLIP_EVENT,
@@ -34,7 +33,7 @@ from analytic.layout import (
     Task,
 )
 from analytic.polynomial import NO_ROOT, first_root, leading
-from analytic.states import lift_margin, omega_zeros, rate_zeros, stick_margin
+from analytic.states import falling, lift_margin, omega_zeros, rate_zeros, stick_margin
 
 Found = tuple[float, int, int, int, float]
 """Fraction of the step, kind, side, depth of the search, residual relative to the function's terms."""
@@ -84,32 +83,18 @@ def _rotation(task: Task, n: int, best: Found) -> Found:
 
 
 @jit
-def falling(task: Task) -> int:
-    """Side to which the statue leans beyond its balance point and moves away, 0 if it does not."""
-    pivot = task.q[PIVOT]
-    if pivot < 0:
-        return 0
-    w = task.w
-    if pivot == task.x.size - 1 and w[PX, 0] > 0.0 and w[OM, 0] > 0.0:
-        return 1
-    if pivot == 0 and w[PX, 0] < 0.0 and w[OM, 0] < 0.0:
-        return -1
-    return 0
-
-
-@jit
 def _contact(task: Task, n: int, best: Found) -> Found:
     """Loss of contact and the friction paradox; a statue that already falls may leave its corner without ending the run."""
     q = task.q
     if q[PIVOT] < 0:
         _level(task, GE, n, 1.0, 0.0)
         return _search(task, n, 0, FLIGHT, 0, best)
-    if falling(task) == 0:
+    if not falling(task):
         _level(task, PIVOT_V, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, FLIGHT, 0, best)
-        if task.p[HAS_BASE] > 0.0:
-            _level(task, NORMAL, n - 1, 1.0, 0.0)
-            best = _search(task, n - 1, 0, FLIGHT, 1, best)
+    if task.p[HAS_BASE] > 0.0:
+        _level(task, NORMAL, n - 1, 1.0, 0.0)
+        best = _search(task, n - 1, 0, FLIGHT, 1, best)
     if q[SLIDE] != 0:
         _level(task, DET, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, NO_SOLUTION, 0, best)

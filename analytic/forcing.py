@@ -19,6 +19,7 @@ from analytic.layout import (
     COSINE,
     END,
     HARMONIC,
+    INVERSE,
     KIND,
     N_FORCING,
     NONE,
@@ -28,6 +29,7 @@ from analytic.layout import (
     RECTANGULAR,
     RICKER,
     SAMPLED,
+    SCALE,
     SINE,
     START,
     Floats,
@@ -37,14 +39,14 @@ _PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": CO
 
 
 def encode(motion: Excitation) -> tuple[Floats, Floats, Floats]:
-    """The motion's row of numbers (7,), and its samples' times (n,) and accelerations (n,), empty unless it is a record.
+    """The motion's row of numbers (8,), and its samples' times (n,) and accelerations (n,), empty unless it is a record.
 
     Raises AnalyticInputError for a motion that the kernel does not know.
     """
     row, empty = np.zeros(N_FORCING), np.empty(0)
     if isinstance(motion, Rest) or motion.peak_m_s2 == 0.0:
         return row, empty, empty
-    row[AMPLITUDE] = motion.peak_m_s2
+    row[AMPLITUDE], row[SCALE] = motion.peak_m_s2, 1.0
     if isinstance(motion, Harmonic):
         row[:5] = HARMONIC, motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
     elif isinstance(motion, Pulse):
@@ -89,12 +91,12 @@ def is_over(f: Floats, t: Floats, seg: int) -> bool:
 
 
 @jit
-def sampled_at(t: Floats, a: Floats, seg: int, time: float) -> float:
+def sampled_at(f: Floats, t: Floats, a: Floats, seg: int, time: float) -> float:
     """A record's acceleration at a time within segment seg; the sample itself at its own time."""
     if seg < 1 or seg >= t.size:
         return 0.0
     since = time - t[seg - 1]
-    return float(a[seg - 1] + (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1]) * since)
+    return float(f[SCALE] * (a[seg - 1] + (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1]) * since))
 
 
 @jit
@@ -105,7 +107,7 @@ def _oscillation(c: Floats, n: int, amplitude: float, omega: float, sine: float,
         turn = k % 4
         part = sine if turn % 2 == 0 else cosine
         c[k] = power * part if turn < 2 else -(power * part)
-        power *= omega / (k + 1)
+        power *= omega * INVERSE[k + 1]
 
 
 @jit
@@ -127,8 +129,8 @@ def coefficients(f: Floats, t: Floats, a: Floats, seg: int, time: float, c: Floa
     if kind == SAMPLED:
         if seg < 1 or seg >= t.size:
             return 0
-        c[0] = sampled_at(t, a, seg, time)
-        c[1] = (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1])
+        c[0] = sampled_at(f, t, a, seg, time)
+        c[1] = f[SCALE] * (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1])
         return 1
     if kind == NONE or (kind != HARMONIC and seg != 1):
         return 0

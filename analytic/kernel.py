@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from analytic._jit import jit
 from analytic.collision import land
@@ -27,6 +28,7 @@ from analytic.layout import (
     GRID_STEP,
     HALT,
     IMPACT,
+    INVERSE,
     LIFT_OFF,
     NO_EVENT,
     NO_SOLUTION,
@@ -74,9 +76,11 @@ from analytic.states import load
 from analytic.track import follow, record, settle
 from analytic.validity import note_step
 
-MAX_STALL = 50
+MAX_STALL: Final = 50
 """Events in a row without the clock moving, after which a run is given up as undecided."""
-MAX_STEPS = 5_000_000
+SHORTER: Final = 0.9
+"""Share of the step at which the last two terms fall to the tolerance."""
+MAX_STEPS: Final = 5_000_000
 """Steps after which a run is given up as undecided."""
 
 
@@ -85,13 +89,13 @@ def _length(task: Task, n: int, h: float) -> float:
     """Step at which the last two terms fall below the tolerance, at most h (Jorba and Zou's rule)."""
     w, p = task.w, task.p
     tol, time_s, length_m = p[TOLERANCE], p[TIME_SCALE], p[CENTROID]
-    for k in (n - 1, n):
+    for k in (n, n - 1):
         if task.q[PIVOT] < 0:
             size = time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / length_m
         else:
             size = time_s * max(abs(w[OM, k]), abs(w[RATE, k]) / length_m)
-        if size > 0.0:
-            h = min(h, 0.9 * (tol / size) ** (1.0 / k))
+        if size * (h / SHORTER) ** k > tol:
+            h = SHORTER * (tol / size) ** INVERSE[k]
     return h
 
 
@@ -145,7 +149,7 @@ def _handle(task: Task, kind: int, side: int, residual: float) -> None:
         q[OUTCOME] = PARADOX
     else:
         settle(task, kind, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, residual)
-    if q[OUTCOME] != RUNNING:
+    if kind in (AT_LIMIT, AT_WALL, FLIGHT, NO_SOLUTION):
         record(task, kind, s[S_OM], s[S_V], 0.0, 0, residual)
 
 

@@ -12,6 +12,8 @@ Ints = NDArray[np.int64]
 
 MAX_ORDER: Final = 26
 """Highest order of a Taylor step."""
+INVERSE: Final[Floats] = 1.0 / np.maximum(np.arange(MAX_ORDER + 3), 1)
+"""1/k, for the k-th term of a series."""
 
 # Parameters p of one run.
 MASS: Final = 0  # statue, kg
@@ -54,7 +56,8 @@ PHASE: Final = 3
 RAMP: Final = 4
 START: Final = 5
 END: Final = 6
-N_FORCING: Final = 7
+SCALE: Final = 7  # by which a record's samples are multiplied
+N_FORCING: Final = 8
 
 NONE: Final = 0
 HARMONIC: Final = 1

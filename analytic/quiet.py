@@ -26,6 +26,7 @@ from analytic.layout import (
     S_U,
     S_V,
     SAMPLED,
+    SCALE,
     SEG_X,
     SEG_Z,
     SKIPPED_S,
@@ -74,20 +75,20 @@ def hold(task: Task, until: float) -> None:
 @jit
 def _left(task: Task, along_x: bool, time: float, own: bool) -> float:
     """The acceleration just before time, which is the motion's own next break if own."""
-    t = task.tx if along_x else task.tz
+    f, t = (task.fx, task.tx) if along_x else (task.fz, task.tz)
     a = task.sx if along_x else task.sz
     seg = task.q[SEG_X] if along_x else task.q[SEG_Z]
     if seg < 1 or seg >= t.size:
         return 0.0
-    return a[seg] if own else sampled_at(t, a, seg, time)
+    return float(f[SCALE] * a[seg]) if own else sampled_at(f, t, a, seg, time)
 
 
 @jit
 def _right(task: Task, along_x: bool, time: float) -> float:
     """The acceleration just after time, the motion's break there being passed."""
-    t = task.tx if along_x else task.tz
+    f, t = (task.fx, task.tx) if along_x else (task.fz, task.tz)
     a = task.sx if along_x else task.sz
-    return sampled_at(t, a, task.q[SEG_X] if along_x else task.q[SEG_Z], time)
+    return sampled_at(f, t, a, task.q[SEG_X] if along_x else task.q[SEG_Z], time)
 
 
 @jit

@@ -35,6 +35,7 @@ from analytic.layout import (
     PARADOX,
     PIVOT,
     PIVOT_V,
+    PX,
     RATE,
     S_OM,
     S_TH,
@@ -51,6 +52,8 @@ from analytic.layout import (
 )
 from analytic.polynomial import leading
 
+WEIGHTLESS: Final = 1e-9
+"""Share of gravity below which nothing is held down: both uplift conditions are then met at once."""
 LOW_ORDER: Final = 6
 """Order to which a candidate's accelerations are compared with zero."""
 
@@ -114,6 +117,14 @@ def rate_zeros(task: Task, n: int) -> int:
 
 
 @jit
+def falling(task: Task) -> bool:
+    """Whether the statue leans beyond its balance point and moves away: losing its corner then ends no run."""
+    pivot, w = task.q[PIVOT], task.w
+    right = pivot == task.x.size - 1 and w[PX, 0] > 0.0 and w[OM, 0] > 0.0
+    return bool(right or (pivot == 0 and w[PX, 0] < 0.0 and w[OM, 0] < 0.0))
+
+
+@jit
 def _holds(task: Task, scale: float, n: int) -> bool:
     lead = leading(task.w[EVENT], n, scale, task.p[TIME_SCALE])
     return lead > n or task.w[EVENT, lead] > 0.0
@@ -127,7 +138,9 @@ def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: b
     expand(task, pivot, slide, n, deg_x, deg_z, math.inf)
     if pivot >= 0 and slide != 0 and w[DET, 0] <= 0.0:
         return PARADOX
-    if w[GE, 0] <= 0.0 or w[PIVOT_V, 0] <= 0.0 or w[NORMAL, 0] <= 0.0:
+    if w[GE, 0] <= WEIGHTLESS * task.p[GRAVITY] or (task.p[HAS_BASE] > 0.0 and w[NORMAL, 0] <= 0.0):
+        return LIFT_OFF
+    if w[PIVOT_V, 0] <= 0.0 and (rock_free or not falling(task)):
         return LIFT_OFF
     if rock_free:
         if pivot < 0:
@@ -153,7 +166,8 @@ def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: b
 
 @jit
 def choose(task: Task, rock_free: bool) -> tuple[int, int]:
-    """Choose the joint state, the stuck one if several are feasible; return how many were, and 0 or the run's ending."""
+    """Choose the joint state, the stuck one if several are feasible; return how many were (1 if no events are kept), and
+    0 or the run's ending."""
     q = task.q
     slide_free = task.p[HAS_BASE] > 0.0 and task.s[S_V] == 0.0
     load(task, LOW_ORDER)
@@ -173,6 +187,9 @@ def choose(task: Task, rock_free: bool) -> tuple[int, int]:
                 found += 1
                 if found == 1:
                     pivot_found, slide_found = pivot, slide
+                if task.events.shape[0] == 0:
+                    q[PIVOT], q[SLIDE], q[FRESH] = pivot, slide, 1
+                    return found, 0
             elif verdict != 0:
                 ending = max(ending, verdict)
     if found == 0:

@@ -22,11 +22,14 @@ from analytic.layout import (
     EVENT,
     EVENTS,
     FACET,
+    FLIGHT,
     FRESH,
     GRID,
     GRID_STEP,
     HAS_BASE,
+    LIFT_OFF,
     NO_RETURN,
+    NO_SOLUTION,
     OM,
     OUTCOME,
     PEAK,
@@ -81,11 +84,12 @@ def follow(task: Task, n: int, tau: float, until: float) -> None:
     r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(value(w[SLIP], n, tau)))
     if q[PIVOT] < 0:
         return
-    omega = value(w[OM], n, tau)
-    if w[OM, 0] * omega < 0.0:
+    omega, theta = value(w[OM], n, tau), value(w[TH], n, tau)
+    reach = max(abs(w[TH, 0]), abs(theta)) + tau * max(abs(w[OM, 0]), abs(omega))
+    if w[OM, 0] * omega < 0.0 and reach > abs(r[PEAK]):
         at = _crossing(task, OM, n, tau, 1.0 if w[OM, 0] > 0.0 else -1.0)
         _peak(task, value(w[TH], n, at), s[T] + at)
-    _peak(task, value(w[TH], n, tau), until)
+    _peak(task, theta, until)
     side = 1 if q[PIVOT] == task.x.size - 1 else (-1 if q[PIVOT] == 0 else 0)
     if side != 0 and w[PX, 0] * side < 0.0 and value(w[PX], n, tau) * side >= 0.0:
         r[NO_RETURN] = s[T] + _crossing(task, PX, n, tau, -side)
@@ -119,5 +123,7 @@ def settle(task: Task, kind: int, omega: float, rate: float, rock_free: bool, en
         task.c[TIES] += 1 if tied > 1 else 0
         if ending != 0:
             q[OUTCOME] = ending
+            record(task, kind, omega, rate, energy, tied, residual)
+            kind = FLIGHT if ending == LIFT_OFF else NO_SOLUTION
     if kind != BREAK or pivot != q[PIVOT] or slide != q[SLIDE]:
         record(task, kind, omega, rate, energy, tied, residual)

@@ -4,3 +4,23 @@ from typing import Final
 
 QUADRATURE_REL: Final = 5e-8
 """A trapezoidal sum of 200 001 samples of the tested motions errs by (ωh)²/12 ≈ 1e-8 of the peak; five times that."""
+
+EVENT_REL: Final = 1e-11
+"""An event's own condition, from the state printed at it: its time is exact to the clock's 1e-15 s, and forces that change by
+up to a hundred times their size per second leave 1e-13; a hundred times that."""
+
+HALT_M_S: Final = 0.0
+"""A halt sets the pedestal's velocity to zero exactly."""
+
+IMPACT_REL: Final = 1e-13
+"""The impact map is a handful of operations on doubles."""
+
+ENERGY_REL: Final = 1e-9
+"""Simpson's rule at 1e-4 s on a power that oscillates at 20 rad/s errs by (ωh)⁴/180 ≈ 1e-13 per stretch, and by its
+truncated panels at up to a hundred events; measured 1e-10 of the energy exchanged."""
+
+ENERGY_RISE_REL: Final = 1e-12
+"""Rounding of an energy of the order of m g h."""
+
+SKIP_RAD: Final = 0.0
+"""What is skipped must leave every bit as it was."""

@@ -1,0 +1,203 @@
+"""Energy, momentum and symmetry of a run, and the known answers of docs/model.md, section 7."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson
+
+from analytic import Block, Excitation, Form, Harmonic, Pedestal, Pulse, Record, Rest, simulate
+from analytic.impact import impact
+from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, rectangle, shaken
+from tests.budgets_analytic import ENERGY_REL, ENERGY_RISE_REL, IMPACT_REL
+
+
+def test_free_rocking_known_numbers() -> None:
+    run = simulate(FREE, Rest(), theta0_rad=0.5 * FREE.alpha_rad(1), duration_s=2.0, gravity_m_s2=GRAVITY)
+    first, second = run.impacts[:2]
+    assert round(first.time_s, 5) == 0.34709
+    assert round(abs(first.theta_rate_before_rad_s), 5) == 0.64805
+    assert round(first.theta_rate_after_rad_s / first.theta_rate_before_rad_s, 4) == 0.9423
+    between = (run.t_s > first.time_s) & (run.t_s < second.time_s)
+    assert round(float(np.abs(run.theta_rad[between]).max()) / FREE.alpha_rad(1), 4) == 0.4222
+
+
+def test_five_sizes_under_one_sine() -> None:
+    alpha = 0.2
+    restitution = 1.0 - 1.5 * math.sin(alpha) ** 2
+    motion = Pulse("one_sine", 2.0 * 9.80665 * math.tan(alpha), 0.5)
+    found = []
+    for radius in (0.25, 0.5, 1.0, 2.0, 4.0):
+        run = simulate(
+            rectangle(radius, alpha),
+            motion,
+            form=Form(restitution=restitution),
+            duration_s=10.0,
+            gravity_m_s2=9.80665,
+        )
+        stands = run.outcome.value == "stands"
+        found.append(round(run.peak_theta_rad / alpha, 4) if stands else run.outcome.value.split("_")[0])
+    assert found == ["overturned", "overturned", 0.7257, 0.2773, 0.1296]
+
+
+@pytest.mark.parametrize(("p_td", "printed"), [(0.5, 2.5415), (1.0, 1.5820), (2.0, 1.1565)])
+def test_rectangular_pulse_overturns_a_slender_block_at_the_printed_threshold(p_td: float, printed: float) -> None:
+    alpha = 1e-3
+    block = rectangle(1.0, alpha)
+    duration = p_td / block.p_rad_s(1, GRAVITY)
+    fell = []
+    for factor in (1.0 - 2e-4, 1.0 + 2e-4):
+        motion = Pulse("rectangular", -factor * printed * GRAVITY * alpha, duration)
+        run = simulate(block, motion, duration_s=20.0, gravity_m_s2=GRAVITY, dt_s=None)
+        fell.append(run.outcome.value == "overturned_right")
+    assert fell == [False, True]
+
+
+def test_scaling_law() -> None:
+    """Lengths × λ, times × √λ: the same rotations at scaled times."""
+    scale = 4.0
+    small, large = rectangle(0.5, 0.25), rectangle(2.0, 0.25)
+    a = simulate(small, Harmonic(3.0, 2.0), duration_s=3.0, dt_s=0.01)
+    b = simulate(large, Harmonic(3.0, 1.0), duration_s=6.0, dt_s=0.02)
+    assert math.sqrt(scale) == 2.0
+    n = min(a.t_s.size, b.t_s.size) - 1
+    assert n > 50
+    assert np.abs(a.theta_rad[:n] - b.theta_rad[:n]).max() < 1e-8
+
+
+def centroid_lever(run_theta: np.ndarray, pivot_x: np.ndarray) -> np.ndarray:
+    """Height of the centroid above the pivot."""
+    return pivot_x * np.sin(run_theta) + STATUE.centroid_height_m * np.cos(run_theta)
+
+
+def test_energy_changes_by_the_floor_and_the_impacts_only() -> None:
+    motion = Harmonic(0.334 * GRAVITY, 6.0)
+    run = simulate(STATUE, motion, duration_s=2.0, dt_s=1e-4, gravity_m_s2=GRAVITY)
+    assert len(run.impacts) > 10
+    m, h = STATUE.mass_kg, STATUE.centroid_height_m
+    work = 0.0
+    for before, after in zip(run.events[:-1], run.events[1:], strict=True):
+        if before.pivot is None:
+            continue
+        inside = (run.t_s > before.time_s) & (run.t_s < after.time_s)
+        t = np.concatenate([[before.time_s], run.t_s[inside], [after.time_s]])
+        theta = np.concatenate([[before.theta_rad], run.theta_rad[inside], [after.theta_rad]])
+        rates = [before.theta_rate_after_rad_s, *run.theta_rate_rad_s[inside], after.theta_rate_before_rad_s]
+        x = STATUE.profile_m[before.pivot][0]
+        lever = x * np.sin(theta) + h * np.cos(theta)
+        if t.size > 2:
+            work += float(simpson(-m * motion.accel_m_s2(t) * lever * np.asarray(rates), x=t))
+    lost = sum(event.energy_j for event in run.impacts)
+    x = STATUE.profile_m[1 if run.theta_rad[-1] > 0.0 else 0][0]
+    end, rate = float(run.theta_rad[-1]), float(run.theta_rate_rad_s[-1])
+    inertia = STATUE.inertia_kg_m2 + m * (x * x + h * h)
+    height = h * math.cos(end) + x * math.sin(end)
+    energy = 0.5 * inertia * rate**2 + m * GRAVITY * (height - h)
+    exchanged = run.energy_lost_j + abs(work)
+    assert abs(energy - work - lost) < ENERGY_REL * exchanged
+    assert lost == pytest.approx(run.energy_gained_j - run.energy_lost_j, rel=IMPACT_REL)
+
+
+def test_free_motion_on_a_sliding_pedestal_never_gains_energy() -> None:
+    run = simulate(
+        STATUE,
+        Rest(),
+        pedestal=PEDESTAL,
+        floor_static=0.04,
+        floor_kinetic=0.03,
+        theta0_rad=0.06,
+        theta_rate0_rad_s=-0.9,
+        duration_s=4.0,
+        gravity_m_s2=GRAVITY,
+    )
+    assert run.peak_slip_m > 0.0
+    m, h, total = STATUE.mass_kg, STATUE.centroid_height_m, STATUE.mass_kg + PEDESTAL.mass_kg
+    x = np.where(run.theta_rad > 0.0, STATUE.profile_m[1][0], STATUE.profile_m[0][0])
+    z = x * np.sin(run.theta_rad) + h * np.cos(run.theta_rad)
+    inertia = STATUE.inertia_kg_m2 + m * (x * x + h * h)
+    w, v = run.theta_rate_rad_s, run.slip_rate_m_s
+    energy = 0.5 * total * v**2 + m * z * w * v + 0.5 * inertia * w**2 + m * GRAVITY * (z - h)
+    assert np.diff(energy).max() < ENERGY_RISE_REL * m * GRAVITY * h
+    assert energy[-1] < 0.9 * energy[0]
+
+
+def test_only_other_forms_gain_energy_at_impact() -> None:
+    consistent = [shaken(a, f, duration_s=10.0) for a, f in ((0.334, 4.5), (0.429, 6.0))]
+    paper = [shaken(a, f, duration_s=10.0, form=Form.paper(0.9)) for a, f in ((0.334, 4.5), (0.429, 6.0))]
+    assert all(run.energy_gained_j == 0.0 and len(run.impacts) > 20 for run in consistent)
+    assert all(run.energy_gained_j > 0.1 for run in paper)
+
+
+@pytest.mark.parametrize("stuck", [True, False])
+@pytest.mark.parametrize("seed", range(40))
+def test_impact_conserves_what_it_must(seed: int, stuck: bool) -> None:
+    rng = np.random.default_rng(seed)
+    m, base, z = rng.uniform(0.5, 2.0), 10.0 ** rng.uniform(-2, 2), rng.uniform(0.2, 3.0)
+    side = float(rng.choice([-1.0, 1.0]))
+    xo, xn = -side * rng.uniform(0.05, 1.0), side * rng.uniform(0.05, 1.0)
+    jg = m * rng.uniform(0.05, 2.0)
+    mu_s = rng.uniform(0.0, 1.0)
+    mu_k = mu_s * rng.uniform(0.3, 1.0)
+    before, rate = -side * rng.uniform(0.1, 3.0), 0.0 if stuck else rng.normal()
+    mu = mu_s if stuck else mu_k
+    after, moved, normal = impact(m, base, jg, xn, xo, z, before, rate, -1.0, True, mu, mu_k, True)
+    jn, jc = jg + m * (z * z + xn * xn), jg + m * (z * z + xn * xo)
+    assert after * before >= 0.0
+    if after != 0.0:
+        assert jn * after + m * z * moved == pytest.approx(jc * before + m * z * rate, rel=1e-12, abs=1e-12)
+        assert normal == pytest.approx(m * (abs(xn * after) + abs(xo * before)), rel=IMPACT_REL)
+    floor = (m + base) * (moved - rate) + m * z * (after - before)
+    if moved == 0.0:
+        assert abs(floor) <= mu * normal * (1.0 + IMPACT_REL) + 1e-15
+    else:
+        assert floor == pytest.approx(-mu_k * normal * math.copysign(1.0, moved), rel=1e-11, abs=1e-12)
+    jo = jg + m * (z * z + xo * xo)
+    energy = [
+        0.5 * (m + base) * v * v + m * z * w * v + 0.5 * j * w * w
+        for j, w, v in ((jo, before, rate), (jn, after, moved))
+    ]
+    assert energy[1] <= energy[0] * (1.0 + IMPACT_REL)
+
+
+def test_housner_ratio_of_a_rectangle_and_the_two_ratios_of_the_statue() -> None:
+    alpha = FREE.alpha_rad(1)
+    after, _, _ = impact(100.0, 0.0, FREE.inertia_kg_m2, 0.1, -0.1, 0.5, -1.0, 0.0, -1.0, True, 0.0, 0.0, False)
+    assert -after == pytest.approx(1.0 - 1.5 * math.sin(alpha) ** 2, rel=IMPACT_REL)
+    ratios = []
+    for xn, xo, omega in ((0.3585, -0.0682, -1.0), (-0.0682, 0.3585, 1.0)):
+        after, _, _ = impact(707.0, 0.0, 152.4, xn, xo, 0.774, omega, 0.0, -1.0, True, 0.0, 0.0, False)
+        ratios.append(after / omega)
+    assert ratios[0] != pytest.approx(ratios[1], rel=0.05), "the two directions lose differently"
+
+
+MIRRORED: list[tuple[Excitation, Excitation, float, Form]] = [
+    (Harmonic(0.429 * GRAVITY, 3.0, phase_rad=0.3), Rest(), 0.0, Form()),
+    (Harmonic(0.334 * GRAVITY, 4.5), Harmonic(2.0, 7.0), 0.0, Form()),
+    (Pulse("ricker", 5.0, 1.5), Rest(), 0.01, Form.paper(0.85)),
+    (Record(np.arange(200) * 0.02, 4.0 * np.sin(np.arange(200) ** 1.3)), Rest(), 0.0, Form("dynamic", 0.9)),
+]
+
+
+@pytest.mark.parametrize(("motion", "vertical", "theta0", "form"), MIRRORED)
+def test_the_mirrored_case_gives_the_mirrored_run_bit_for_bit(
+    motion: Excitation, vertical: Excitation, theta0: float, form: Form
+) -> None:
+    def run(block: Block, sign: float) -> np.ndarray:
+        found = simulate(
+            block,
+            motion.scaled(sign),
+            vertical,
+            pedestal=Pedestal(250.0, 0.6, 0.2, sign * 0.01),
+            floor_static=0.2,
+            floor_kinetic=0.15,
+            form=form,
+            theta0_rad=sign * theta0,
+            duration_s=6.0,
+        )
+        return np.stack([found.theta_rad, found.theta_rate_rad_s, found.slip_m, found.slip_rate_m_s])
+
+    ours, mirrored = run(STATUE, 1.0), run(STATUE.mirrored(), -1.0)
+    assert np.abs(ours[0]).max() > 0.01
+    assert np.array_equal(ours, -mirrored)
