@@ -12,8 +12,8 @@ from tests.analytic.reference_case import (
     PAESTUM_PEDESTAL_KG,
     Case,
     Motion,
-    harmonic,
     full_period,
+    harmonic,
     record,
     rest,
 )

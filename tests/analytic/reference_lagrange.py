@@ -106,13 +106,13 @@ class _Run:
         knots = np.linspace(t_old, t_new, SUBSAMPLES + 1)
         for a, b in itertools.pairwise(knots):
             values = event_values(b, dense(b))
-            fired = [name for name in armed if values[name] <= 0.0]
+            fired = [name for name in armed if values.get(name, 1.0) <= 0.0]
             if fired:
                 roots = []
                 for name in fired:
 
                     def g(t: float, name: str = name) -> float:
-                        return event_values(t, dense(t))[name]
+                        return event_values(t, dense(t)).get(name, 1.0)
 
                     roots.append((brentq(g, a, b, xtol=1e-15, rtol=8.9e-16) if g(a) > 0.0 else a, name))
                 return min(roots)

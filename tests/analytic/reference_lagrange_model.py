@@ -8,6 +8,7 @@ are derived from them.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -121,7 +122,7 @@ class Lagrange:
         """Named functions that are positive while the state holds."""
         k = self.case
         f = self.forces(side, slide, y[0], y[1], ax, az)
-        found = {"lift_off": min(f.normal, f.pivot_normal)}
+        found = {} if self.falling(side, y) else {"lift_off": min(f.normal, f.pivot_normal)}
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:
@@ -135,6 +136,11 @@ class Lagrange:
                 if side and k.normal == "dynamic":
                     found["friction_paradox"] = f.determinant
         return found
+
+    def falling(self, side: int, y: NDArray[np.float64]) -> bool:
+        """Beyond its balance point and moving away: leaving the corner there is part of overturning."""
+        corner = self.case.b_right if side > 0 else self.case.b_left
+        return bool(side * y[0] > math.atan2(corner, self.case.h) and side * y[1] > 0.0)
 
     def feasible(self, side: int, slide: int, y: NDArray[np.float64], ax: float, az: float, slip: int = 0) -> bool:
         """Whether the state's own accelerations keep its signs."""

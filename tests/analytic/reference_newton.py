@@ -69,10 +69,10 @@ class Collocation:
         after = self.margins(t + length, y_end)
         best = (length, "")
         for name in sorted(live):
-            if after[name] <= 0.0:
+            if after.get(name, 1.0) <= 0.0:
 
                 def g(part: float, name: str = name) -> float:
-                    return self.margins(t + part, self.step(t, y, part) if part else y)[name]
+                    return self.margins(t + part, self.step(t, y, part) if part else y).get(name, 1.0)
 
                 part = brentq(g, 0.0, length, xtol=1e-15, rtol=8.9e-16) if g(0.0) > 0.0 else 0.0
                 best = min(best, (part, name))

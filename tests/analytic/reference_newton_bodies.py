@@ -79,7 +79,9 @@ class Bodies:
         """What must stay positive while the mode lasts."""
         k, (side, slide) = self.case, mode
         r = self.reactions(mode, y[0], y[1], ax, az)
-        found = {"lift_off": min(r.vertical, r.normal)}
+        lean = math.atan2(k.b_right if side > 0 else k.b_left, k.h)
+        overturning = side * y[0] > lean and side * y[1] > 0.0  # there a lost contact is part of the fall
+        found = {} if overturning else {"lift_off": min(r.vertical, r.normal)}
         if side:
             found |= {"impact": side * y[0], "overturned": k.overturn - side * y[0]}
         else:
