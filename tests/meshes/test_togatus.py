@@ -13,6 +13,7 @@ from meshes.intake import EdgeCount
 from tests.budgets_meshes import CENTROID_TOLERANCE_M, FLAT_BASE_M, RESOLVED_ABS, SURVEY_ASKED_REL, SURVEY_REL
 
 FREE_ROTATION_RAD = 0.6
+OVERTURN_RAD = 1.5
 
 
 @pytest.mark.parametrize(
@@ -75,3 +76,24 @@ def test_written_and_read_again(statue: Solid, tmp_path: Path, suffix: str) -> N
     assert again.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
     assert again.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
     assert again.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
+
+
+def test_fallen_it_lies_beyond_the_limit_of_overturning(statue: Solid) -> None:
+    """Every side of the silhouette that can carry the centroid, but the base, is reached beyond 1.5 rad of rotation."""
+    outline = statue.section_m
+    ahead = np.roll(outline, -1, axis=0)
+    along = (ahead - outline) / np.linalg.norm(ahead - outline, axis=1)[:, None]
+    place = ((np.array([0.0, statue.centroid_height_m]) - outline) * along).sum(axis=1)
+    carries = (place > 0.0) & (place < np.linalg.norm(ahead - outline, axis=1))
+    rotation = np.abs(np.arctan2(along[carries, 1], along[carries, 0]))
+    assert len(rotation) >= 3
+    assert sorted(rotation)[0] == pytest.approx(0.0, abs=1e-9)
+    assert sorted(rotation)[1] > OVERTURN_RAD
+
+
+def test_the_scenes_mesh_is_this_statue(statue: Solid, root: Path) -> None:
+    """PLY keeps float32: 6e-8 of a metre and a half."""
+    written = load_solid(root / "scenes" / "togatus.ply", unit="m", density_kg_m3=togatus.DENSITY_KG_M3)
+    assert written.mass_kg == pytest.approx(statue.mass_kg, rel=1e-6)
+    assert written.inertia_planar_kg_m2 == pytest.approx(statue.inertia_planar_kg_m2, rel=1e-6)
+    assert written.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-5)
