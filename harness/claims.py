@@ -47,6 +47,7 @@ class Answer:
     pedestal: bool
     peak_rad: float
     overturned: bool
+    stands: bool
     no_return_s: float
     slip_m: float
 
@@ -114,6 +115,7 @@ def _answer(row: Mapping[str, Any]) -> Answer:
         pedestal=varied["pedestal"] != "none",
         peak_rad=abs(float(run["peak_theta_rad"])),
         overturned=overturned,
+        stands=run["outcome"] == "stands",
         no_return_s=float(run["no_return_time_s"])
         if overturned and run["no_return_time_s"] is not None
         else float("inf"),
@@ -199,7 +201,7 @@ def _vi(answers: Sequence[Answer], top_displacement_m: Callable[[float], float])
     """Two parts: the geometry, and that no statue which comes back leans further than the limit."""
     top = top_displacement_m(WALL_RAD)
     geometry = abs(top / WALL_M - 1.0) <= WALL_SLACK
-    back = [item.peak_rad for item in answers if not item.overturned]
+    back = [item.peak_rad for item in answers if item.stands]
     within = all(peak <= WALL_RAD for peak in back)
     largest = f"largest rotation of a statue that comes back {max(back):.3f} rad" if back else "none comes back"
     return int(geometry) + int(within), 2, f"top displaced {top:.3f} m at {WALL_RAD:g} rad; {largest}"
