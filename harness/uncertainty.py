@@ -8,7 +8,6 @@ covers that errors of contact fall irregularly (tests/harness/test_uncertainty.p
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
@@ -27,6 +26,8 @@ SAFETY: Final = 3.0
 """Factor from the spread to the stated uncertainty: measured coverage on seeded scenes is above 95 %."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
+CLIMB_SHARE: Final = 0.75
+"""A rung is worth a run when it is expected to be better than what was tried by at least this."""
 FLOOR_SHARE: Final = 0.5
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEAST_COMPARED: Final = 200
@@ -76,14 +77,14 @@ def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float)
 def _climb(engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_rad: float) -> Iterator[Settings]:
     """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these."""
     index = _first_rung(ladder, accuracy_rad, START_SHARE)[1]
-    finest = math.inf
     while index < len(ladder):
         yield ladder[index]
-        finest = ladder[index].dt_s
+        reached = ladder[index].expected_error_rad
         for probe in engine.probes(scene, ladder[index]):
             yield probe
-            finest = min(finest, probe.dt_s)
-        index = next((i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < 0.75 * finest), len(ladder))
+            reached = min(reached, probe.expected_error_rad)
+        finer = (i for i in range(index + 1, len(ladder)) if ladder[i].expected_error_rad < CLIMB_SHARE * reached)
+        index = next(finer, len(ladder))
 
 
 def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:

@@ -47,7 +47,7 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
     limit = static if stuck else kinetic
 
     # The pedestal is held: the friction impulse that this takes must be within the limit.
-    after = held * rate
+    after = ratio * rate if ratio is not None else (j_cross * rate + m * h * slip) / j_new
     normal = m * (new * abs(after) + old * abs(rate))
     friction = m * h * (after - rate) - total * slip
     if after * rate >= 0.0 and abs(friction) <= limit * normal:

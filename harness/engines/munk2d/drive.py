@@ -26,6 +26,7 @@ from harness.engines.munk2d.world import MunkSettings, World
 from harness.scene import Scene
 
 Array = NDArray[np.float64]
+Pair = tuple[float, float]
 
 SLOW_DEPTHS: Final = 2.0
 """An impact is split when the corner moves more than this many depths in a step; slower ones the engine resolves itself."""
@@ -140,7 +141,7 @@ def slip_rate(drive: Drive) -> float:
     return rate - float(native.get_velocity(native.body_of(drive.world.floor)).x) if drive.moving else rate
 
 
-def step_with_friction(drive: Drive, gravity: tuple[float, float]) -> None:
+def step_with_friction(drive: Drive, gravity: Pair) -> None:
     """One engine step with the coefficient that the sliding state asks for (harness/contact/friction.py)."""
     world, friction = drive.world, drive.friction
     space, dt = native.space_of(world.space), drive.settings.dt_s
@@ -168,21 +169,35 @@ def step_with_friction(drive: Drive, gravity: tuple[float, float]) -> None:
         drive.work["steps_repeated"] += 1
 
 
-def broke_loose(drive: Drive, velocities: Sequence[tuple[float, float]], gravity: tuple[float, float]) -> bool:
+def broke_loose(drive: Drive, velocities: Sequence[Pair], gravity: Pair) -> bool:
     """Whether the floor's friction reached its static limit in the step just made from these `velocities` (statue, pedestal)."""
+    after = [native.get_velocity(body) for body in drive.world.movers]
+    return _at_limit(drive, velocities, [(item.x, item.y) for item in after], gravity, stuck=True)
+
+
+def slid(drive: Drive, gravity: Pair) -> bool:
+    """Whether the pedestal slid in the step recorded last: its friction was at the limit. A solver's remainder is no slip."""
+    if drive.stuck and drive.friction.switches:
+        return False
+    before, after = recorded_velocities(drive, 1), recorded_velocities(drive)
+    return bool(before) and _at_limit(drive, before, after, gravity, stuck=drive.stuck)
+
+
+def _at_limit(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair, *, stuck: bool) -> bool:
+    """Whether the balance of momentum of both bodies over one step puts the floor's friction at its limit."""
     dt, friction, normal = drive.settings.dt_s, 0.0, 0.0
-    for body, mass, (x, z) in zip(drive.world.movers, drive.masses_kg, velocities, strict=True):
-        after = native.get_velocity(body)
-        friction += mass * (after.x - x - gravity[0] * dt)
-        normal += mass * (after.y - z - gravity[1] * dt)
-    return drive.friction.at_limit(friction, normal, stuck=True)
+    for mass, (x0, z0), (x1, z1) in zip(drive.masses_kg, before, after, strict=True):
+        friction += mass * (x1 - x0 - gravity[0] * dt)
+        normal += mass * (z1 - z0 - gravity[1] * dt)
+    return drive.friction.at_limit(friction, normal, stuck=stuck)
 
 
-def recorded_velocities(drive: Drive) -> list[tuple[float, float]]:
-    """Velocities of statue and pedestal in the state recorded last."""
+def recorded_velocities(drive: Drive, back: int = 0) -> list[Pair]:
+    """Velocities of statue and pedestal in the state recorded last (`back` 1: before it), empty where there is none."""
     world = drive.world
-    row = world.recorder.last()
-    return [(row[column + 3], row[column + 4]) for column in (world.statue_column, world.pedestal_column)]
+    row = world.recorder.last(back)
+    columns = (world.statue_column, world.pedestal_column)
+    return [(row[column + 3], row[column + 4]) for column in columns] if row else []
 
 
 def set_stuck(drive: Drive, *, stuck: bool) -> None:

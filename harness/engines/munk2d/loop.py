@@ -127,7 +127,11 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
             event = IMPACT
             break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
-        if halts and (rest < rate < before - rate or before - rate < rate < -rest):
+        if (
+            halts
+            and (rest < rate < before - rate or before - rate < rate < -rest)
+            and driving.slid(drive, gravity[k - 1])
+        ):
             event, share = HALT, rate / (before - rate)
             break
         set_gravity(space, gravity[k])

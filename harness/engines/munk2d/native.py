@@ -59,7 +59,7 @@ class Recorder:
     def __init__(self, space: pymunk.Space) -> None:
         """All bodies must have been added: dynamic ones come first in a row, the floor after them."""
         self._buffer = batch.Buffer()
-        self._taken: list[float] = []
+        self._taken: list[list[float]] = []
         self.target = ffi.new("pmBatchedData *")
         self.target.fields = FIELDS.value
         self.target.floatArray = self._buffer._float_arr
@@ -69,16 +69,19 @@ class Recorder:
         self._row = len(self._buffer.float_buf()) // np.dtype(np.float64).itemsize
         self._buffer.clear()
 
-    def last(self) -> list[float]:
-        """The row recorded last."""
-        end = self._buffer._float_arr.num
-        if end == 0:
-            return self._taken
-        return [float(self._buffer._float_arr.arr[i]) for i in range(end - self._row, end)]
+    def last(self, back: int = 0) -> list[float]:
+        """The row recorded last, or the one before it (`back` 1); empty where there is none yet."""
+        floats = self._buffer._float_arr
+        end = floats.num - back * self._row
+        if end > 0:
+            return [float(floats.arr[i]) for i in range(end - self._row, end)]
+        # The rows before were taken.
+        kept = end // self._row - 1
+        return self._taken[kept] if -kept <= len(self._taken) else []
 
     def take(self) -> Array:
         """The states recorded since the last call, shape (n, 6·bodies), in the order of the space's bodies."""
         states = np.frombuffer(self._buffer.float_buf(), dtype=np.float64).reshape(-1, self._row).copy()
-        self._taken = states[-1].tolist() if states.size else self._taken
+        self._taken = [*self._taken, *states[-2:].tolist()][-2:]
         self._buffer.clear()
         return states
