@@ -16,6 +16,9 @@ REPORT_NAME: Final = "report.html"
 PAGES: Final = {
     "run": "reports.page_run",
     "study": "reports.page_study",
+    "validation": "reports.page_validation",
+    "bench": "reports.page_bench",
+    "stress": "reports.page_stress",
 }
 """Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
 

@@ -10,6 +10,7 @@ from harness.history import Outcome
 from reports.assets import plotly_js, source_text, three_js
 from reports.chart_histories import histories_figure
 from reports.glossary import score_rows, validity_rows
+from reports.museum import of_run
 from reports.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.palette import look
 from reports.replay import default_model, replay_payload
@@ -56,6 +57,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "motion_rows": motion_rows(record["motion"], source.scene),
         "replay": replay_values(source) if source.histories else None,
         "figure": histories_figure(source) if source.histories else None,
+        "museum": of_run(source),
         "names": names,
         "outcome_rows": outcome_rows(source.runs),
         "pair_names": [pair.replace("_vs_", " – ") for pair in record["scores"]],

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from reports.assets import plotly_js, source_text
+from reports.museum import of_study
 from reports.numbers import count_word, heading, label, listed, plain, short, unit
 from reports.scene_picture import scene_svg
 from reports.study_figures import fragility_figure, map_figures, panel_data, rose_figure
@@ -39,6 +40,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
         "pairs": agreement(models, found),
         "panels": panel_data(record["panels"]) if record.get("panels") else None,
+        "museum": of_study(record, models, found),
         "charts": charts,
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record["summary"]["sentence"],

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from reports.assets import plotly_js
-from reports.numbers import count_word, digits, plain, short, unit
+from reports.numbers import count_word, digits, listed, plain, short, unit
 from reports.palette import HAIRLINE, INK, faint, look
 from reports.study_rows import FAILED, SYMBOLS
 from reports.words import Verdict
@@ -81,9 +81,8 @@ def validation_verdict(record: Mapping[str, Any]) -> Verdict:
     better = [name for name, item in known.items() if item["low"] > bare["value"]]
     worse = [name for name, item in known.items() if item["high"] < bare["value"]]
     if better:
-        words = (
-            f"{count_word(len(better))} of {count_word(len(known))} models beat a bare threshold on PGV beyond chance"
-        )
+        share = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
+        words = f"{share} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
     elif worse:
         words = "no model beats a bare threshold on PGV"
     else:

@@ -122,7 +122,7 @@ def write_rose_study(folder: Path) -> Path:
     rows: list[dict[str, Any]] = []
     number = itertools.count()
     for azimuth, a in itertools.product(range(0, 360, 30), np.linspace(0.1, 0.8, 8)):
-        falls = a > 0.3 + 0.2 * np.cos(np.radians(azimuth))
+        falls = a > 0.33 + 0.2 * np.cos(np.radians(azimuth))
         varied = {"variant": "own", "statue.mesh.azimuth_deg": float(azimuth), "motion.x.amplitude_g": float(a)}
         run = _run("analytic", "overturned_left" if falls else "stands", 1.5 if falls else 0.05)
         rows.append(

@@ -1,0 +1,179 @@
+"""The page of a bench: run time against error for every engine and setting.
+
+The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene`, `label`, `group` = `ladder` | `default` |
+`peer`, `dt_s`, `error_rad`, `wall_s`, `steps`, `real_time_factor`, `reference`, `chosen` (what the target accuracy takes),
+`stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each `engine`, `quantity`, `value`, `wall_s`,
+`memory_mb`), `coverage` by engine (`inside` of `total`), `sentences` computed from the rows, `versions`, `machine`, `seconds`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from reports.assets import plotly_js
+from reports.numbers import digits, heading, unit
+from reports.palette import HAIRLINE, INK, MUTED, look
+from reports.words import Verdict
+
+Json = dict[str, Any]
+
+SYMBOLS: Final = {"ladder": "circle", "default": "square-open", "peer": "diamond-open"}
+WORDS: Final = {"ladder": "", "default": "own defaults", "peer": "nearest peer's settings"}
+
+
+def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the bench template shows."""
+    rows: Sequence[Mapping[str, Any]] = record["rows"]
+    scenes = list(dict.fromkeys(str(row["scene"]) for row in rows))
+    charts = [
+        (f"work-{k}", scene, precision_figure(scene, rows, record["target_rad"])) for k, scene in enumerate(scenes)
+    ]
+    quantities = dict.fromkeys(str(item["quantity"]) for item in record["scaling"])
+    scaling = [(f"scaling-{k}", heading(name), _scaling(name, record["scaling"])) for k, name in enumerate(quantities)]
+    return {
+        "title": record["title"],
+        "verdict": bench_verdict(record),
+        "chips": [],
+        "charts": charts,
+        "scaling": scaling,
+        "coverage": [(name, f"{item['inside']} of {item['total']}") for name, item in record["coverage"].items()],
+        "heads": [
+            "engine",
+            "setting",
+            "step [s]",
+            "error [rad]",
+            "time [s]",
+            "steps",
+            "times real time",
+            "stated ± [rad]",
+        ],
+        "tables": [(scene, [_cells(row, rows) for row in rows if row["scene"] == scene]) for scene in scenes],
+        "command": "rockcheck bench",
+        "versions": record["versions"],
+        "machine": record["machine"],
+        "seconds": unit(record["seconds"], "s"),
+        "plotly_js": plotly_js(),
+    }
+
+
+def bench_verdict(record: Mapping[str, Any]) -> Verdict:
+    """Who meets the target on every scene, and how fast the slowest of them is."""
+    target, rows = float(record["target_rad"]), record["rows"]
+    scenes = {row["scene"] for row in rows}
+    slowest: dict[str, float] = {}
+    for engine in dict.fromkeys(row["engine"] for row in rows):
+        factors = []
+        for scene in scenes:
+            good = [
+                row["real_time_factor"]
+                for row in rows
+                if row["engine"] == engine
+                and row["scene"] == scene
+                and row["failed"] is None
+                and row["error_rad"] <= target
+            ]
+            factors.append(max(good, default=0.0))
+        if factors and min(factors) > 0.0:
+            slowest[engine] = min(factors)
+    failed = [row for row in rows if row["failed"] is not None]
+    points = [*record["sentences"]]
+    points += [f"{len(failed)} of {len(rows)} settings failed; they stand in the tables."] if failed else []
+    parts = [f"{name} at {digits(factor, 2)} times real time or faster" for name, factor in slowest.items()]
+    aim = f"{unit(target, 'rad', 1)}"
+    if not parts:
+        return Verdict(f"No engine meets {aim} on every scene", "differ", points)
+    return Verdict(f"On every scene {aim} is met by {'; '.join(parts)}", "agree", points)
+
+
+def on_front(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether no other setting on the same scene is both faster and more accurate."""
+    if row["failed"] is not None:
+        return False
+    return not any(
+        other["scene"] == row["scene"]
+        and other["failed"] is None
+        and other["error_rad"] <= row["error_rad"]
+        and other["wall_s"] <= row["wall_s"]
+        and (other["error_rad"], other["wall_s"]) != (row["error_rad"], row["wall_s"])
+        for other in rows
+    )
+
+
+def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: float) -> Json:
+    """Work–precision of one scene on logarithmic axes: one line per engine's ladder, open signs for other settings."""
+    here = [row for row in rows if row["scene"] == scene and row["failed"] is None]
+    engines = list(dict.fromkeys(str(row["engine"]) for row in rows))
+    data: list[Json] = []
+    for engine in engines:
+        style = look(engine, engines)
+        for group, symbol in SYMBOLS.items():
+            mine = sorted((row for row in here if (row["engine"], row["group"]) == (engine, group)), key=_error)
+            if not mine:
+                continue
+            marker = {"color": style.colour, "symbol": symbol, "size": [15 if row["chosen"] else 8 for row in mine]}
+            line = {"color": style.colour, "dash": style.dash, "width": 1.6}
+            data.append(
+                {
+                    "type": "scatter", "mode": "lines+markers" if group == "ladder" else "markers", "marker": marker,
+                    "line": line, "x": [row["wall_s"] for row in mine], "y": [row["error_rad"] for row in mine],
+                    "name": f"{engine} {WORDS[group]}".strip(), "text": [row["label"] for row in mine],
+                    "hovertemplate": f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
+                }
+            )  # fmt: skip
+    front = sorted((row for row in here if on_front(row, here)), key=_error)
+    data.append(
+        {
+            "type": "scatter", "mode": "lines", "name": "best of all", "x": [row["wall_s"] for row in front],
+            "y": [row["error_rad"] for row in front], "line": {"color": MUTED, "width": 6, "shape": "hv"}, "opacity": 0.25,
+            "hoverinfo": "skip",
+        }
+    )  # fmt: skip
+    shape = {
+        "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": target_rad, "y1": target_rad,
+        "line": {"color": INK, "dash": "dash", "width": 1},
+    }  # fmt: skip
+    axis = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
+    layout = {
+        "height": 430, "xaxis": {**axis, "title": {"text": "time to compute  [s]"}}, "shapes": [shape],
+        "yaxis": {**axis, "title": {"text": "error  [rad]"}}, "margin_top": 60,
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _error(row: Mapping[str, Any]) -> float:
+    return float(row["error_rad"])
+
+
+def _scaling(quantity: str, items: Sequence[Mapping[str, Any]]) -> Json:
+    engines = list(dict.fromkeys(str(item["engine"]) for item in items))
+    data = []
+    for engine in engines:
+        mine = sorted(
+            (i for i in items if (i["engine"], i["quantity"]) == (engine, quantity)), key=lambda i: float(i["value"])
+        )
+        style = look(engine, engines)
+        data.append(
+            {
+                "type": "scatter", "mode": "lines+markers", "name": engine, "x": [item["value"] for item in mine],
+                "y": [item["wall_s"] for item in mine], "line": {"color": style.colour, "dash": style.dash},
+                "text": ["" if item["memory_mb"] is None else f"{item['memory_mb']:.0f} MB" for item in mine],
+                "hovertemplate": f"{engine} %{{x:.3g}}: %{{y:.3g}} s, %{{text}}<extra></extra>",
+            }
+        )  # fmt: skip
+    axis = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
+    layout = {
+        "height": 360, "xaxis": {**axis, "title": {"text": heading(quantity)}},
+        "yaxis": {**axis, "title": {"text": "time  [s]"}}, "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _cells(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    error = row["failed"] if row["failed"] is not None else digits(row["error_rad"], 2)
+    steps = "–" if row["steps"] is None else str(row["steps"])
+    cells = [row["engine"], row["label"], digits(row["dt_s"]), error, digits(row["wall_s"]), steps]
+    cells += [digits(row["real_time_factor"], 2), digits(row["stated_rad"], 2)]
+    return {"cells": cells, "front": on_front(row, rows), "chosen": row["chosen"], "failed": row["failed"] is not None}

@@ -1,0 +1,166 @@
+"""Invented records of a validation, a bench and a stress run for the pages' own tests; scores are the harness's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness import fragility, record
+from harness.history import Outcome
+from harness.outcomes import FELL, Case, score_outcomes
+
+COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}
+
+
+def _write(folder: Path, found: dict[str, Any]) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    full = COMMON | {"versions": record.versions(), "machine": record.machine()} | found
+    record.write_json(folder / "result.json", full)
+    return folder
+
+
+def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
+    """Sixty tests of three bodies; the models are right in a share of about `skill`."""
+    stream = np.random.default_rng(1)
+    pgv = np.exp(stream.uniform(np.log(0.1), np.log(1.2), 60))
+    pga = 0.6 * pgv * np.exp(0.3 * stream.standard_normal(60))
+    fell = pgv * np.exp(0.25 * stream.standard_normal(60)) > 0.4
+    grid = np.geomspace(pgv.min(), pgv.max(), 30)
+    observed = fragility.fit(pgv, fell).as_dict(grid)
+    rows: list[dict[str, Any]] = []
+    for k in range(60):
+        row = {"test": f"t{k}", "body": f"stone {k % 3}", "share": "score", "observed": FELL if fell[k] else "stands"}
+        rows.append(row | {"pga_g": pga[k], "pgv_m_s": pgv[k], "predicted": {}, "probability": {}})
+    models = {}
+    for name in ("analytic", "pymunk"):
+        right = stream.random(60) < skill
+        said = [
+            Outcome.OVERTURNED_LEFT if fall == hit else Outcome.STANDS for fall, hit in zip(fell, right, strict=True)
+        ]
+        cases = [Case(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
+        for row, outcome in zip(rows, said, strict=True):
+            row["predicted"][name] = outcome.value
+            row["probability"][name] = float(outcome.overturned)
+        contour = {"contour_50": {"ratio_s": [0.1, 0.3], "pga_g": [0.5, 0.2]}} if name == "pymunk" else None
+        models[name] = {
+            "engine": name,
+            "accuracy_rad": 1e-3,
+            "dt_s": None,
+            "tests": 60,
+            "failed": 0,
+            "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
+            "outcomes": score_outcomes(cases).as_dict(),
+            "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},
+            "by_intensity": [],
+            "fragility_pgv": fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid),
+            "contour": contour,
+            "histories": [{"test": "t1", "scores": {"verdict_sentence": "they differ by their models"}}],
+        }
+    bare = [
+        Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
+        for v, f in zip(pgv, fell, strict=True)
+    ]
+    return _write(
+        folder,
+        {
+            "kind": "validation",
+            "tests": 60,
+            "bodies": 3,
+            "fit_share": {"name": "fit", "tests": 0},
+            "unknown": [],
+            "unfitted": [],
+            "models": models,
+            "observed": {"fragility_pgv": observed, "contour": None},
+            "baseline": {
+                "rule": "overturns when PGV reaches the threshold",
+                "threshold_m_s": 0.4,
+                "fitted_on": "all tests but the one that is predicted",
+                "outcomes": score_outcomes(bare).as_dict(),
+                "by_intensity": [],
+            },
+            "rows": rows,
+            "experiments": "invented.csv",
+            "runs": {"wanted": 120, "computed": 120},
+        },
+    )
+
+
+def bench_rows() -> list[dict[str, Any]]:
+    """Three scenes, two engines, five rungs and the engines' own defaults; one row failed."""
+    rows = []
+    for scene in ("free_rocking", "harmonic_floor", "harmonic_pedestal"):
+        for engine, cost, error in (("pymunk", 4e-6, 0.4), ("pybullet", 16e-6, 0.6)):
+            for k, dt in enumerate((4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)):
+                seconds = cost * 10.0 / dt
+                row = {
+                    "engine": engine,
+                    "scene": scene,
+                    "label": f"rung {k}",
+                    "group": "ladder",
+                    "dt_s": dt,
+                    "failed": None,
+                }
+                row |= {
+                    "error_rad": error * dt,
+                    "wall_s": seconds,
+                    "steps": int(10.0 / dt),
+                    "real_time_factor": 10.0 / seconds,
+                }
+                rows.append(row | {"reference": "analytic", "chosen": k == 2, "stated_rad": 2.0 * error * dt})
+            rows.append(
+                {
+                    "engine": engine,
+                    "scene": scene,
+                    "label": "own defaults",
+                    "group": "default",
+                    "dt_s": 1 / 240,
+                    "failed": None,
+                }
+                | {"error_rad": 0.11, "wall_s": 0.05, "steps": 2400, "real_time_factor": 200.0, "reference": "analytic"}
+                | {"chosen": False, "stated_rad": None}
+            )
+    rows[-1] |= {"failed": "diverged", "error_rad": None}
+    return rows
+
+
+def write_bench(folder: Path) -> Path:
+    """A bench of three scenes."""
+    scaling = [
+        {"engine": "pymunk", "quantity": "duration_s", "value": v, "wall_s": 0.04 * v, "memory_mb": 80.0}
+        for v in (1.0, 10.0, 100.0)
+    ]
+    return _write(
+        folder,
+        {
+            "kind": "bench",
+            "title": "An invented bench",
+            "target_rad": 1e-3,
+            "rows": bench_rows(),
+            "scaling": scaling,
+            "coverage": {"pymunk": {"inside": 15, "total": 15}, "pybullet": {"inside": 14, "total": 15}},
+            "sentences": ["pymunk meets 1e-3 rad at 250 times real time"],
+        },
+    )
+
+
+def write_stress(folder: Path, *, sound: bool = True) -> Path:
+    """A stability map and a catalogue of hard scenes; `sound` False leaves one scene wrong."""
+    cells = []
+    for engine in ("pymunk", "pybullet"):
+        for k, setting in enumerate(("1/60 s", "1 ms", "0.1 ms")):
+            for m, difficulty in enumerate(("slenderness 5", "slenderness 50", "1 cm")):
+                category = ("stable", "inaccurate", "drifting", "diverged")[max(0, m - k + (engine == "pybullet"))]
+                cell = {"engine": engine, "setting": setting, "difficulty": difficulty, "category": category}
+                cells.append(cell | {"evidence": f"error {10.0 ** -(k + 2):.0e} rad", "explained": ""})
+    lifted = "lift_off" if sound else "stands"
+    answers = {"600 s at rest": ("stands", "stands", "stands"), "vertical −1 g": ("lift_off", "lift_off", lifted)}
+    scenes = [
+        {"name": name, "wanted": wanted, "got": {"pymunk": munk, "pybullet": bullet}, "holds": munk == bullet == wanted}
+        | {"checks": ["finite", "no creep"], "note": ""}
+        for name, (wanted, munk, bullet) in answers.items()
+    ]
+    fuzz = [{"reader": "scene", "inputs": 10_000, "tracebacks": 0, "hangs": 0, "half_written": 0}]
+    found = {"kind": "stress", "title": "Invented hard scenes", "cells": cells, "scenes": scenes, "fuzz": fuzz}
+    return _write(folder, found)

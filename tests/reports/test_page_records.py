@@ -1,0 +1,114 @@
+"""Pages of studies, validations, benches and stress runs say what their rows say."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.record import write_json
+from reports.page import write_report
+from reports.page_bench import bench_verdict, on_front
+from reports.page_stress import stress_verdict
+from reports.page_study import context as study_context
+from reports.page_validation import validation_verdict
+from reports.source import read_record
+from reports.study_rows import agreement, conditions
+from tests.reports import invented_records, invented_study
+from tests.reports.test_page_run import without_data
+
+
+def shown(folder: Path) -> str:
+    return without_data(write_report(folder).read_text(encoding="utf-8"))
+
+
+def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
+    folder = invented_study.write_table_study(tmp_path)
+    record, html = read_record(folder), shown(folder)
+    assert len(re.findall(r'<td class="claim ', html)) == len(record["claims"])
+    for item in record["claims"]:
+        assert item["evidence"] in html
+
+
+def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
+    folder = invented_study.write_table_study(tmp_path)
+    record = read_record(folder)
+    record["headline"] = dict.fromkeys(record["headline"], "holds")
+    write_json(folder / "result.json", record)
+    assert "The paper's claims: (i), (ii), (iii), (iv), (v) and (vi) true in every model" in shown(folder).replace(
+        "&#39;", "'"
+    )
+
+
+def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
+    record = read_record(invented_study.write_table_study(tmp_path))
+    matrix = study_context(tmp_path, record)["matrix"]
+    assert len(matrix) == 60
+    differing = {tuple(row["keys"][2:]) for row in matrix if row["differs"]}
+    assert differing == {("2", "none")}
+
+
+def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
+    models, found = conditions(read_record(invented_study.write_table_study(tmp_path))["rows"])
+    pairs = {(first, second): (same, total) for first, second, same, total in agreement(models, found)}
+    assert pairs["analytic (own impact)", "pymunk (own impact)"] == (60, 60)
+    assert pairs["analytic (own impact)", "pybullet (own impact)"] == (54, 60)
+    assert ("analytic (own impact)", "analytic (paper)") not in pairs
+
+
+def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
+    folder = invented_study.write_map_study(tmp_path)
+    charts = {name: figure for name, _, figure in study_context(tmp_path, read_record(folder))["charts"]}
+    whole, part = charts["map-0"]["data"][0]["z"], charts["map-1"]["data"][0]["z"]
+    assert not any(code == 0 for row in whole for code in row)
+    assert any(code == 0 for row in part for code in row)
+    assert charts["map-0"]["layout"]["xaxis"]["type"] == "log"
+    assert any(name.startswith("fragility") for name in charts)
+
+
+def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
+    record = read_record(invented_study.write_rose_study(tmp_path))
+    charts = {name: figure for name, _, figure in study_context(tmp_path, record)["charts"]}
+    trace = charts["rose"]["data"][0]
+    least = dict(zip(trace["theta"], trace["r"], strict=True))
+    assert least[0.0] == pytest.approx(0.6)
+    assert least[180.0] == pytest.approx(0.2)
+
+
+def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None:
+    good = validation_verdict(read_record(invented_records.write_validation(tmp_path / "good", skill=1.0)))
+    assert good.tone == "agree"
+    assert "every model beats a bare threshold on PGV beyond chance" in good.headline
+    poor = validation_verdict(read_record(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
+    assert poor.headline.endswith("no model beats a bare threshold on PGV")
+    html = shown(tmp_path / "good")
+    assert html.count('class="o-stands"') == 120
+    assert 'class="o-overturns"' not in html
+    assert 'class="o-overturns"' in shown(tmp_path / "poor")
+
+
+def test_the_front_holds_what_nothing_beats() -> None:
+    rows = invented_records.bench_rows()
+    front = [row for row in rows if on_front(row, rows)]
+    assert {row["engine"] for row in front} == {"pymunk"}
+    assert all(row["group"] == "ladder" for row in front)
+
+
+def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:
+    folder = invented_records.write_bench(tmp_path)
+    record = read_record(folder)
+    assert "pymunk at 500 times real time or faster" in bench_verdict(record).headline
+    html = shown(folder)
+    assert "diverged" in html
+    record["target_rad"] = 1e-9
+    assert bench_verdict(record).headline.startswith("No engine meets")
+
+
+def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
+    assert stress_verdict(read_record(invented_records.write_stress(tmp_path / "sound"))).headline.startswith("All 2")
+    wrong = stress_verdict(read_record(invented_records.write_stress(tmp_path / "wrong", sound=False)))
+    assert wrong.tone == "failed"
+    assert "Wrong: vertical −1 g." in wrong.points
+    assert "without an explanation" in " ".join(wrong.points)
+    assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
