@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LADDER: Final = (
-    BulletSettings(dt_s=1e-3, expected_error_rad=4e-4, residual=1e-10),
-    BulletSettings(dt_s=5e-4, expected_error_rad=2e-4, residual=3e-10),
-    BulletSettings(dt_s=2.5e-4, expected_error_rad=1e-4),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=5e-5, iterations=400),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=1e-16, iterations=3000, impact_substeps=40),
+    BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10),
+    BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4, residual=3e-10),
+    BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, iterations=400),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=0.0, iterations=1000, impact_substeps=40),
 )
 REST_BAND_RAD: Final = 1e-5
 """Rotation within which a statue that rests on all its feet is left by the contact's slop."""

@@ -67,7 +67,11 @@ def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Ar
     number = t_s / step_s
     whole = np.abs(number - np.round(number)) < WHOLE
     whole[-1] = True
-    return t_s[whole], rows[whole]
+    t_s, rows = t_s[whole], rows[whole]
+    if t_s[0] > 0.0:
+        # What came before was not integrated: nothing moved.
+        t_s, rows = np.concatenate([[0.0], t_s]), np.vstack([rows[:1], rows])
+    return t_s, rows
 
 
 def _synchronous(values: Array, t_s: Array, step_s: float, jump: float) -> Array:

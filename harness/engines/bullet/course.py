@@ -79,9 +79,6 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
         full_from = record.t_s[-1]
         rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=True, row=record.last, start=done)
         record = _joined(record, rest_of)
-    if first > 0:
-        still = Record(record.width, [0.0], record.flat[: record.width])
-        record = _joined(still, replace(record, t_s=[0.0, *record.t_s], flat=still.flat + record.flat))
     return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from)
 
 

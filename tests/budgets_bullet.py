@@ -1,0 +1,64 @@
+"""Tolerances of the pybullet tests, each with the sentence that derives it."""
+
+FLOOR_RAD = 3e-4
+"""On the floor at 0.25 ms: four times the 7e-5 rad measured on the four cases; 6e-4 rad was asked."""
+
+PEDESTAL_RAD = 2e-4
+"""On the pedestal at 0.25 ms: eight times the 2.4e-5 rad measured, as stick and slip err irregularly; 4e-4 was asked."""
+
+PEDESTAL_SLIP_M = 1e-4
+"""Slip at 0.25 ms: four times the 2.6e-5 m measured."""
+
+PLANAR_RAD = 3e-5
+"""Out of the plane at 0.25 ms, tilt and yaw: what the solver's sweeps leave; 3e-6 rad is measured."""
+
+PLANAR_FINEST_RAD = 1e-9
+"""Out-of-plane tilt on the finest rung, as asked: its thousand sweeps are never cut short, and 2e-13 rad is measured."""
+
+LEAST_ORDER = 0.8
+"""Observed order before the first impact over three halvings; 1.27 to 1.59 measured, between a leapfrog's 2 and an event's 1."""
+
+BOTH_FRICTIONS_RAD = 2e-3
+"""Two coefficients or an imposed ratio at 0.25 ms, as asked; 3e-4 rad is measured, where static friction nearly gives way."""
+
+TABLE_RAD = 1e-3
+"""Accelerating frame against moving table at 0.25 ms, as asked; both integrate the same forces and 3e-7 rad is measured."""
+
+FREE_IMPACT_S = 1e-4
+"""Time of the first impact of free rocking at 0.5 ms: a fifth of a step, as sub-steps resolve a twentieth of one."""
+
+FREE_PEAK_REL = 2e-3
+"""Peak after the first impact of free rocking at 0.5 ms: two impacts' worth of the ratio's error of 1e-3."""
+
+PRECESSION_REL = 0.01
+"""Rolling of a prism of 256 sides against the round cylinder's: as asked; sides explain 0.3 %, falling with their number."""
+
+TILT_REL = 0.05
+"""Loss of tilt of the same prism over 0.5 s: every edge passed is a small impact; 3.9 % measured."""
+
+RAISED_RAD = 1e-4
+"""A base vertex raised by 2 mm under a 0.43 m base turns the supporting line: rotations differ by far more than rounding."""
+
+CREEP_M = 1e-6
+"""Creep at rest in 60 s, as asked, metres."""
+
+CREEP_RAD = 1e-6
+"""Creep at rest in 60 s, as asked, radians."""
+
+REST_S = 0.25
+"""Length of the run at rest from which the creep of 60 s is extrapolated: it grows in proportion to time."""
+
+MERGED_RAD = 5e-3
+"""Feet alone against the full shape, up to where the edge is reached: what the box's missed contacts change (1.2e-3 measured)."""
+
+IMPOSED_RATIO = 0.02
+"""Ratio seen in the samples around an imposed impact: weight and motion change the rate in the two steps between them."""
+
+SUBSTEP_SHARE = 0.2
+"""Share of sub-steps in all steps of a forced second at 0.25 ms: accuracy must not come from simply stepping finer."""
+
+SLIP_M = 1e-3
+"""Slip of a statue on its support after 1 s against Newmark's integral with the sampled acceleration: one part in fifty of it."""
+
+SEEN = 3.0
+"""A wrong coefficient or a motion left out must stand out of the engine's own error by this factor."""
