@@ -11,6 +11,7 @@ import typer
 
 from harness import cli as harness_cli
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step
+from reports import cli_input
 
 OUT: Final = Path("out")
 
@@ -95,6 +96,53 @@ def study(
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 
+@app.command(epilog="Example:  `rockcheck validate tests.csv -e analytic -e pymunk@dt=5e-4 --samples 20`")
+def validate(
+    experiments: Annotated[
+        Path, typer.Argument(metavar="EXPERIMENTS", help="A table (CSV) of measured tests.", show_default=False)
+    ],
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
+        ),
+    ] = None,
+    samples: Annotated[int, typer.Option("--samples", help="Perturbed runs of each test, for probabilities.")] = 0,
+    fit_share: Annotated[
+        str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
+    ] = "fit",
+    seed: Annotated[int, typer.Option("--seed", help="Seed of the perturbations.")] = 0,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a validation begun in this folder.")] = False,
+    out: Out = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run the models on measured tests and score them against what was observed."""
+    from harness.engines import DEFAULT_ENGINES
+    from harness.run import check_folder
+    from harness.validation.run import validate as run_validation
+
+    folder = out or OUT / experiments.stem
+    check_folder(folder)
+    found = run_validation(
+        experiments,
+        folder,
+        models=engine or DEFAULT_ENGINES,
+        samples=samples,
+        fit_share=fit_share,
+        seed=seed,
+        jobs=jobs,
+        resume=resume,
+        quiet=quiet or as_json,
+    )
+    page = _page(folder)
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo(f"report: {page}")
+
+
 @app.command()
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
@@ -110,6 +158,7 @@ def _page(folder: Path) -> Path:
 
 
 harness_cli.add_commands(app)
+cli_input.add_commands(app)
 
 
 def main() -> None:

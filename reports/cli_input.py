@@ -1,0 +1,197 @@
+"""The commands that look at a user's own files: scans, motions, a first scene; and what is made of finished records."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import typer
+
+from harness.cli import Json, Quiet
+
+OUT: Final = Path("out")
+
+Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
+Unit = Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")]
+Height = Annotated[float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")]
+Up = Annotated[str | None, typer.Option("--up", help="The scan's vertical axis: x, y, z, -x, -y, -z. Default: found.")]
+Density = Annotated[float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")]
+Mass = Annotated[float | None, typer.Option("--mass", metavar="KG", help="Weighed mass, instead of a density.")]
+Faces = Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")]
+Tolerance = Annotated[float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")]
+
+mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
+motion = typer.Typer(no_args_is_help=True, help="Inspect motions.")
+
+
+def add_commands(app: typer.Typer) -> None:
+    """Mount the commands on the application."""
+    app.add_typer(mesh, name="mesh")
+    app.add_typer(motion, name="motion")
+    app.command("new", epilog="Example:  `rockcheck new statue.obj --motion quake.AT2 --height 1.62`")(new)
+    app.command("figures", epilog="Example:  `rockcheck figures out/paestum_floor --format pdf --width column`")(
+        figures
+    )
+    app.command("gif", epilog="Example:  `rockcheck gif out/paestum_floor`")(gif)
+
+
+def _known(
+    unit: str | None,
+    height: float | None,
+    up: str | None,
+    density: float | None,
+    mass: float | None,
+    max_faces: int = 50_000,
+    tolerance: float = 1e-3,
+) -> Any:
+    from harness.mesh_cli import Known
+
+    return Known(unit, height, up, density, mass, max_faces, tolerance)
+
+
+@mesh.command("inspect", epilog="Example:  `rockcheck mesh inspect statue.obj --unit mm`")
+def mesh_inspect(
+    scan: Scan,
+    unit: Unit = None,
+    height: Height = None,
+    up: Up = None,
+    density: Density = None,
+    mass: Mass = None,
+    max_faces: Faces = 50_000,
+    tolerance: Tolerance = 1e-3,
+    as_json: Json = False,
+) -> None:
+    """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
+    from harness.mesh_cli import inspect
+
+    found = inspect(scan, _known(unit, height, up, density, mass, max_faces, tolerance))
+    typer.echo(json.dumps(found.as_dict(), indent=1, ensure_ascii=False) if as_json else str(found))
+
+
+@mesh.command("prepare", epilog="Example:  `rockcheck mesh prepare statue.obj --unit mm --out statue.ply`")
+def mesh_prepare(
+    scan: Scan,
+    out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
+    unit: Unit = None,
+    height: Height = None,
+    up: Up = None,
+    density: Density = None,
+    mass: Mass = None,
+    max_faces: Faces = 50_000,
+    tolerance: Tolerance = 1e-3,
+    as_json: Json = False,
+) -> None:
+    """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
+    from harness.mesh_cli import prepare
+
+    found, account = prepare(scan, out, _known(unit, height, up, density, mass, max_faces, tolerance))
+    if as_json:
+        typer.echo(json.dumps(found.as_dict(), indent=1, ensure_ascii=False))
+    else:
+        typer.echo(f"{found}\nmesh: {out}\naccount: {account}")
+
+
+def new(
+    scan: Scan,
+    motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The scene to write. Default: SCAN's name with .toml.")
+    ] = None,
+    unit: Unit = None,
+    height: Height = None,
+    up: Up = None,
+    density: Density = None,
+    mass: Mass = None,
+    motion_unit: Annotated[
+        str | None,
+        typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
+    ] = None,
+) -> None:
+    """Write a first, commented scene from a scan and a record; it runs as it is."""
+    from harness.mesh_cli import new as write_scene
+
+    target = out or Path(f"{scan.stem}.toml")
+    written = write_scene(scan, motion_file, target, _known(unit, height, up, density, mass), motion_unit)
+    typer.echo(f"scene: {written}\nrun it: rockcheck run {written}")
+
+
+@motion.command(
+    "inspect",
+    epilog="Examples:  `rockcheck motion inspect quake.V2`  ·  `rockcheck motion inspect scenes/maria.toml --axis z`",
+)
+def motion_inspect(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
+    unit: Annotated[str | None, typer.Option("--unit", help="A record's unit, where the file does not say.")] = None,
+    axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
+    out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
+    from harness.record import write_json
+    from harness.run import check_folder
+    from reports.motion_figure import figure
+
+    folder = out or OUT / file.name.split(".")[0]
+    check_folder(folder)
+    found = _inspected(file, unit, axis)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure(found).savefig(folder / "motion.png", dpi=150)
+    write_json(folder / "motion.json", found.record())
+    if as_json:
+        typer.echo(json.dumps(found.record(), indent=1, ensure_ascii=False))
+    elif not quiet:
+        rows = found.table()
+        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+        for row in rows:
+            typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+        for text in found.warnings:
+            typer.echo(f"warning: {text}")
+        typer.echo(f"picture: {folder / 'motion.png'}")
+
+
+def _inspected(file: Path, unit: str | None, axis: str) -> Any:
+    """The record in a file, or the named component of a scene."""
+    from harness.errors import InputError, Mistake
+    from harness.motions.inspect import inspect_component, inspect_file
+    from harness.scene_file import parse, read
+
+    if file.suffix != ".toml":
+        if not file.is_file():
+            raise InputError(Mistake(str(file), "", "an existing record", "no such file"))
+        return inspect_file(file, unit=unit)
+    model, _ = parse(read(file), str(file))
+    component = getattr(model.motion, axis, None) if axis in ("x", "y", "z") else None
+    if component is None:
+        given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
+        raise InputError(Mistake("--axis", "", f"a component of the scene ({', '.join(given) or 'it has none'})", axis))
+    return inspect_component(
+        component, base_dir=file.parent, where=str(file), key=f"motion.{axis}", duration_s=model.duration_s
+    )
+
+
+def figures(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
+    formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
+    width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
+    model: Annotated[
+        str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
+    ] = None,
+) -> None:
+    """Write the figures of a result for print."""
+    from reports.figures import FORMATS, write_figures
+
+    for path in write_figures(folder, formats or FORMATS, width, model):
+        typer.echo(str(path))
+
+
+def gif(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
+    out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
+    model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
+) -> None:
+    """Write the replay of a run as an animated picture for slides."""
+    from reports.animation import write_gif
+
+    typer.echo(str(write_gif(folder, out, model)))
