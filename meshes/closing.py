@@ -13,7 +13,7 @@ from meshes.mesh import RawMesh
 from meshes.outline import fit_outline
 from meshes.solid import CONTACT_TOLERANCE_M
 from meshes.stance import area_vector
-from meshes.topology import Indices, rims
+from meshes.topology import EdgeCount, Indices, rims
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -136,7 +136,7 @@ def close_pinches(mesh: RawMesh) -> RawMesh:
 
 
 def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
-    """Every hole closed over its own rim without new vertices; raises MeshError for a hole wider than allowed."""
+    """Every hole closed over its own rim, without new vertices if that can be; raises MeshError for a hole wider than allowed."""
     added, widest = [], 0.0
     found = rims(mesh.faces)
     for rim in found:
@@ -159,4 +159,7 @@ def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
             added.append(around[np.column_stack([np.zeros_like(fan), fan, fan + 1])])
         else:
             added.append(around[triangulated(mesh.vertices[around], vector)])
-    return HolesClosed(RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source), len(found), widest)
+    closed = RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source)
+    if added and EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
+        closed = close_pinches(mesh)  # a new edge lay on an old one beside the hole
+    return HolesClosed(closed, len(found), widest)

@@ -20,6 +20,10 @@ NORMAL_MEDIAN = 0.6745
 STRAIGHT = 4.0
 """A run of the rim counts as straight if it stays within this many standard deviations of its noise: 1 in 16 000
 leaves it."""
+FITS = 1.4
+"""Runs are joined if the common side's residual is at most this many times the noise, which is itself known to a third."""
+BUMP = 6.0
+"""No point of a joined run may lie further than this many standard deviations from its side."""
 SHARP_RAD = np.deg2rad(15.0)
 """Fitted sides that meet at more than this angle are prolonged to their intersection; flatter ones are joined
 midway."""
@@ -44,7 +48,7 @@ def fit_outline(rim_m: Array) -> Outline:
     noise = _noise(rim_m, extent)
     if noise < QUIET_SHARE * extent or len(rim_m) < 12:
         return Outline(rim_m, 0.0)
-    corners = _corners(rim_m, STRAIGHT * noise)
+    corners = _merged(rim_m, _corners(rim_m, STRAIGHT * noise), noise)
     if len(corners) < 3:
         return Outline(rim_m, noise)
     points, residuals = _on_sides(rim_m, corners, 2.0 * STRAIGHT * noise)
@@ -100,6 +104,31 @@ def _corners(rim: Array, tolerance: float) -> Indices:
             kept.add(middle % count)
             spans += [(a, middle), (middle, b)]
     return np.array(sorted(kept), dtype=np.int64)
+
+
+def _merged(rim: Array, corners: Indices, noise: float) -> Indices:
+    """The corners left when runs that one straight side fits to within the noise are joined, the best fitting first.
+
+    A single bump of the noise beyond the tolerance would otherwise break a straight side, and its two ends be fitted to it.
+    """
+    kept = [int(corner) for corner in corners]
+    while len(kept) > 3:
+        misfits = [_misfit(rim, kept[k - 1], kept[(k + 1) % len(kept)]) for k in range(len(kept))]
+        rms = np.array([misfit[0] for misfit in misfits])
+        fits = (rms <= FITS * noise) & (np.array([misfit[1] for misfit in misfits]) <= BUMP * noise)
+        if not fits.any():
+            break
+        del kept[int(np.argmin(np.where(fits, rms, np.inf)))]
+    return np.array(kept, dtype=np.int64)
+
+
+def _misfit(rim: Array, first: int, last: int) -> tuple[float, float]:
+    """Root mean square and largest distance of a run of the rim from its best straight line."""
+    count = (last - first) % len(rim)
+    run = rim[np.arange(first, first + count + 1) % len(rim)]
+    normal = np.linalg.svd(run - run.mean(axis=0), full_matrices=False)[2][1]
+    away = np.abs((run - run.mean(axis=0)) @ normal)
+    return float(np.sqrt(np.mean(away**2))), float(away.max())
 
 
 def _on_sides(rim: Array, corners: Indices, reach: float) -> tuple[Array, Array]:

@@ -35,3 +35,6 @@ DECIMATION_VOLUME_REL = 1e-3
 
 HULL_GAP_M = 5e-3
 """With 128 vertices over a body of 1.5 m, sagitta of a facet of 0.15 m on a curve of 0.4 m: 7 mm at worst, half on average."""
+
+OUTLINE_NOISE_SHARE = 1.5
+"""A side fitted to n >= 40 points is off by 2σ/√n at its ends, 0.3 σ; two sides and a joined bump of 4σ stay below 1.5 σ."""

@@ -76,7 +76,7 @@ def test_a_closed_body_on_its_side_is_stood_up(statue: Solid) -> None:
 
 
 def test_scale_from_a_known_height(statue: Solid) -> None:
-    faults = replace(COARSE, noise_m=0.0, units_per_m=3.7)
+    faults = replace(COARSE, edge_m=0.05, noise_m=0.0, units_per_m=3.7)
     solid = prepare_mesh(scan(statue, faults), Wanted(height_m=statue.height_m)).solid(density_kg_m3=DENSITY)
     assert solid.mass_kg == pytest.approx(statue.mass_kg, rel=3 * QUIET_SCAN_REL)
 
@@ -121,11 +121,11 @@ def test_a_wide_hole_is_refused_with_advice(statue: Solid) -> None:
 def test_the_limit_on_repair_is_a_limit(statue: Solid) -> None:
     limits = Limits(volume_rel=1e-6)
     with pytest.raises(MeshError, match="too much would be invented"):
-        prepare_mesh(scan(statue, COARSE), Wanted(unit="mm", limits=limits))
+        prepare_mesh(scan(statue, replace(COARSE, edge_m=0.05)), Wanted(unit="mm", limits=limits))
 
 
 def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> None:
-    dense = scan(statue, Faults(edge_m=0.02, noise_m=0.0, crumbs=0, open_below=False, up="z", units_per_m=1.0))
+    dense = scan(statue, Faults(edge_m=0.04, noise_m=0.0, crumbs=0, open_below=False, up="z", units_per_m=1.0))
     prepared = prepare_mesh(dense, Wanted(unit="m", up="z", max_faces=12_000))
     made = prepared.account.changes[-1]
     assert made.step == "decimation"
