@@ -85,6 +85,9 @@ def compare(
     accuracy: Accuracy = None,
     dt: Step = None,
     iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
+    horizon: Annotated[
+        bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")
+    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -100,7 +103,9 @@ def compare(
     else:
         found = {}
         for path in files:
-            result = compute(path, engine, overrides, accuracy, dt, None, quiet=quiet or as_json, iso=iso)
+            result = compute(
+                path, engine, overrides, accuracy, dt, None, quiet=quiet or as_json, iso=iso, horizon=horizon
+            )
             prefix = f"{path.stem}: " if len(files) > 1 else ""
             found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
     if as_json:
@@ -143,6 +148,7 @@ def compute(
     *,
     quiet: bool,
     iso: bool = False,
+    horizon: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
     from harness.engines import DEFAULT_ENGINES
@@ -154,7 +160,14 @@ def compute(
     scene = load_scene(scene_file, overrides or ())
     with Telling(quiet) as telling:
         return run_scene(
-            scene, names or DEFAULT_ENGINES, accuracy_rad=accuracy, dt_s=dt, want=want, told=telling.engine, iso=iso
+            scene,
+            names or DEFAULT_ENGINES,
+            accuracy_rad=accuracy,
+            dt_s=dt,
+            want=want,
+            told=telling.engine,
+            iso=iso,
+            horizon=horizon,
         )
 
 

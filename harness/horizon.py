@@ -48,9 +48,14 @@ class Horizon:
         known = [t for size, t in zip(self.perturbations, self.until_s, strict=True) if size >= uncertainty]
         return known[0] if known else 0.0
 
+    @property
+    def intrinsic_s(self) -> float:
+        """The horizon of the problem itself, from the least perturbation: beyond it no two programs need agree."""
+        return self.until_s[0]
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return asdict(self)
+        return asdict(self) | {"intrinsic_s": self.intrinsic_s}
 
 
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
@@ -146,3 +151,10 @@ def horizon_of(engine: Engine, scene: Scene, settings: Settings, **options: Any)
     """The horizon of an engine with its settings (see `horizon`)."""
     want = Want(history=True)
     return horizon(scene, lambda each: engine.simulate(each, settings, want), **options)
+
+
+def horizon_beside(engine: Engine, scene: Scene, run: Run) -> Horizon:
+    """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
+    if engine.capabilities.certifies:
+        return horizon_of(engine, scene, engine.ladder(scene)[-1])
+    return horizon_of(engine, scene, engine.settings_for_dt(scene, float(run.settings["dt_s"])))

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +21,7 @@ from harness.scene import Scene
 
 if TYPE_CHECKING:
     from harness.comparator import Scores
+    from harness.horizon import Horizon
 
 DEFAULT_ACCURACY_RAD: Final = 1e-3
 FINEST_DT_S: Final = 1e-6
@@ -36,6 +37,7 @@ class Result:
     scores: Mapping[str, Scores]
     plan: Sequence[Mapping[str, Any]]
     seconds: float
+    horizons: Mapping[str, Horizon] = field(default_factory=dict)
 
     @property
     def failed(self) -> bool:
@@ -54,6 +56,7 @@ class Result:
                 "motion": describe.motion_of(self.scene),
                 "runs": {name: run.as_dict() for name, run in self.runs.items()},
                 "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
+                "horizons": {name: horizon.as_dict() for name, horizon in self.horizons.items()},
                 "plan": self.plan,
                 "warnings": [f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
                 "seconds": self.seconds,
@@ -132,8 +135,12 @@ def run_scene(
     want: Want | None = None,
     told: Callable[[str], None] = lambda text: None,
     iso: bool = False,
+    horizon: bool = False,
 ) -> Result:
-    """Run a scene with the named engines and score every pair; `told` hears which engine is at work."""
+    """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
+
+    `horizon` also finds each model's horizon of prediction from its own perturbed starts (some twenty runs of each).
+    """
     from harness.comparator import compare
 
     check_target(accuracy_rad, dt_s)
@@ -145,9 +152,30 @@ def run_scene(
     for engine in loaded:
         told(engine.name)
         runs[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
-    pairs = itertools.combinations((run for run in runs.values() if not run.outcome.failed), 2)
-    scores = {f"{a.engine}_vs_{b.engine}": compare(a, b, scene=scene) for a, b in pairs}
-    return Result(scene, runs, scores, [step.as_dict() for step in steps], time.perf_counter() - start)
+    answers = [run for run in runs.values() if not run.outcome.failed]
+    horizons = _horizons(scene, answers, told) if horizon else {}
+    known = {name: found.intrinsic_s for name, found in horizons.items()}
+    scores = {
+        f"{a.engine}_vs_{b.engine}": compare(
+            a, b, scene=scene, horizons_s=(known.get(a.engine), known.get(b.engine)), iso=iso
+        )
+        for a, b in itertools.combinations(answers, 2)
+    }
+    plain = [step.as_dict() for step in steps]
+    return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons)
+
+
+def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None]) -> dict[str, Horizon]:
+    from harness.horizon import horizon_beside
+
+    found = {}
+    for run in runs:
+        told(f"{run.engine}, horizon")
+        try:
+            found[run.engine] = horizon_beside(engines.load(run.engine), scene, run)
+        except EngineFailure as error:
+            told(f"{run.engine} has no horizon: {error}")
+    return found
 
 
 def check_folder(folder: Path) -> None:

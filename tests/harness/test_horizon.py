@@ -15,7 +15,7 @@ from harness.horizon import Horizon, horizon, parted_s, perturbed
 from harness.record import Run
 from harness.scene import Scene
 from tests import doubles
-from tests.scenes_for_tests import PAESTUM, scene
+from tests.scenes_for_tests import PAESTUM, paestum, scene
 
 GROWTH = 3.0
 TOLERANCE = 0.01
@@ -87,3 +87,18 @@ def test_a_run_that_ends_earlier_parts_at_its_end() -> None:
 def test_an_unperturbed_run_without_history_is_a_failure() -> None:
     with pytest.raises(EngineFailure, match="no history"):
         horizon(SCENE, lambda each: doubles.run_of(None))
+
+
+def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
+    """Asked for, the horizon of every model stands in the record, and the verdict holds no further than the nearer one."""
+    from harness.run import run_scene
+
+    shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
+    found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3, horizon=True)
+    assert set(found.horizons) == {"analytic", "pymunk"}
+    nearer = min(each.intrinsic_s for each in found.horizons.values())
+    scores = found.scores["analytic_vs_pymunk"]
+    assert scores.evidence["horizon_s"] <= nearer
+    for each in found.horizons.values():
+        assert list(each.until_s) == sorted(each.until_s, reverse=True)
+    assert found.as_dict()["horizons"]["analytic"]["intrinsic_s"] == found.horizons["analytic"].intrinsic_s

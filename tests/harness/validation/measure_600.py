@@ -1,0 +1,68 @@
+"""600 tests on scanned stones at 800 Hz in one call: `python -m tests.harness.validation.measure_600 [MODEL...]`.
+
+The stones are spheres dented at random and cut flat with some roughness, as photogrammetry gives them; the motions are sine bursts of random
+frequency and strength. The observations are those of the first model with the friction 0.6, so that its accuracy must be 1.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from harness.validation import validate
+from tests.harness.validation.experiments import write_motion, write_table
+
+STONES, MOTIONS = 6, 100
+
+
+def write_scan(path: Path, seed: int) -> None:
+    """A stone of some 0.25 × 0.2 × 0.7 m with 2 500 vertices."""
+    stream = np.random.default_rng(seed)
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    points = ball.vertices * (0.125, 0.1, 0.35) * stream.uniform(0.9, 1.1, 3)
+    for _ in range(12):
+        direction = stream.standard_normal(3)
+        direction /= np.linalg.norm(direction)
+        points *= 1.0 + 0.06 * stream.standard_normal() * np.maximum(ball.vertices @ direction, 0.0)[:, None] ** 2
+    low = -0.25 + 0.0005 * stream.standard_normal(len(points))
+    points[:, 2] = np.maximum(points[:, 2], low)
+    trimesh.Trimesh(points, ball.faces).convex_hull.export(path)
+
+
+def main(models: list[str]) -> None:
+    """Write the table, run it, print what it took and what came out."""
+    folder = Path(tempfile.mkdtemp(prefix="validation-"))
+    stream = np.random.default_rng(1)
+    for stone in range(STONES):
+        write_scan(folder / f"stone{stone}.ply", stone)
+    for motion in range(MOTIONS):
+        amplitude, frequency = stream.uniform(1.0, 12.0), stream.uniform(1.0, 5.0)
+        write_motion(folder / f"motion{motion}.csv", amplitude_m_s2=amplitude, frequency_hz=frequency, cycles=5)
+    rows = [
+        {"test": f"s{stone}m{motion}", "mesh": f"stone{stone}.ply", "motion": f"motion{motion}.csv", "column": "table",
+         "motion_unit": "m/s2", "observed": "stands", "friction": 0.6, "duration_s": 8}
+        for stone in range(STONES) for motion in range(MOTIONS)
+    ]  # fmt: skip
+    first = validate(write_table(folder / "tests.csv", rows), folder / "out", models=models[:1], quiet=True)
+    for row, result in zip(rows, first["rows"], strict=True):
+        row["observed"] = result["predicted"][models[0]]
+    start = time.perf_counter()
+    found = validate(write_table(folder / "tests.csv", rows), folder / "out", models=models, resume=True)
+    print(json.dumps({"seconds": time.perf_counter() - start, "runs": found["runs"], "first_s": first["seconds"]}))
+    print(json.dumps({"peak_memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0}))
+    for name, model in found["models"].items():
+        scores = model["outcomes"]
+        said = {key: scores[key] for key in ("accuracy", "matthews", "within_uncertainty", "undecided")}
+        print(name, model["failed"], json.dumps(said))
+    print("baseline", json.dumps(found["baseline"]["outcomes"]["accuracy"]), found["baseline"]["threshold_m_s"])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or ["analytic", "pymunk@dt=0.001", "pybullet@dt=0.001"])
