@@ -205,7 +205,8 @@ UNCOUNTED: Final = """## What has no number
 
 Eq. (11) as printed, ∂L/∂t − ∂L/∂q, is no equation of motion; in (12) and (14)-(17) the acceleration written for the statue's
 centroid is that of its support; both are read as they must be meant. Eq. (14)-(18) compare without absolute values and
-with one b: read literally nothing would ever lift towards one of the two sides, so both are tested, each with its own b. The column `one b` shows what a single b would do.
+with one b: read literally nothing would ever lift towards one of the two sides, so both are tested, each with its own b.
+The column `one b` shows what a single b would do.
 """
 
 SIGNS: Final = """## The printed signs, at one instant
