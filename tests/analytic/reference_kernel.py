@@ -1,0 +1,60 @@
+"""The compiled model on a reference case, as a path: the only place where the two vocabularies meet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic import Excitation, Harmonic, Pulse, Record, Rest
+from analytic.block import Block, Form, Pedestal
+from analytic.solver import simulate
+from tests.analytic.reference_case import Case, Motion, Path
+
+OUTCOMES = {"stands": "ran", "undecided": "ran"}
+PEDESTAL_SIZE_M = (0.6, 0.2)
+
+
+def excitation(motion: Motion) -> Excitation:
+    """The same motion as the library's own class."""
+    name, numbers = motion.recipe
+    if name == "rest":
+        return Rest()
+    if name == "harmonic":
+        return Harmonic(*numbers)  # type: ignore[arg-type]
+    if name == "record":
+        return Record(*(np.array(n) for n in numbers))
+    if name in ("one_sine", "one_cosine", "rectangular"):
+        return Pulse(name, *numbers)  # type: ignore[arg-type]
+    raise ValueError(f"no excitation for the recipe {name!r}")
+
+
+def solve(case: Case, end: float, grid: float, **options: object) -> Path:
+    """Path of the compiled model, every `grid` seconds and at its end."""
+    block = Block.two_corners(
+        mass_kg=case.m2,
+        centroid_height_m=case.h,
+        inertia_kg_m2=case.inertia,
+        corner_left_m=case.b_left,
+        corner_right_m=case.b_right,
+    )
+    result = simulate(
+        block,
+        excitation(case.accel_x),
+        excitation(case.accel_z),
+        pedestal=None if case.pedestal_kg is None else Pedestal(case.pedestal_kg, *PEDESTAL_SIZE_M),
+        floor_static=case.mu_static,
+        floor_kinetic=case.mu_kinetic,
+        form=Form(case.normal, case.ratio, case.pedestal_at_impact),  # type: ignore[arg-type]
+        theta0_rad=case.theta0,
+        theta_rate0_rad_s=case.rate0,
+        duration_s=end,
+        gravity_m_s2=case.gravity,
+        overturn_rad=case.overturn,
+        dt_s=grid,
+        **options,  # type: ignore[arg-type]
+    )
+    names = {("slip", 1): "slip_forward", ("slip", -1): "slip_backward"}
+    events = tuple((e.time_s, names.get((str(e.kind), e.slide), str(e.kind))) for e in result.events)
+    columns = (result.t_s, result.theta_rad, result.theta_rate_rad_s, result.slip_m, result.slip_rate_m_s)
+    outcome = str(result.outcome)
+    ties = sum(e.feasible_states > 1 for e in result.events)
+    return Path(np.column_stack(columns), events, OUTCOMES.get(outcome, outcome), ties)
