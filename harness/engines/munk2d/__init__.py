@@ -33,7 +33,7 @@ first second, against the analytic model."""
 DEPTH_RAD_S: Final = 0.01
 """Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
 SLOP_DEPTHS: Final = 10.0
-SETTLE_STEPS: Final = 8
+SETTLE_STEPS: Final = 64
 """Whole steps computed before the first instant at which anything can move."""
 
 
