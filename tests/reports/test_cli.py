@@ -1,0 +1,116 @@
+"""The command as a person meets it: exit codes, messages without tracebacks, nothing half-written."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCENE = """
+title = "a block"
+duration_s = 1.0
+[statue]
+mass_kg = 100.0
+centroid_height_m = 0.5
+corner_left_m = 0.1
+corner_right_m = 0.1
+inertia_kg_m2 = 8.666666666666666
+[initial]
+theta_rad = 0.05
+"""
+
+
+def rockcheck(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from reports.cli import main; main()", *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "block.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path) -> None:
+    done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "pymunk", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "out" / "block"
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"result.json", "report.html", "history_analytic.csv", "history_pymunk.csv"}
+    record = json.loads((folder / "result.json").read_text())
+    assert record["schema_version"] == 1
+    assert set(record["runs"]) == {"analytic", "pymunk"}
+    assert "analytic_vs_pymunk" in record["scores"]
+    header = (folder / "history_analytic.csv").read_text().splitlines()[0]
+    assert header.startswith("t_s,theta_rad,theta_rate_rad_s,slip_m,slip_rate_m_s")
+
+
+def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Path) -> None:
+    done = rockcheck("run", "block.toml", "-e", "analytic", "--json", cwd=tmp_path)
+    assert json.loads(done.stdout)["runs"]["analytic"]["outcome"] == "stands"
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "none.toml"], "none.toml"),
+        (["run", "block.toml", "-e", "pybulet"], "did you mean pybullet?"),
+        (["run", "block.toml", "--set", "statue.mass_kg=-1"], "statue.mass_kg"),
+        (["run", "block.toml", "--set", "statue.corner_right_m=-0.01"], "statue.corner_right_m"),
+        (["run", "block.toml", "--accuracy", "1e-3", "--dt", "1e-3"], "one of the two"),
+        (["run", "block.toml", "--dt", "0"], "--dt"),
+        (["run", "block.toml", "--no-skip", "quiet_strat"], "did you mean quiet_start?"),
+        (["run", "block.toml", "--out", "block.toml"], "a folder"),
+        (["compare", "a.csv"], "exactly two"),
+        (["compare", "a.csv", "b.csv"], "a.csv"),
+        (["study", "block.toml"], "block.toml: variant"),
+        (["report", "nowhere"], "nowhere"),
+        (["mesh", "inspect", "none.obj"], "none.obj"),
+        (["motion", "inspect", "none.V2"], "none.V2"),
+        (["motion", "inspect", "block.toml"], "it has none"),
+        (["new", "none.obj", "--motion", "none.csv"], "none"),
+        (["validate", "none.csv"], "none.csv"),
+        (["frobnicate"], "frobnicate"),
+    ],
+)
+def test_a_mistake_is_told_without_traceback_and_writes_nothing(
+    scene: Path, tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    done = rockcheck(*arguments, cwd=tmp_path)
+    assert done.returncode == 2, (done.stdout, done.stderr)
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(path.name for path in tmp_path.rglob("*")) == before
+
+
+def test_explain_lists_the_skips_and_runs_nothing(scene: Path, tmp_path: Path) -> None:
+    done = rockcheck("run", "block.toml", "--explain", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "quiet_start" in done.stdout
+    assert "base_only (pybullet)" in done.stdout
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path) -> None:
+    rockcheck("run", "block.toml", "-e", "analytic", "-q", cwd=tmp_path)
+    table = str(tmp_path / "out" / "block" / "history_analytic.csv")
+    done = rockcheck("compare", table, table, "--json", cwd=tmp_path)
+    scores = json.loads(done.stdout)["history_analytic.csv_vs_history_analytic.csv"]
+    assert scores["rms_theta_rad"] == 0.0
+
+
+def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:
+    code = (
+        "import sys\nfrom reports.cli import app\n"
+        "try:\n    app(['run', '--help'])\nexcept SystemExit:\n    pass\n"
+        "heavy = {'pybullet', 'pymunk', 'trimesh', 'matplotlib', 'plotly', 'scipy', 'numba'}\n"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
