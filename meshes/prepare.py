@@ -36,7 +36,7 @@ class Limits:
     hole_share: float = 0.15
     ragged_share: float = 0.05
     branching_share: float = 1e-3
-    crossing_share: float = 5e-3
+    crossing_share: float = 1e-2
     volume_rel: float = 0.05
 
 
