@@ -152,7 +152,7 @@ def _strip(source: RunSource, axis: str) -> list[Json]:
         colour, hatch = PATTERN_LOOKS[pattern]
         traces.append(
             {
-                "type": "bar", "orientation": "h", "yaxis": axis, "name": words, "legend": "legend2", "hoverinfo": "skip",
+                "type": "bar", "orientation": "h", "yaxis": axis, "name": words, "showlegend": False, "hoverinfo": "skip",
                 "y": [row[0] for row in rows], "base": [row[1] for row in rows], "x": [row[2] - row[1] for row in rows],
                 "width": 0.72, "offset": -0.36,
                 "marker": {
@@ -228,10 +228,6 @@ def _layout(
     layout["yaxis"]["range"] = _views(source)["near"]
     if "strip" in axes:
         layout[axes["strip"].replace("y", "yaxis")] |= {"autorange": "reversed", "showgrid": False, "zeroline": False}
-        layout["legend2"] = {
-            "orientation": "h", "x": 0, "xanchor": "left", "y": domains["strip"][1], "yanchor": "bottom",
-            "itemclick": False, "itemdoubleclick": False, "font": {"size": 11},
-        }  # fmt: skip
     if "floor" in axes:
         layout["legend3"] = {
             "orientation": "h", "x": 1, "xanchor": "right", "y": domains["floor"][1], "yanchor": "bottom",

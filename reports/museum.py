@@ -41,9 +41,7 @@ def of_run(source: RunSource) -> Museum:
     """The section of one run: thresholds of motion by direction, reach over time against the wall."""
     sentences = [*_thresholds_in_words(source.scene, _peak_g(source)), *_reach_in_words(source)]
     charts = [("thresholds", "Acceleration below which it stays at rest, by direction", thresholds_figure(source))]
-    charts += (
-        [("reach", "How far the statue stands out over its base", reach_figure(source))] if source.histories else []
-    )
+    charts += [("reach", "How far the top of the statue moves", reach_figure(source))] if source.histories else []
     return Museum(sentences, charts)
 
 
@@ -51,8 +49,8 @@ def thresholds_g(scene: Mapping[str, Any]) -> dict[str, float]:
     """Steady horizontal acceleration in g at which each motion begins: μ_s for sliding, b_s/h for tipping (section 2)."""
     statue, h = scene["statue"], float(scene["statue"]["centroid_height_m"])
     found = {
-        "tips to the left": float(statue["corner_left_m"]) / h,
-        "tips to the right": float(statue["corner_right_m"]) / h,
+        "it tips to the left": float(statue["corner_left_m"]) / h,
+        "it tips to the right": float(statue["corner_right_m"]) / h,
     }
     if scene["pedestal"] is not None:
         found["the pedestal slides"] = float(scene["contact"]["floor_static"])
@@ -67,8 +65,12 @@ def _peak_g(source: RunSource) -> float | None:
 def _thresholds_in_words(scene: Mapping[str, Any], peak_g: float | None) -> list[str]:
     limits = thresholds_g(scene)
     first = min(limits, key=lambda name: limits[name])
-    each = listed(f"{unit(value, 'g')} ({name})" for name, value in limits.items())
-    sentences = [f"It stays at rest up to a steady acceleration of {each}; so {first} comes first."]
+    others = listed(
+        f"at {unit(limits[name], 'g')} {name}" for name in sorted(limits, key=lambda item: limits[item])[1:]
+    )
+    sentences = [
+        f"It stays at rest up to a steady acceleration of {unit(limits[first], 'g')}; there {first}. Each alone: {others}."
+    ]
     if peak_g is not None:
         ratio = peak_g / limits[first]
         word = f"{short(ratio, 2)} times that" if ratio >= 1.0 else f"{100 * ratio:.0f} % of that"
@@ -86,9 +88,10 @@ def _reach_in_words(source: RunSource) -> list[str]:
         }
         if reach:
             name = max(reach, key=lambda item: reach[item])
+            rest = float(shape.overhang_m(np.zeros(1), np.zeros(1), side)[0])
             sentences.append(
                 f"To the {words} no part of it comes farther than {length(max(reach[name], 0.0))} beyond its base's edge "
-                f"({name})."
+                f"({name}; at rest {length(rest)})."
             )
     fell = [name for name, run in source.runs.items() if Outcome(run["outcome"]).overturned]
     if fell:

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.history import Outcome
+from harness.record import PATTERN_NAMES
 from reports.assets import plotly_js, source_text, three_js
 from reports.chart_histories import histories_figure
 from reports.glossary import score_rows, validity_rows
 from reports.museum import of_run
 from reports.numbers import angle, digits, given, label, length, plain, short, unit
-from reports.palette import look
+from reports.palette import PATTERN_LOOKS, look
 from reports.replay import default_model, replay_payload
 from reports.scene_picture import scene_svg
 from reports.source import RunSource, run_source
@@ -55,6 +56,11 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "picture": scene_svg(source.scene, record["motion"]),
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record["motion"], source.scene),
+        "patterns": [
+            {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
+            for name, words in PATTERN_NAMES.items()
+            if any(which == name for run in source.runs.values() for _, _, which in run["patterns"])
+        ],
         "replay": replay_values(source) if source.histories else None,
         "figure": histories_figure(source) if source.histories else None,
         "museum": of_run(source),

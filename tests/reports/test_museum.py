@@ -17,11 +17,11 @@ from tests.reports.invented_study import write_map_study, write_table_study
 
 def test_motion_begins_at_the_limits_of_rest(tmp_path: Path) -> None:
     limits = thresholds_g(run_source(write_invented(tmp_path)).scene)
-    assert limits["tips to the right"] == pytest.approx(0.0682 / 0.774)
-    assert limits["tips to the left"] == pytest.approx(0.3585 / 0.774)
+    assert limits["it tips to the right"] == pytest.approx(0.0682 / 0.774)
+    assert limits["it tips to the left"] == pytest.approx(0.3585 / 0.774)
     assert limits["the pedestal slides"] == 0.2
     bare = thresholds_g(run_source(write_invented(tmp_path / "bare", pedestal=False)).scene)
-    assert set(bare) == {"tips to the left", "tips to the right"}
+    assert set(bare) == {"it tips to the left", "it tips to the right"}
 
 
 def test_the_reach_is_of_standing_runs_only_and_falls_are_said(tmp_path: Path) -> None:
