@@ -52,7 +52,7 @@ def compare(
     found = events.excursions(history_a), events.excursions(history_b)
     inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a), pointwise.peak(history_b)
-    judgement = judge(*sides, both, (peaks[0].theta_rad, peaks[1].theta_rad), lever)
+    judgement = judge(*sides, both, peaks, lever)
     return Scores(
         a=names[0],
         b=names[1],
@@ -174,7 +174,7 @@ def _without_histories(
     a: Run | History, b: Run | History, sides: tuple[Side, Side], lever_m: float, together_rad: float
 ) -> Scores:
     """What can be said when a run kept only its outcome."""
-    peaks = tuple(_peak_alone(answer) for answer in (a, b))
+    peaks = _peak_alone(a), _peak_alone(b)
     none = events.NO_EXCURSIONS
     blank: dict[str, Any] = {
         field.name: None
@@ -194,7 +194,7 @@ def _without_histories(
         **event_scores(none, none, None),
         **_outcomes(a, b),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none), lever_m),
-        **_judged(judge(*sides, None, (peaks[0].theta_rad, peaks[1].theta_rad), lever_m)),
+        **_judged(judge(*sides, None, peaks, lever_m)),
     )
 
 

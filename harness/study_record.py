@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from harness import claims, record
 from harness.cases import base_of
 from harness.describe import describe
+from harness.ensembles import score_sets
 from harness.record import SCHEMA_VERSION
 from harness.scene import Scene
 from harness.store import Store
@@ -58,6 +59,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "seconds": seconds,
         "engine_seconds": _seconds(rows, store),
         "rows": [_shown(row) for row in rows],
+        "scores": score_sets(rows, history=store.history),
         "audit": audit(rows) if study.ask.cases == "boundary" else None,
         "versions": record.versions(),
         "machine": record.machine(),

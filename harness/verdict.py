@@ -14,7 +14,7 @@ import numpy as np
 from harness.history import History, Outcome
 from harness.record import Run
 from harness.scores.grid import Pair
-from harness.scores.pointwise import first_beyond_s
+from harness.scores.pointwise import Peak, first_beyond_s
 
 COVERAGE: Final = 2.0
 """A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
@@ -112,12 +112,12 @@ class _Facts:
     end_s: float
 
 
-def judge(a: Side, b: Side, both: Pair | None, peaks_rad: tuple[float, float], lever_m: float = LEVER_M) -> Judgement:
+def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m: float = LEVER_M) -> Judgement:
     """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing."""
     joint = (a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)
     limit = max(COVERAGE * joint, ROUNDING_RAD)
     until = min(a.until_s, b.until_s)
-    facts = _from_peaks(peaks_rad, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
+    facts = _from_peaks(peaks, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
     flips = a.outcome is not None and b.outcome is not None and a.outcome is not b.outcome
     verdict, left = _decide(a, b, facts, flips)
     evidence = {
@@ -146,12 +146,13 @@ def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _
     return _Facts(limit, first_beyond_s(both.t_s, worst, limit), float(np.max(apart)), reliable, until, both.end_s)
 
 
-def _from_peaks(peaks_rad: tuple[float, float], limit: float, until: float) -> _Facts:
+def _from_peaks(peaks: tuple[Peak, Peak], limit: float, until: float) -> _Facts:
+    """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
     # A run without a history may state its peak without a sign.
-    apart = abs(abs(peaks_rad[0]) - abs(peaks_rad[1]))
-    # Without histories nothing says when they parted: what is reliable to the end counts as reliable throughout.
-    exceeded = None if apart <= limit else (math.inf if math.isfinite(until) else 0.0)
-    return _Facts(limit, exceeded, apart, 0.0 if math.isfinite(until) else apart, until, math.inf)
+    smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
+    apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
+    exceeded = larger.time_s if apart > limit else None
+    return _Facts(limit, exceeded, apart, apart if larger.time_s <= until else 0.0, until, math.inf)
 
 
 def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side | None]:

@@ -105,10 +105,14 @@ def test_an_unstated_error_is_said() -> None:
     assert "numerical error of other not stated" in compare(a, certain(history, "b")).verdict_sentence
 
 
-def test_outcome_only_runs_that_differ_but_are_not_reliable_to_the_end_are_beyond_the_horizon() -> None:
-    a = doubles.run_of(None, "a", peak_theta_rad=0.2, numerical_uncertainty_rad=U_RAD, reliable_until_s=3.0)
-    b = doubles.run_of(None, "b", peak_theta_rad=0.1, numerical_uncertainty_rad=U_RAD, reliable_until_s=3.0)
-    assert compare(a, b).verdict is Verdict.HORIZON
+@pytest.mark.parametrize(("peak_s", "verdict"), [(2.9, Verdict.MODEL), (3.1, Verdict.HORIZON)], ids=["before", "after"])
+def test_without_histories_the_larger_peak_s_time_tells_when_they_parted(peak_s: float, verdict: Verdict) -> None:
+    """θ_b never exceeds its own peak, so where the larger peak is reached the two are apart by the difference of the peaks."""
+    certain_to_3 = {"numerical_uncertainty_rad": U_RAD, "reliable_until_s": 3.0}
+    a = doubles.run_of(None, "a", peak_theta_rad=0.2, peak_time_s=peak_s, **certain_to_3)
+    b = doubles.run_of(None, "b", peak_theta_rad=0.1, peak_time_s=1.0, **certain_to_3)
+    assert compare(a, b).verdict is verdict
+    assert compare(b, a).verdict is verdict
 
 
 def test_shares_of_the_four_sum_to_one() -> None:
