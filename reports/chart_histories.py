@@ -266,15 +266,15 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             "text": f"balances on the {side} edge", "font": small,
         }
         for level, side, anchor in (
-            (float(statue["slenderness_right_rad"]), "right", "bottom"),
-            (-float(statue["slenderness_left_rad"]), "left", "top"),
+            (float(statue["slenderness_right_rad"]), "right", "top"),
+            (-float(statue["slenderness_left_rad"]), "left", "bottom"),
         )
     ]  # fmt: skip
     until = horizon_s(source)
     if until is not None and until < end:
         texts.append(
             {
-                "xref": "x", "x": until, "xanchor": "left", "yref": "paper", "y": 1, "yanchor": "top", "showarrow": False,
+                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": "bottom", "showarrow": False,
                 "text": f" horizon {until:.3g} s", "font": small,
             }
         )  # fmt: skip

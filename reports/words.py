@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.history import Outcome
+from harness.verdict import Verdict as Difference
 from reports.numbers import angle, count_word, length, listed, spread, unit
 from reports.posing import section
 from reports.source import RunSource
@@ -37,7 +38,11 @@ def run_verdict(source: RunSource) -> Verdict:
         groups.setdefault(run["outcome"], []).append(name)
     points = [*_outcome_times(answered), *_lean(source, answered), *_reach(source), *_slip(source, answered)]
     points += [*_scores(source.record), *_trust(source, answered), *silent]
-    return Verdict(_headline(groups, len(answered)), "agree" if len(groups) == 1 else "differ", points)
+    headline = _headline(groups, len(answered))
+    apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") == Difference.MODEL]
+    if len(groups) == 1 and apart:
+        return Verdict(f"{headline}; their motions differ", "differ", points)
+    return Verdict(headline, "agree" if len(groups) == 1 else "differ", points)
 
 
 def _headline(groups: Mapping[str, list[str]], count: int) -> str:
@@ -45,8 +50,8 @@ def _headline(groups: Mapping[str, list[str]], count: int) -> str:
         sentence = Outcome(next(iter(groups))).sentence
         if count == 1:
             return f"One model was run ({next(iter(groups.values()))[0]}): {sentence}"
-        agree = "Both models agree" if count == 2 else f"All {count_word(count)} models agree"
-        return f"{agree}: {sentence}"
+        models = "Both models" if count == 2 else f"All {count_word(count)} models"
+        return f"{models} agree on the outcome: {sentence}"
     parts = [
         f"{Outcome(outcome).sentence} ({', '.join(names)})"
         for outcome, names in sorted(groups.items(), key=lambda item: -len(item[1]))

@@ -96,8 +96,11 @@ const start = async () => {
     return;
   }
   await new Promise((done) => setTimeout(done, 0));
+  rockcheck.marks = { begun: performance.now() };
   await rockcheck.run("plotly-js");
+  rockcheck.marks.library = performance.now();
   await rockcheck.draw();
+  rockcheck.marks.charts = performance.now();
   for (const next of rockcheck.whenReady) await next();
   rockcheck.readyMs = performance.now();
   document.documentElement.dataset.ready = "yes";

@@ -168,7 +168,7 @@ rockcheck.whenReady.push(async () => {
     for (const [name, figure] of figures) {
       const theta = pose(figure, rockcheck.time);
       const cell = cells.get(name);
-      if (cell) cell.textContent = `${theta < 0 ? "−" : "+"}${Math.abs(theta).toFixed(4)} rad${rockcheck.time > figure.model.end_s ? " (ended)" : ""}`;
+      if (cell) cell.textContent = `${Math.abs(theta) < 5e-5 ? "" : theta < 0 ? "−" : "+"}${Math.abs(theta).toFixed(4)} rad${rockcheck.time > figure.model.end_s ? " (ended)" : ""}`;
     }
     const push = new THREE.Vector3(floorAt("x"), floorAt("y"), floorAt("z"));
     const size = push.length();

@@ -14,6 +14,7 @@ import pytest
 
 from harness.errors import InputError
 from harness.record import write_json
+from harness.verdict import Verdict as Difference
 from reports.display_mesh import MOST_FACES
 from reports.page import write_report
 from reports.source import read_record, run_source
@@ -125,10 +126,20 @@ def test_writing_again_gives_the_same_page(folder: Path, html: str) -> None:
 def test_models_that_agree_and_differ_are_said_so(tmp_path: Path) -> None:
     agree = run_verdict(run_source(write_invented(tmp_path / "agree")))
     assert agree.tone == "agree"
-    assert agree.headline == "All three models agree: the statue stands"
+    assert agree.headline == "All three models agree on the outcome: the statue stands"
     differ = run_verdict(run_source(write_invented(tmp_path / "differ", disagree=True)))
     assert differ.tone == "differ"
     assert "the statue stands (analytic, pymunk); the statue overturns to the right (pybullet)" in differ.headline
+
+
+def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    record = read_record(folder)
+    record["scores"]["analytic_vs_pybullet"]["verdict"] = Difference.MODEL
+    write_json(folder / "result.json", record)
+    verdict = run_verdict(run_source(folder))
+    assert verdict.tone == "differ"
+    assert verdict.headline.endswith("the statue stands; their motions differ")
 
 
 def test_the_lean_is_the_histories_own(tmp_path: Path) -> None:
@@ -154,7 +165,7 @@ def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
     write_json(folder / "result.json", record)
     verdict = run_verdict(run_source(folder))
     assert "pybullet gave no answer: no wheels" in verdict.points
-    assert verdict.headline == "Both models agree: the statue stands"
+    assert verdict.headline == "Both models agree on the outcome: the statue stands"
     assert "pybullet" in write_report(folder).read_text(encoding="utf-8")
 
 
