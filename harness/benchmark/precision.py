@@ -1,0 +1,221 @@
+"""Work against precision: every engine and rung, the engines' own defaults, a peer's settings, and what a target takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import engines
+from harness.benchmark.scenes import Standard
+from harness.benchmark.timing import Cost, cost
+from harness.engine import Engine, EngineFailure, Settings, Want
+from harness.record import Run
+from harness.scene import Scene
+from harness.uncertainty import run_to_accuracy
+
+Array = NDArray[np.float64]
+Row = dict[str, Any]
+
+INSTANTS: Final = 4000
+"""Instants at which two histories are compared: the finest features, impacts, last longer than a thousandth of any scene."""
+TARGET_RAD: Final = 1e-3
+DEAR_S: Final = 4.0
+"""A rung is left out (and said so) when the one before it took this long: finer rungs show the same line further."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Settings that are not this project's: `label`, the module that runs them, and what its `Bare` is given."""
+
+    engine: str
+    group: str
+    label: str
+    module: str
+    given: Mapping[str, Any]
+
+
+BULLET: Final = "harness.engines.bullet.bare"
+MUNK: Final = "harness.engines.munk2d.bare"
+RIVALS: Final = (
+    Rival("pybullet", "default", "own defaults, 1/240 s", BULLET, {}),
+    Rival("pybullet", "default", "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
+    Rival("pybullet", "default", "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
+    Rival(
+        "pybullet", "default", "damping 0, hull at margin 0, 0.25 ms", BULLET,
+        {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
+    ),
+    Rival(
+        "pybullet", "peer", "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+        {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
+    ),
+    Rival("pymunk", "default", "own defaults, 1/240 s", MUNK, {}),
+    Rival("pymunk", "default", "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
+)  # fmt: skip
+"""The peer is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
+
+
+def rows_of(
+    item: Standard, scene: Scene, names: Sequence[str], *, quick: bool, told: Callable[[str], None]
+) -> Iterator[Row]:
+    """All rows of one scene: each engine's ladder, its rivals, what the target takes."""
+    exact = engines.load("analytic").simulate(scene, engines.load("analytic").ladder(scene)[-1], Want())
+    for name in names:
+        told(f"{item.name}: {name}")
+        engine = engines.load(name)
+        reason = engine.missing()
+        if reason is not None:
+            yield _row(item, name, "ladder", "not here", failed=reason)
+            continue
+        # A self-certifying model has no finer settings of another kind to be judged by than its own finest.
+        own = item.reference == "own" or engine.capabilities.certifies
+        yield from _ladder(item, scene, engine, None if own else exact, quick)
+        if not engine.capabilities.certifies:
+            yield from _rivals(item, scene, name, exact if item.reference == "analytic" else None)
+
+
+def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, quick: bool) -> Iterator[Row]:
+    reference = "analytic" if exact is not None else "own finest rung"
+    found: list[tuple[Settings, Run | str, Cost | None]] = []
+    rungs = engine.ladder(scene)
+    for settings in rungs[:3] if quick else rungs:
+        dear = found and found[-1][2] is not None and found[-1][2].cpu_s > DEAR_S
+        found.append(
+            (settings, f"not run: the rung before it took {DEAR_S:g} s or more", None)
+            if dear
+            else _timed(engine, scene, settings)
+        )
+    judge = exact or next((run for _, run, _ in reversed(found) if isinstance(run, Run)), None)
+    for settings, run, spent in found:
+        label = _label(settings)
+        if isinstance(run, str) or spent is None or judge is None:
+            yield _row(item, engine.name, "ladder", label, dt_s=settings.dt_s, failed=str(run), reference=reference)
+            continue
+        if run is judge:
+            continue
+        yield _row(
+            item, engine.name, "ladder", label,
+            dt_s=settings.dt_s, error_rad=error(run, judge), spent=spent, run=run, reference=reference, scene=scene,
+        )  # fmt: skip
+    if judge is not None and not engine.capabilities.certifies:
+        yield from _chosen(item, scene, engine, judge, reference)
+
+
+def _timed(engine: Engine, scene: Scene, settings: Settings) -> tuple[Settings, Run | str, Cost | None]:
+    """The run whose error is taken, and apart from it the runs that are timed."""
+    try:
+        run = engine.simulate(scene, settings, Want())
+    except EngineFailure as failure:
+        return settings, str(failure), None
+    if run.outcome.failed or run.history is None:
+        return settings, run.message or run.outcome.sentence, None
+    return settings, run, cost(lambda: engine.simulate(scene, settings, Want()))
+
+
+def _chosen(item: Standard, scene: Scene, engine: Engine, judge: Run, reference: str) -> Iterator[Row]:
+    """What the target accuracy takes, its own checks included."""
+    try:
+        run = run_to_accuracy(engine, scene, TARGET_RAD, Want())
+    except EngineFailure as failure:
+        yield _row(
+            item, engine.name, "accuracy", f"--accuracy {TARGET_RAD:g}", failed=str(failure), reference=reference
+        )
+        return
+    spent = cost(lambda: run_to_accuracy(engine, scene, TARGET_RAD, Want()))
+    until = run.reliable_until_s
+    label = f"--accuracy {TARGET_RAD:g}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
+    row = _row(
+        item, engine.name, "accuracy", label,
+        dt_s=float(run.settings["dt_s"]), error_rad=error(run, judge, until), spent=spent, run=run,
+        reference=reference, scene=scene,
+    )  # fmt: skip
+    row |= {"chosen": True, "reliable_until_s": until, "steps": run.work.get("steps_of_all_runs", run.steps)}
+    yield row
+
+
+def _rivals(item: Standard, scene: Scene, name: str, exact: Run | None) -> Iterator[Row]:
+    if exact is None:
+        return
+    for rival in RIVALS:
+        if rival.engine != name:
+            continue
+        module = import_module(rival.module)
+        settings = module.Bare(**rival.given)
+        t_s, theta = module.run(scene, settings)
+        spent = cost(partial(module.run, scene, settings))
+        row = _row(item, name, rival.group, rival.label, dt_s=settings.dt_s, spent=spent, scene=scene)
+        largest = _largest(t_s, theta, exact)
+        if not np.isfinite(largest):
+            row |= {"failed": "its numbers diverged"}
+        yield row | {"error_rad": largest if np.isfinite(largest) else None, "steps": t_s.size - 1}
+
+
+def _largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
+    if exact.history is None or not np.all(np.isfinite(theta_rad)):
+        return float("inf")
+    inside = t_s <= exact.end_s
+    return float(np.max(np.abs(theta_rad[inside] - exact.history.at(t_s[inside]))))
+
+
+def error(run: Run, judge: Run, until_s: float | None = None) -> float:
+    """Largest difference of two rotations, rad, up to the earlier end (or `until_s`); infinite without histories."""
+    if run.history is None or judge.history is None:
+        return float("inf")
+    end = min(run.end_s, judge.end_s, run.end_s if until_s is None else until_s)
+    times = np.linspace(0.0, end, INSTANTS)
+    return float(np.max(np.abs(run.history.at(times) - judge.history.at(times))))
+
+
+def _label(settings: Settings | Mapping[str, Any]) -> str:
+    """A rung in words."""
+    plain = settings.as_dict() if isinstance(settings, Settings) else settings
+    if "accuracy_rad" in plain:
+        return f"aimed at {plain['accuracy_rad']:g} rad"
+    parts = [f"{1e3 * float(plain['dt_s']):g} ms"]
+    parts += [f"{plain['iterations']} iterations"] if "iterations" in plain else []
+    return ", ".join(parts)
+
+
+def _row(
+    item: Standard,
+    engine: str,
+    group: str,
+    label: str,
+    *,
+    scene: Scene | None = None,
+    dt_s: float | None = None,
+    error_rad: float | None = None,
+    spent: Cost | None = None,
+    run: Run | None = None,
+    reference: str = "analytic",
+    failed: str | None = None,
+) -> Row:
+    factor = None if spent is None or scene is None else _simulated_s(scene, run) / spent.cpu_s
+    return {
+        "engine": engine,
+        "scene": item.name,
+        "block": item.block,
+        "group": group,
+        "label": label,
+        "dt_s": dt_s,
+        "error_rad": error_rad,
+        "wall_s": None if spent is None else spent.wall_s,
+        "cpu_s": None if spent is None else spent.cpu_s,
+        "repeats": None if spent is None else spent.repeats,
+        "steps": None if run is None else run.steps,
+        "iterations": None if run is None else run.settings.get("iterations"),
+        "real_time_factor": factor,
+        "reference": reference,
+        "chosen": False,
+        "stated_rad": None if run is None else run.numerical_uncertainty_rad,
+        "failed": failed,
+    }
+
+
+def _simulated_s(scene: Scene, run: Run | None) -> float:
+    return scene.duration_s if run is None else run.end_s

@@ -1,0 +1,122 @@
+"""How time and memory grow with duration, mesh vertices, number of runs and workers; each point in a fresh process."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+from harness.benchmark.timing import cost, peak_memory_mb
+
+Row = dict[str, Any]
+Point = tuple[str, str, float]
+
+DURATIONS_S: Final = (2.0, 8.0, 32.0)
+VERTICES: Final = (16, 128, 1024)
+RUNS: Final = (100, 1000, 10_000)
+STUDY_RUNS: Final = 64
+"""Runs of the study whose time is taken with one worker and with all."""
+
+
+def points(quick: bool) -> list[Point]:
+    """All points: engine, quantity, value."""
+    engines = ("analytic", "pymunk", "pybullet")
+    found: list[Point] = [
+        (engine, "duration_s", value) for engine in engines for value in DURATIONS_S[: 1 if quick else 3]
+    ]
+    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[: 1 if quick else 3]]
+    found += [("analytic", "runs", float(value)) for value in RUNS[: 1 if quick else 3]]
+    if not quick:
+        found += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
+    return found
+
+
+def rows(quick: bool, told: Callable[[str], None]) -> Iterator[Row]:
+    """Measure every point in a process of its own, so that memory is that point's."""
+    for point in points(quick):
+        told(f"scaling: {point[0]}, {point[1]} = {point[2]:g}")
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+            seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
+        engine, quantity, value = point
+        yield {
+            "engine": engine, "quantity": quantity, "value": value, "wall_s": seconds, "cpu_s": cpu_s,
+            "memory_mb": memory_mb,
+        }  # fmt: skip
+
+
+def measure(point: Point) -> tuple[float, float, float]:
+    """Seconds by the clock, peak memory in MB and processor seconds of one point."""
+    engine, quantity, value = point
+    if quantity == "runs":
+        return _ensemble(int(value))
+    if quantity == "workers":
+        return _workers(int(value))
+    if quantity == "mesh_vertices":
+        return _run(engine, lambda: _prism(int(value)))
+    motion = harmonic(0.25, 2.0)
+    return _run(engine, lambda: scene_of("longer", {"duration_s": value, "statue": COLUMN, "motion": motion}))
+
+
+def _run(engine: str, make: Callable[[], Any]) -> tuple[float, float, float]:
+    from harness.run import simulate
+
+    scene = make()
+    simulate(scene, engine)
+    spent = cost(lambda: simulate(scene, engine), 3)
+    return spent.wall_s, peak_memory_mb(), spent.cpu_s
+
+
+def _prism(vertices: int) -> Any:
+    """A prism on a polygon of half so many corners, under a motion that makes it rock."""
+    import trimesh
+
+    angles = np.arange(vertices // 2) * (2.0 * np.pi / (vertices // 2))
+    ring = 0.12 * np.column_stack([np.cos(angles), np.sin(angles)])
+    bodies = [np.column_stack([ring, np.full(len(ring), z)]) for z in (0.0, 0.9)]
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        file = Path(name) / "prism.ply"
+        trimesh.Trimesh(np.vstack(bodies)).convex_hull.export(file)
+        mesh = {"file": str(file), "unit": "m", "density_kg_m3": 2700.0}
+        return scene_of("prism", {"duration_s": 2.0, "statue": {"mesh": mesh}, "motion": harmonic(0.35, 2.0)})
+
+
+def _ensemble(runs: int) -> tuple[float, float, float]:
+    from analytic import ensemble
+    from harness.engines.twoblock import block_of
+
+    scene = scene_of("many", {"duration_s": 10.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)})
+    amplitudes = np.linspace(0.1, 0.5, runs) * scene.gravity_m_s2
+
+    def work() -> None:
+        ensemble(block_of(scene), scene.shake.x, sweep={"amplitude_m_s2": amplitudes}, duration_s=10.0, threads=1)
+
+    work()
+    spent = cost(work, 3)
+    return spent.wall_s, peak_memory_mb(), spent.cpu_s
+
+
+def _workers(jobs: int) -> tuple[float, float, float]:
+    from harness.benchmark.skips import SCENE, STUDY
+    from harness.executors import LocalPool
+    from harness.store import Store
+    from harness.study import run_study
+    from harness.study_file import load_study
+
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        folder = Path(name)
+        (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
+        text = STUDY.replace("count = 16", f"count = {STUDY_RUNS}").replace('"analytic"', '"pymunk"')
+        (folder / "study.toml").write_text(text, encoding="utf-8")
+        study = load_study(folder / "study.toml")
+        begin, cpu = time.perf_counter(), time.process_time()
+        with Store(folder / "store.sqlite") as store:
+            run_study(study, folder / "study.toml", store, LocalPool(jobs))
+        return time.perf_counter() - begin, peak_memory_mb(), time.process_time() - cpu
