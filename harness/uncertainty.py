@@ -8,6 +8,7 @@ covers that errors of contact fall irregularly (tests/harness/test_uncertainty.p
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
@@ -27,7 +28,7 @@ SAFETY: Final = 4.0
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CLIMB_SHARE: Final = 0.75
-"""A rung is worth a run when it is expected to be better than what was tried by at least this."""
+"""A rung is worth a run when its step is shorter than all that were tried by at least this."""
 FLOOR_SHARE: Final = 0.5
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEAST_COMPARED: Final = 200
@@ -36,11 +37,15 @@ LEAST_COMPARED: Final = 200
 
 @dataclass(frozen=True)
 class Spread:
-    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target."""
+    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target.
+
+    `coarse_dt_s`: step of the coarser one.
+    """
 
     largest_rad: float
     until_s: float
     whole: bool
+    coarse_dt_s: float = 0.0
 
 
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
@@ -58,11 +63,12 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
     for settings in _climb(engine, scene, ladder, accuracy_rad):
         run = engine.simulate(scene, settings, watch)
         if runs and not run.outcome.failed and not runs[-1].outcome.failed:
-            spreads.append(spread(runs[-1], run, accuracy_rad / SAFETY))
+            found = spread(runs[-1], run, accuracy_rad / SAFETY)
+            spreads.append(replace(found, coarse_dt_s=float(runs[-1].settings["dt_s"])))
         runs.append(run)
         if run.outcome.failed:
             continue
-        if spreads and (spreads[-1].whole or _hopeless(spreads, run.end_s, len(ladder))):
+        if spreads and (spreads[-1].whole or _hopeless(spreads, run.end_s, ladder[-1].dt_s)):
             break
     return _stated(runs, spreads, accuracy_rad, want)
 
@@ -79,11 +85,12 @@ def _climb(engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_
     index = _first_rung(ladder, accuracy_rad, START_SHARE)[1]
     while index < len(ladder):
         yield ladder[index]
-        reached = ladder[index].expected_error_rad
+        finest = ladder[index].dt_s
         for probe in engine.probes(scene, ladder[index]):
             yield probe
-            reached = min(reached, probe.expected_error_rad)
-        finer = (i for i in range(index + 1, len(ladder)) if ladder[i].expected_error_rad < CLIMB_SHARE * reached)
+            finest = min(finest, probe.dt_s)
+        # Two runs with one step would agree on an error that is the step's.
+        finer = (i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < CLIMB_SHARE * finest)
         index = next(finer, len(ladder))
 
 
@@ -112,12 +119,17 @@ def _instants(a: History, b: History, end_s: float) -> Array:
     return np.linspace(0.0, end_s, count, dtype=np.float64)
 
 
-def _hopeless(spreads: list[Spread], end_s: float, rungs: int) -> bool:
-    """Whether finer runs are not expected to reach the end: what the last refinement gained is too little for what is left."""
+def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
+    """Whether no rung is expected to reach the end.
+
+    A small difference grows in proportion to itself, so each halving of the step gains about the same time.
+    """
     if len(spreads) < 2:
         return False
-    gained = spreads[-1].until_s - spreads[-2].until_s
-    return gained * (rungs - len(spreads)) < end_s - spreads[-1].until_s
+    last, previous = spreads[-1], spreads[-2]
+    gained = (last.until_s - previous.until_s) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
+    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
+    return possible < end_s - last.until_s
 
 
 def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, want: Want) -> Run:

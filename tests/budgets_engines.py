@@ -40,3 +40,7 @@ BARE_LOOP_SHARE: Final = 1.10
 """Cost of a run over a bare loop of the engine's own step with the same read-outs; measured 0.5."""
 STATED_SHARE: Final = 0.95
 """Share of seeded scenes in which the true error stays within what is stated."""
+MOVING_TABLE_RAD: Final = 1e-3
+"""What every engine's moving table must keep of its accelerating frame at 0.25 ms."""
+KEPT_KIB: Final = 20.0
+"""Memory kept by a run, KiB: a leaked body, manifold and history of a run this short take 50 and more."""

@@ -1,0 +1,170 @@
+"""What every engine owes, driven by the flags that it declares."""
+
+from __future__ import annotations
+
+import gc
+import resource
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness import engines
+from harness.engine import SKIPS, Engine, Want
+from harness.history import Outcome
+from harness.record import Run, to_plain
+from harness.scene import Scene
+from harness.uncertainty import run_to_accuracy
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
+
+NAMES = tuple(engines.REGISTRY)
+STEP_S = 1e-3
+
+
+@pytest.fixture(params=NAMES)
+def engine(request: pytest.FixtureRequest) -> Engine:
+    """Each engine of the registry, skipped with its own reason where it cannot run."""
+    found = engines.load(request.param)
+    reason = found.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    return found
+
+
+def run(engine: Engine, on: Scene, want: Want | None = None) -> Run:
+    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), want or Want())
+
+
+def test_name_is_that_of_the_registry(engine: Engine) -> None:
+    assert engines.load(engine.name).name == engine.name
+
+
+def test_ladder_goes_from_coarse_to_fine(engine: Engine) -> None:
+    rungs = engine.ladder(paestum())
+    assert len(rungs) >= 2
+    assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(rungs))
+    assert all(a.dt_s >= b.dt_s for a, b in pairwise(rungs))
+    assert engine.probes(paestum(), rungs[0])
+
+
+def test_history_is_on_the_output_grid(engine: Engine) -> None:
+    on = paestum(0.429, 3.0, duration_s=0.3005, output_dt_s=0.002)
+    history = run(engine, on).history
+    assert history is not None
+    np.testing.assert_allclose(history.t_s[:-1], np.arange(151) * 0.002, atol=1e-12)
+    assert history.t_s[-1] == pytest.approx(0.3005, abs=1e-12)
+
+
+@pytest.mark.parametrize("pedestal", [False, True])
+def test_same_scene_same_bits_whatever_ran_before(engine: Engine, pedestal: bool) -> None:
+    on = paestum(0.429, 3.0, pedestal=pedestal, mu=(0.20, 0.15), duration_s=0.3)
+    first = run(engine, on)
+    run(engine, scene(PAESTUM, Harmonic(6.0, 1.0), theta_rad=0.05, duration_s=0.1))
+    run(engine, paestum(0.334, 2.0, pedestal=not pedestal, mu=0.5, duration_s=0.1, restitution=0.85))
+    again = run(engine, on)
+    assert first.history is not None
+    assert again.history is not None
+    for name, values in first.history.columns().items():
+        np.testing.assert_array_equal(values, again.history.columns()[name], err_msg=name)
+
+
+def test_record_is_plain_and_labelled(engine: Engine) -> None:
+    found = run(engine, paestum(0.429, 3.0, duration_s=0.3))
+    assert found.engine == engine.name
+    assert found.outcome is Outcome.STANDS
+    assert found.steps > 0
+    assert found.settings["dt_s"] >= 0.0
+    assert found.patterns
+    assert found.patterns[0].start_s == 0.0
+    assert all(a.end_s == pytest.approx(b.start_s, abs=5e-3) for a, b in pairwise(found.patterns))
+    assert "engine" in to_plain(found.as_dict())
+
+
+def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:
+    on = paestum(0.429, 3.0, duration_s=0.3)
+    short = run(engine, on, Want(history=False))
+    assert short.history is None
+    whole = run(engine, on, Want(history=False, skips=frozenset(SKIPS) - {"no_history"}))
+    assert whole.outcome is short.outcome
+
+
+def test_overturning_ends_the_run_and_is_told_by_its_side(engine: Engine) -> None:
+    for sign, outcome in ((1.0, Outcome.OVERTURNED_RIGHT), (-1.0, Outcome.OVERTURNED_LEFT)):
+        side = 1 if sign > 0.0 else -1
+        on = scene(PAESTUM, theta_rad=sign * 1.05 * PAESTUM.slenderness_rad(side), duration_s=6.0)
+        found = run(engine, on)
+        assert found.outcome is outcome
+        assert found.overturn_time_s == found.end_s
+        assert found.end_s < 6.0
+
+
+def test_accuracy_is_stated(engine: Engine) -> None:
+    on = paestum(0.334, 3.0, pedestal=False, duration_s=0.5)
+    found = run_to_accuracy(engine, on, 2e-3, Want())
+    assert found.numerical_uncertainty_rad is not None
+    assert found.numerical_uncertainty_rad <= 2e-3
+    assert found.reliable_until_s is not None
+
+
+def test_own_impact_needs_no_law(engine: Engine) -> None:
+    prescribed = run(engine, paestum(0.429, 3.0, mu=0.15, restitution=0.85, duration_s=0.6))
+    labelled = any("imposed" in label for label in prescribed.labels)
+    assert labelled == engine.capabilities.own_impact
+
+
+def test_forces_are_recorded_where_declared(engine: Engine) -> None:
+    history = run(engine, paestum(0.429, 3.0, duration_s=0.3)).history
+    assert history is not None
+    found = [name for name in history.extra if name.endswith("_n")]
+    assert bool(found) >= engine.capabilities.forces
+
+
+def test_a_moving_table_where_declared(engine: Engine) -> None:
+    if not engine.capabilities.moving_table:
+        pytest.skip(f"{engine.name} moves the frame only")
+    on = paestum(0.429, 3.0, pedestal=False, duration_s=0.5)
+    fine = engine.settings_for_dt(on, 2.5e-4)
+    a, b = (engine.simulate(item, fine, Want()).history for item in (on, on.but(table="moving")))
+    assert a is not None
+    assert b is not None
+    assert np.max(np.abs(a.theta_rad - b.theta_rad)) <= budget.MOVING_TABLE_RAD
+
+
+def test_statue_slips_where_declared(engine: Engine) -> None:
+    if not engine.capabilities.statue_slips:
+        pytest.skip(f"{engine.name} holds the statue on its support")
+    on = scene(PAESTUM, Harmonic(0.4 * GRAVITY_M_S2, 2.0), mu_statue=0.1, duration_s=0.3)
+    history = run(engine, on).history
+    assert history is not None
+    assert np.max(np.abs(history.extra["statue_slip_m"])) > 1e-2
+
+
+def test_no_memory_is_kept(engine: Engine) -> None:
+    on = paestum(0.429, 3.0, duration_s=0.02)
+    for _ in range(20):
+        run(engine, on)
+    gc.collect()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(60):
+        run(engine, on)
+    gc.collect()
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    assert grown / 60 < budget.KEPT_KIB, f"{grown / 60:.1f} KiB a run"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_loading_an_engine_loads_no_other_simulator(name: str, root: Path) -> None:
+    others = {"pymunk": "pymunk", "pybullet": "pybullet", "mujoco": "mujoco"}
+    own = {"analytic": None, **others}[name]
+    foreign = sorted(set(others.values()) - {own})
+    code = (
+        "import sys; from harness import engines; "
+        f"engines.load({name!r}); print([m for m in {foreign!r} if m in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "[]"

@@ -1,0 +1,141 @@
+"""The climb to an accuracy: cheapest rung first, honest when it cannot be met, never by another model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from harness.coverage import FIRST_SEED, coverage, random_scene
+from harness.engine import Capabilities, Engine, Settings, Want
+from harness.engines.munk2d import Munk2D
+from harness.history import History, Outcome
+from harness.record import Run
+from harness.scene import Scene
+from harness.uncertainty import SAFETY, run_to_accuracy, spread
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import paestum
+
+TIMES = np.linspace(0.0, 1.0, 1001)
+TRUTH = 0.05 * np.sin(7.0 * TIMES)
+
+
+@dataclass(frozen=True)
+class Fake(Engine):
+    """An engine whose error is known: proportional to the step, growing as exp(growth·t), of either sign; counts its runs."""
+
+    name: ClassVar[str] = "fake"
+    capabilities: ClassVar[Capabilities] = Capabilities(dimensions=2)
+    order: ClassVar[float] = 1.0
+    growth: float = 0.0
+    diverges_above_s: float = 1.0
+    steps_s: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5)
+
+    def missing(self) -> str | None:
+        return None
+
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        return tuple(Settings(step, step) for step in self.steps_s)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        return Settings(dt_s, dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        return (Settings(0.5 * settings.dt_s, 0.5 * settings.expected_error_rad),)
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
+        theta = TRUTH + error
+        outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else Outcome.STANDS
+        history = History(TIMES, theta, 0.35 * np.cos(7.0 * TIMES), 0.0 * TIMES, 0.0 * TIMES)
+        return Run(
+            engine=self.name,
+            outcome=outcome,
+            history=None if outcome.failed else history,
+            settings=settings.as_dict(),
+            steps=round(1.0 / settings.dt_s),
+            wall_s=0.0,
+            peak_theta_rad=0.05,
+            peak_time_s=0.2,
+            end_s=1.0,
+        )
+
+
+def error_of(run: Run) -> float:
+    assert run.history is not None
+    return float(np.max(np.abs(run.history.theta_rad - TRUTH)))
+
+
+@pytest.mark.parametrize("accuracy", [2e-2, 2e-3, 2e-4])
+def test_cheapest_rung_that_meets_the_target(accuracy: float) -> None:
+    run = run_to_accuracy(Fake(), paestum(), accuracy, Want())
+    assert run.numerical_uncertainty_rad is not None
+    assert error_of(run) <= run.numerical_uncertainty_rad <= accuracy
+    assert run.reliable_until_s == 1.0
+    assert run.work["runs"] == 2
+    assert 0.04 * accuracy < run.settings["dt_s"] < 1.5 * accuracy
+
+
+def test_a_growing_error_gives_a_horizon() -> None:
+    run = run_to_accuracy(Fake(growth=8.0), paestum(), 1e-3, Want())
+    assert run.numerical_uncertainty_rad is not None
+    assert run.reliable_until_s is not None
+    assert 0.0 < run.reliable_until_s < 0.9
+    assert run.history is not None
+    until = run.history.t_s <= run.reliable_until_s
+    assert np.max(np.abs(run.history.theta_rad - TRUTH)[until]) <= run.numerical_uncertainty_rad <= 1e-3
+    assert any("is met until" in warning for warning in run.warnings)
+
+
+def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
+    run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, Want())
+    assert run.work["runs"] <= 4
+
+
+def test_a_coarse_rung_that_diverges_is_climbed_over() -> None:
+    run = run_to_accuracy(Fake(diverges_above_s=7e-3), paestum(), 2e-2, Want())
+    assert run.outcome is Outcome.STANDS
+    assert run.numerical_uncertainty_rad is not None
+    assert error_of(run) <= run.numerical_uncertainty_rad
+
+
+def test_all_diverging_is_said() -> None:
+    run = run_to_accuracy(Fake(diverges_above_s=0.0), paestum(), 1e-3, Want())
+    assert run.outcome is Outcome.DIVERGED
+    assert run.numerical_uncertainty_rad is None
+
+
+def test_spread_sees_an_overturn_that_only_one_run_has() -> None:
+    stands = Fake().simulate(paestum(), Settings(1e-4, 1e-4), Want())
+    assert stands.history is not None
+    half = stands.history.t_s <= 0.5
+    history = History(*(values[half] for values in list(stands.history.columns().values())[:5]))
+    falls = replace(stands, outcome=Outcome.OVERTURNED_LEFT, history=history, end_s=0.5)
+    assert spread(stands, stands, 1e-6).whole
+    assert not spread(stands, falls, 1e-6).whole
+
+
+def test_history_is_left_out_when_only_the_outcome_is_asked() -> None:
+    assert run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False)).history is None
+    kept = run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False, skips=frozenset()))
+    assert kept.history is not None
+
+
+def test_pymunk_states_what_a_finer_run_confirms() -> None:
+    rows = list(coverage(Munk2D(), 1e-3, range(FIRST_SEED, FIRST_SEED + 4)))
+    assert len(rows) == 4
+    missed = [row for row in rows if not row.covered]
+    assert len(missed) <= (1.0 - budget.STATED_SHARE) * len(rows) + 0.5
+    assert sum(row.met_whole for row in rows) >= len(rows) // 2
+    for row in missed:
+        assert row.error_rad <= SAFETY * row.stated_rad
+
+
+def test_seeded_scenes_are_reproducible_and_various() -> None:
+    a, b = random_scene(FIRST_SEED), random_scene(FIRST_SEED)
+    assert a.statue.mass_kg == b.statue.mass_kg
+    scenes = [random_scene(FIRST_SEED + i) for i in range(30)]
+    assert {scene.pedestal is None for scene in scenes} == {True, False}
+    assert len({type(scene.shake.x) for scene in scenes}) == 3
