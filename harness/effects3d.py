@@ -24,7 +24,7 @@ from harness.load import statue_of
 from harness.record import Run
 from harness.scene import Scene
 from meshes import MeshError, Solid
-from meshes.survey import with_mass
+from meshes.survey import adjusted
 
 Array = NDArray[np.float64]
 
@@ -61,20 +61,9 @@ def amplified(scene: Scene, factor: float) -> Scene:
     return scene.but(shake=replace(shake, x=shake.x.scaled(factor), y=shake.y.scaled(factor), z=shake.z.scaled(factor)))
 
 
-def flat_base(scene: Scene) -> Scene:
-    """The scene with the statue's touching vertices put on one plane: what planing its base would change."""
-    solid = _solid(scene)
-    vertices = solid.vertices_m.copy()
-    vertices[vertices[:, 2] <= solid.contact_tolerance_m, 2] = 0.0
-    footprint = solid.footprint_m.copy()
-    footprint[:, 2] = 0.0
-    return with_solid(scene, replace(solid, vertices_m=vertices, footprint_m=footprint))
-
-
-def no_products(scene: Scene) -> Scene:
-    """The scene with the products of inertia left out, the moments kept."""
-    solid = _solid(scene)
-    return with_solid(scene, replace(solid, inertia_kg_m2=np.diag(np.diag(solid.inertia_kg_m2))))
+def adjust(scene: Scene, **shares: Any) -> Scene:
+    """The scene with its statue adjusted (`meshes.survey.adjusted`)."""
+    return with_solid(scene, adjusted(_solid(scene), **shares))
 
 
 def no_vertical(scene: Scene) -> Scene:
@@ -87,26 +76,6 @@ def along_x_only(scene: Scene) -> Scene:
     return scene.but(shake=replace(scene.shake, y=Rest(), z=Rest()))
 
 
-def higher(scene: Scene, relative: float) -> Scene:
-    """The scene with the centroid raised by a share of its height."""
-    solid = _solid(scene)
-    centroid = np.array([0.0, 0.0, (1.0 + relative) * solid.centroid_height_m])
-    return with_solid(scene, with_mass(solid, solid.mass_kg, centroid, solid.inertia_kg_m2))
-
-
-def wider(scene: Scene, relative: float) -> Scene:
-    """The scene with every horizontal distance of the statue's surface grown by a share; mass and inertia kept."""
-    solid = _solid(scene)
-    grow = np.array([1.0 + relative, 1.0 + relative, 1.0])
-    return with_solid(scene, replace(solid, vertices_m=solid.vertices_m * grow, footprint_m=solid.footprint_m * grow))
-
-
-def heavier_to_turn(scene: Scene, relative: float) -> Scene:
-    """The scene with the inertia about the centroid grown by a share, the mass kept."""
-    solid = _solid(scene)
-    return with_solid(scene, replace(solid, inertia_kg_m2=(1.0 + relative) * solid.inertia_kg_m2))
-
-
 def rougher(scene: Scene, relative: float) -> Scene:
     """The scene with the statue's friction on its support grown by a share."""
     return scene.but(contact=replace(scene.contact, statue=(1.0 + relative) * scene.contact.statue))
@@ -116,14 +85,14 @@ CONDITIONS: Final[Mapping[str, Callable[[Scene], Scene]]] = {
     "as scanned": lambda scene: scene,
     "along x only": along_x_only,
     "no vertical": no_vertical,
-    "flat base": flat_base,
-    "no products of inertia": no_products,
-    "centroid 3 % higher": lambda scene: higher(scene, GEOMETRY_REL),
-    "centroid 3 % lower": lambda scene: higher(scene, -GEOMETRY_REL),
-    "base 3 % wider": lambda scene: wider(scene, GEOMETRY_REL),
-    "base 3 % narrower": lambda scene: wider(scene, -GEOMETRY_REL),
-    "inertia 3 % larger": lambda scene: heavier_to_turn(scene, GEOMETRY_REL),
-    "inertia 3 % smaller": lambda scene: heavier_to_turn(scene, -GEOMETRY_REL),
+    "flat base": lambda scene: adjust(scene, flat_base=True),
+    "no products of inertia": lambda scene: adjust(scene, products=False),
+    "centroid 3 % higher": lambda scene: adjust(scene, centroid_rel=GEOMETRY_REL),
+    "centroid 3 % lower": lambda scene: adjust(scene, centroid_rel=-GEOMETRY_REL),
+    "base 3 % wider": lambda scene: adjust(scene, base_rel=GEOMETRY_REL),
+    "base 3 % narrower": lambda scene: adjust(scene, base_rel=-GEOMETRY_REL),
+    "inertia 3 % larger": lambda scene: adjust(scene, inertia_rel=GEOMETRY_REL),
+    "inertia 3 % smaller": lambda scene: adjust(scene, inertia_rel=-GEOMETRY_REL),
     "friction 10 % larger": lambda scene: rougher(scene, FRICTION_REL),
     "friction 10 % smaller": lambda scene: rougher(scene, -FRICTION_REL),
 }

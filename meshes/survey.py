@@ -90,6 +90,38 @@ def _moved(inertia: Array, mass: float, offset: Array) -> Array:
     return np.asarray(inertia + mass * (offset @ offset * np.eye(3) - np.outer(offset, offset)))
 
 
+def adjusted(
+    solid: Solid,
+    *,
+    centroid_rel: float = 0.0,
+    base_rel: float = 0.0,
+    inertia_rel: float = 0.0,
+    flat_base: bool = False,
+    products: bool = True,
+) -> Solid:
+    """The statue as it would be if a survey were off by these shares, or with its base planed or its products of
+    inertia left out.
+
+    `centroid_rel` raises the centroid, `base_rel` widens every horizontal distance of the surface, `inertia_rel`
+    grows the tensor
+    about the centroid; mass is kept throughout. Raises MeshError for shares that leave nothing.
+    """
+    if min(centroid_rel, base_rel, inertia_rel) <= -1.0:
+        got = f"{centroid_rel:g}, {base_rel:g}, {inertia_rel:g}"
+        raise MeshError(f"wanted shares above -1 (nothing left), got {got} for centroid, base and inertia")
+    inertia = (1.0 + inertia_rel) * solid.inertia_kg_m2
+    if not products:
+        inertia = np.diag(np.diag(inertia))
+    grow = np.array([1.0 + base_rel, 1.0 + base_rel, 1.0])
+    vertices, footprint = solid.vertices_m * grow, solid.footprint_m * grow
+    if flat_base:
+        vertices[vertices[:, 2] <= solid.contact_tolerance_m, 2] = 0.0
+        footprint[:, 2] = 0.0
+    changed = replace(solid, vertices_m=vertices, footprint_m=footprint)
+    centroid = np.array([0.0, 0.0, (1.0 + centroid_rel) * solid.centroid_height_m])
+    return with_mass(changed, solid.mass_kg, centroid, inertia)
+
+
 @dataclass(frozen=True)
 class Reconciled:
     """One number of a survey beside the mesh's: what agrees, what does not, which is used."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, solid_from_mesh
-from meshes.survey import reconcile, with_core, with_mass
+from meshes.survey import adjusted, reconcile, with_core, with_mass
 from tests.budgets_meshes import ROUND_OFF_REL, SURVEY_ASKED_REL
 from tests.meshes.shapes import box
 
@@ -63,3 +63,18 @@ def test_a_survey_is_set_against_the_mesh(statue: Solid) -> None:
     assert abs(rows["depth_m"].apart_rel - 0.02) < SURVEY_ASKED_REL
     with pytest.raises(MeshError, match="colour"):
         reconcile(statue, {"colour": 1.0})
+
+
+def test_adjusted_changes_what_is_asked_and_keeps_the_mass(statue: Solid) -> None:
+    found = adjusted(statue, centroid_rel=0.03, base_rel=-0.02, inertia_rel=0.05)
+    assert found.mass_kg == statue.mass_kg
+    assert found.centroid_height_m == pytest.approx(1.03 * statue.centroid_height_m, rel=ROUND_OFF_REL)
+    assert found.corner_right_m == pytest.approx(0.98 * statue.corner_right_m, rel=ROUND_OFF_REL)
+    assert found.corner_left_m == pytest.approx(0.98 * statue.corner_left_m, rel=ROUND_OFF_REL)
+    assert found.inertia_planar_kg_m2 == pytest.approx(1.05 * statue.inertia_planar_kg_m2, rel=ROUND_OFF_REL)
+    np.testing.assert_array_equal(adjusted(statue).vertices_m, statue.vertices_m)
+
+
+def test_adjusted_to_nothing_is_refused(statue: Solid) -> None:
+    with pytest.raises(MeshError, match="shares above -1"):
+        adjusted(statue, base_rel=-1.0)
