@@ -62,3 +62,6 @@ SLIP_M = 1e-3
 
 SEEN = 3.0
 """A wrong coefficient or a motion left out must stand out of the engine's own error by this factor."""
+
+SOLVED_RAD = 1e-7
+"""Two orders of bodies with a thousand sweeps: the sweeps' remainder, 1e-11 of a step's impulses, grown over 400 steps."""

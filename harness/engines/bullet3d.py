@@ -30,8 +30,12 @@ LADDER: Final = (
     BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4, residual=3e-10),
     BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, iterations=400),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=0.0, iterations=1000, impact_substeps=40),
+    BulletSettings(dt_s=6.25e-5, expected_error_rad=2e-5, residual=0.0, iterations=1000),
 )
+TIGHTER: Final = 0.3
+"""Residual of a probe over its rung's."""
+SWEEPS_ALONE: Final = 300
+"""Without a pedestal so many sweeps of the finest rung already reach rounding."""
 REST_BAND_RAD: Final = 1e-5
 """Rotation within which a statue that rests on all its feet is left by the contact's slop."""
 OUT_OF_PLANE_TOLD_RAD: Final = 1e-3
@@ -63,7 +67,9 @@ class Bullet3D(Engine):
 
     def ladder(self, scene: Scene) -> tuple[Settings, ...]:
         """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
-        return LADDER
+        if scene.pedestal is not None:
+            return LADDER
+        return (*LADDER[:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer rung's settings with the expert's step."""
@@ -71,13 +77,10 @@ class Bullet3D(Engine):
         return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
 
     def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
-        """Half the step; with a pedestal also the bodies in the other order, solved more tightly."""
+        """Half the step, with the equations of each step solved more tightly."""
         rung = _own(settings)
-        half = replace(rung, dt_s=0.5 * rung.dt_s)
-        if scene.pedestal is None:
-            return (half,)
-        tighter = replace(rung, residual=0.01 * rung.residual, iterations=2 * rung.iterations)
-        return (half, replace(tighter, reversed_bodies=not rung.reversed_bodies))
+        tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations)
+        return (replace(tighter, dt_s=0.5 * rung.dt_s),)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""

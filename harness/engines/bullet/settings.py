@@ -15,9 +15,9 @@ REFERENCE_DT_S: Final = 2.5e-4
 class BulletSettings(Settings):
     """One rung: step, sub-steps through an impact, solver, contact.
 
-    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early.
-    `foot_radius_m` is the radius of the spheres at the base's vertices. `reversed_bodies` swaps the order of creation, a probe
-    of the solver's own spread.
+    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early (0: never).
+    `foot_radius_m` is the radius of the spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal:
+    the same solution, reached by more sweeps.
     """
 
     impact_substeps: int = 20

@@ -96,12 +96,12 @@ class World:
             self._add_pedestal(pedestal, statue[3] is not None)
             self._add_statue(statue)
         # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
-        self._surface(self.statue, contact.statue)
+        self.surface(self.statue, contact.statue)
         if self.pedestal is not None:
-            self._surface(self.pedestal, 1.0)
+            self.surface(self.pedestal, 1.0)
         self.set_floor_friction(contact.floor_static if self.pedestal is not None else 1.0)
         if self.wall is not None:
-            self._surface(self.wall, 1.0)
+            self.surface(self.wall, 1.0)
 
     def _fixed(self, normal: Vector, place: Vector) -> int:
         body = int(
@@ -112,25 +112,30 @@ class World:
         self._homes[body] = place
         return body
 
+    def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
+        """A body of a collision shape with its mass and principal moments (3,)."""
+        body = int(pybullet.createMultiBody(mass_kg, shape, basePosition=place, physicsClientId=self.client))
+        self._inert(body, mass_kg, moments_kg_m2)
+        return body
+
     def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None, edges: bool) -> None:
         if pedestal is None:
             return
         p, centre_m = pedestal
         shape = shapes.pedestal(p, self.settings.foot_radius_m, edges, self.client)
-        place = [centre_m, 0.0, p.centroid_height_m]
-        self.pedestal = int(pybullet.createMultiBody(p.mass_kg, shape, basePosition=place, physicsClientId=self.client))
         squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
-        self._inert(self.pedestal, p.mass_kg, p.mass_kg / 12.0 * (np.sum(squares) - squares))
+        moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
+        self.pedestal = self.add(shape, p.mass_kg, moments, [centre_m, 0.0, p.centroid_height_m])
 
     def _add_statue(self, statue: tuple[float, Array, Array, Array | None, Body]) -> None:
         mass, moments, feet_m, hull_m, state = statue
         radius = self.settings.foot_radius_m
         if hull_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
             shape = shapes.feet(feet_m, radius, self.client)
-            self.statue = int(pybullet.createMultiBody(mass, shape, physicsClientId=self.client))
+            self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])
         else:
             self.statue = shapes.described_body(feet_m, radius, hull_m, self.client)
-        self._inert(self.statue, mass, moments)
+            self._inert(self.statue, mass, moments)
         self.place(self.statue, state)
 
     def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
@@ -145,7 +150,8 @@ class World:
             physicsClientId=self.client,
         )
 
-    def _surface(self, body: int, friction: float) -> None:
+    def surface(self, body: int, friction: float) -> None:
+        """Coefficient of friction of a body, nothing else at its contacts."""
         pybullet.changeDynamics(
             body,
             -1,
@@ -158,7 +164,7 @@ class World:
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""
-        self._surface(self.floor, friction)
+        self.surface(self.floor, friction)
 
     def place(self, body: int, state: Body) -> None:
         """Put a body into a state."""

@@ -179,14 +179,22 @@ def test_no_result_depends_on_what_ran_before() -> None:
         assert np.array_equal(values, again.history.columns()[name]), name
 
 
-def test_the_order_of_bodies_is_a_probe() -> None:
-    case = paestum(0.429, 3.0, duration_s=0.55)
+def test_the_order_of_bodies_changes_the_sweeps_not_the_solution() -> None:
+    case = paestum(0.429, 3.0, duration_s=0.4)
+    solved = {"residual": 0.0, "iterations": 1000}
+    assert apart(bullet(case, 1e-3), bullet(case, 1e-3, reversed_bodies=True)) > 0.0
+    one, other = bullet(case, 1e-3, **solved), bullet(case, 1e-3, reversed_bodies=True, **solved)
+    assert apart(one, other) <= budget.SOLVED_RAD
+
+
+def test_probes_are_finer_and_solved_more_tightly() -> None:
+    case = paestum(0.429, 3.0)
     engine = load("pybullet")
-    rung = engine.settings_for_dt(case, 1e-3)
-    probes = engine.probes(case, rung)
-    assert any(probe.as_dict()["reversed_bodies"] for probe in probes)
-    spread = apart(bullet(case, 1e-3), bullet(case, 1e-3, reversed_bodies=True))
-    assert 0.0 < spread < budget.BOTH_FRICTIONS_RAD
+    for rung in engine.ladder(case):
+        for probe in engine.probes(case, rung):
+            assert probe.dt_s == 0.5 * rung.dt_s
+            assert probe.as_dict()["residual"] <= rung.as_dict()["residual"]
+            assert probe.as_dict()["iterations"] > rung.as_dict()["iterations"]
 
 
 def test_memory_does_not_grow() -> None:
