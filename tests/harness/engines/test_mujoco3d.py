@@ -1,0 +1,69 @@
+"""MuJoCo as it is: close without a pedestal, soft with one, and its rows stand whatever they are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness.engine import Want
+from harness.engines.mujoco3d import Mujoco3D
+from harness.engines.twoblock import TwoBlock
+from harness.record import Run
+from harness.scene import Scene
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
+
+pytest.importorskip("mujoco", reason="mujoco is an optional extra and is not installed")
+ENGINE = Mujoco3D()
+
+
+def run(on: Scene, dt_s: float) -> Run:
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+
+
+def apart(on: Scene, dt_s: float) -> float:
+    model = TwoBlock()
+    exact, found = model.simulate(on, model.ladder(on)[1], Want()).history, run(on, dt_s).history
+    assert exact is not None
+    assert found is not None
+    return float(np.max(np.abs(exact.theta_rad - found.theta_rad)))
+
+
+@pytest.mark.parametrize(("amplitude_g", "frequency_hz"), [(0.334, 2.0), (0.429, 3.0)])
+def test_statue_on_the_floor_follows_the_model(amplitude_g: float, frequency_hz: float) -> None:
+    on = paestum(amplitude_g, frequency_hz, pedestal=False)
+    coarse, fine = apart(on, 1e-3), apart(on, 2.5e-4)
+    assert fine <= budget.MUJOCO_FLOOR_RAD
+    assert fine < coarse
+
+
+def test_statue_on_a_pedestal_is_soft() -> None:
+    assert apart(paestum(0.429, 3.0), 2.5e-4) <= budget.MUJOCO_PEDESTAL_RAD
+
+
+def test_planar_scene_stays_planar_on_the_floor() -> None:
+    history = run(paestum(0.429, 3.0, pedestal=False), 1e-3).history
+    assert history is not None
+    for name in ("roll_rad", "yaw_rad", "y_m"):
+        assert np.max(np.abs(history.extra[name])) <= budget.CREEP
+
+
+def test_a_raised_base_vertex_is_felt() -> None:
+    on = scene(PAESTUM, Harmonic(0.429 * GRAVITY_M_S2, 3.0), duration_s=0.4)
+    footprint = PAESTUM.footprint_m.copy()
+    footprint[1, 2] = 0.002
+    raised = on.but(statue=replace(PAESTUM, footprint_m=footprint))
+    a, b = run(on, 1e-3).history, run(raised, 1e-3).history
+    assert a is not None
+    assert b is not None
+    assert np.max(np.abs(a.theta_rad - b.theta_rad)) > 1e-3
+
+
+def test_what_is_ignored_is_said() -> None:
+    on = paestum(0.429, 3.0, restitution=0.9, duration_s=0.1).but(table="moving")
+    text = " ".join(run(on, 1e-3).warnings)
+    assert "contact.restitution is ignored" in text
+    assert "table = moving is ignored" in text
