@@ -29,7 +29,7 @@ START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
-FLOOR_SHARE: Final = 0.5
+FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEAST_COMPARED: Final = 200
 """Instants at which two histories are compared at least, however coarse their output."""
