@@ -274,8 +274,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
     if until is not None and until < end:
         texts.append(
             {
-                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": "bottom", "showarrow": False,
-                "text": f" horizon {until:.3g} s", "font": small,
+                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "bottom", "showarrow": False, "text": f" horizon {until:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

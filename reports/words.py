@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from reports.posing import section
 from reports.source import RunSource
 
 SIDES = {1: "right", -1: "left"}
+AT_REST_RAD: Final = 1e-5
+"""Rotations below this are the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
     found = []
     for name in standing:
         theta = source.histories[name].theta_rad
-        if not np.any(theta):
+        if np.abs(theta).max() < AT_REST_RAD:
             continue
         side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
         found.append((float(np.abs(theta).max()), side, name))
@@ -102,7 +104,7 @@ def _reach(source: RunSource) -> list[str]:
         for name, item in source.histories.items()
         if source.runs[name]["outcome"] == Outcome.STANDS
     }
-    if tops and max(tops.values()) > 0.0:
+    if tops and max(tops.values()) > 1e-5:
         name = max(tops, key=lambda item: tops[item])
         sentences.append(f"The top of the statue moves at most {length(tops[name])} ({name}).")
     if wall is not None:
@@ -123,7 +125,7 @@ def _slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
     if source.scene["pedestal"] is None:
         return []
     peaks = [run["peak_slip_m"] for run in answered.values()]
-    if max(peaks) == 0.0:
+    if max(peaks) < 1e-6:
         return ["The pedestal does not slide."]
     low, high = length(min(peaks)), length(max(peaks))
     return [f"The pedestal slides by at most {low if low == high else f'{low} to {high}, depending on the model'}."]

@@ -163,7 +163,7 @@ rockcheck.whenReady.push(async () => {
     const values = floorValues[axis];
     return values ? values[Math.min(values.length - 1, Math.round(rockcheck.time / data.step_s))] : 0;
   };
-  const draw = () => {
+  const draw = (always = false) => {
     const begun = performance.now();
     for (const [name, figure] of figures) {
       const theta = pose(figure, rockcheck.time);
@@ -181,7 +181,7 @@ rockcheck.whenReady.push(async () => {
     clock.textContent = `${rockcheck.time.toFixed(3)} s`;
     slider.value = rockcheck.time;
     moveCursor();
-    if (seen) renderer.render(scene, camera);
+    if (seen || always) renderer.render(scene, camera);
     const spent = performance.now() - begun;
     stats.frames += 1;
     stats.script_ms += spent;
@@ -247,7 +247,7 @@ rockcheck.whenReady.push(async () => {
     renderer.setSize(width, height);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
-    draw();
+    draw(true);
   };
   if (rockcheck.charts.histories) {
     moveCursor = rockcheck.addCursor("histories");
