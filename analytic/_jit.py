@@ -27,7 +27,7 @@ def _cache_folder() -> str:
     digest = hashlib.sha256()
     for source in sorted(here.glob("*.py")):
         text = source.read_bytes()
-        if b"analytic._jit" in text or source.stem in ("_jit", "layout"):
+        if b"analytic._jit" in text or source.stem in ("_jit", "layout", "borrowed"):
             digest.update(text)
     pycache = here / "__pycache__"
     if not os.access(pycache if pycache.is_dir() else here, os.W_OK):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from analytic._jit import jit
-from analytic.kernel import run
+from analytic.borrowed import borrow
+from analytic.kernel import run_borrowed
 from analytic.layout import (
     MAX_ORDER,
     N_COUNT,
@@ -46,7 +47,27 @@ def run_rows(
     q, c = np.zeros(N_DISCRETE, dtype=np.int64), np.zeros(N_COUNT, dtype=np.int64)
     grid, events = np.zeros((0, 4)), np.zeros((0, N_EVENT))
     for i in range(start, stop):
-        run(Task(p[i], x[i], z[i], facet_rad[i], fx[i], fz[i], tx, sx, tz, sz, w, s, q, r, c, grid, events))
+        run_borrowed(
+            Task(
+                borrow(p)[i],
+                borrow(x)[i],
+                borrow(z)[i],
+                borrow(facet_rad)[i],
+                borrow(fx)[i],
+                borrow(fz)[i],
+                borrow(tx),
+                borrow(sx),
+                borrow(tz),
+                borrow(sz),
+                borrow(w),
+                borrow(s),
+                borrow(q),
+                borrow(r),
+                borrow(c),
+                borrow(grid),
+                borrow(events),
+            )
+        )
         outcomes[i], ends[i] = q[OUTCOME], s[T]
         results[i, :] = r
         counts[i, :] = c

@@ -74,38 +74,36 @@ def _advance(w: Floats, i: int, sx: float, sz: float, acc: float) -> None:
 
 @jit
 def _last_products(w: Floats, n: int) -> None:
-    om, x, z = w[OM], w[PX], w[PZ]
     sx, sz = 0.0, 0.0
     for k in range(n + 1):
-        sx += x[k] * om[n - k]
-        sz += z[k] * om[n - k]
+        sx += w[PX, k] * w[OM, n - k]
+        sz += w[PZ, k] * w[OM, n - k]
     w[XW, n], w[ZW, n] = sx, sz
 
 
 @jit
 def rock_stuck(w: Floats, n: int, m_over_j: float, deg_x: int, deg_z: int, h: float, tol: float) -> int:
     """Rocking on a support that follows the floor; returns the order reached, n or less where h needs less."""
-    om, x, z, a, g = w[OM], w[PX], w[PZ], w[AX], w[GE]
     power, small = 1.0, 0
     for i in range(n):
         sx, sz, moment = 0.0, 0.0, 0.0
         for k in range(i + 1):
-            sx += x[k] * om[i - k]
-            sz += z[k] * om[i - k]
+            sx += w[PX, k] * w[OM, i - k]
+            sz += w[PZ, k] * w[OM, i - k]
         for k in range(min(i, deg_z) + 1):
-            moment += g[k] * x[i - k]
+            moment += w[GE, k] * w[PX, i - k]
         for k in range(min(i, deg_x) + 1):
-            moment -= a[k] * z[i - k]
+            moment -= w[AX, k] * w[PZ, i - k]
         _advance(w, i, sx, sz, m_over_j * moment)
         power *= h
-        small = small + 1 if abs(om[i + 1]) * power <= tol else 0
+        small = small + 1 if abs(w[OM, i + 1]) * power <= tol else 0
         if small >= 2 and i >= 3 + max(deg_x, deg_z):
             n = i + 1
             break
     _last_products(w, n)
     for k in range(n + 1):
         w[RATE, k] = 0.0
-        w[ABS, k] = a[k]
+        w[ABS, k] = w[AX, k]
         if k > 0:
             w[SLIP, k] = 0.0
     return n
@@ -126,45 +124,44 @@ def rock_slide(
     length_m: float,
 ) -> int:
     """Rocking on a sliding pedestal; returns the order reached, n or less where h needs less."""
-    om, x, z, g, w2, zx, zz, det, acc = w[OM], w[PX], w[PZ], w[GE], w[W2], w[ZX], w[ZZ], w[DET], w[ACC]
     ratio = m / m_total
     power, small, per_det = 1.0, 0, 0.0
     for i in range(n):
         sx, sz, so, szx, szz = 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(i + 1):
-            sx += x[k] * om[i - k]
-            sz += z[k] * om[i - k]
-            so += om[k] * om[i - k]
-            szx += z[k] * x[i - k]
-            szz += z[k] * z[i - k]
-        w2[i], zx[i], zz[i] = so, szx, szz
-        det[i] = -(m * ratio) * (szz - kappa_n * szx)
+            sx += w[PX, k] * w[OM, i - k]
+            sz += w[PZ, k] * w[OM, i - k]
+            so += w[OM, k] * w[OM, i - k]
+            szx += w[PZ, k] * w[PX, i - k]
+            szz += w[PZ, k] * w[PZ, i - k]
+        w[W2, i], w[ZX, i], w[ZZ, i] = so, szx, szz
+        w[DET, i] = -(m * ratio) * (szz - kappa_n * szx)
         if i == 0:
-            det[0] += j
-            per_det = 1.0 / det[0]
+            w[DET, 0] += j
+            per_det = 1.0 / w[DET, 0]
         centrifugal = 0.0
         implicit = 0.0
         for k in range(i + 1):
-            centrifugal += (zx[k] + kappa_n * zz[k]) * w2[i - k]
+            centrifugal += (w[ZX, k] + kappa_n * w[ZZ, k]) * w[W2, i - k]
         for k in range(1, i + 1):
-            implicit += det[k] * acc[i - k]
+            implicit += w[DET, k] * w[ACC, i - k]
         weight = 0.0
         for k in range(min(i, deg_z) + 1):
-            weight += g[k] * (x[i - k] + kappa * z[i - k])
-        acc[i] = (m * weight - (m * ratio) * centrifugal - implicit) * per_det
+            weight += w[GE, k] * (w[PX, i - k] + kappa * w[PZ, i - k])
+        w[ACC, i] = (m * weight - (m * ratio) * centrifugal - implicit) * per_det
         _slide_coefficient(w, i, ratio, kappa, kappa_n, sx, sz)
-        _advance(w, i, sx, sz, acc[i])
+        _advance(w, i, sx, sz, w[ACC, i])
         # θ̇ does not feel the floor while the pedestal slides; u̇ does, and may need more terms
         settled = abs(w[RATE, i]) * power <= tol * length_m
         power *= h
-        small = small + 1 if settled and abs(om[i + 1]) * power <= tol else 0
+        small = small + 1 if settled and abs(w[OM, i + 1]) * power <= tol else 0
         if small >= 2 and i >= 5:
             n = i + 1
             break
     _last_products(w, n)
     _slide_coefficient(w, n, ratio, kappa, kappa_n, w[XW, n], w[ZW, n])
     for i in range(n):
-        w[ABS, i] = -(kappa * g[i]) - ratio * (i + 1) * (w[ZW, i + 1] - kappa_n * w[XW, i + 1])
+        w[ABS, i] = -(kappa * w[GE, i]) - ratio * (i + 1) * (w[ZW, i + 1] - kappa_n * w[XW, i + 1])
     return n
 
 

@@ -42,17 +42,17 @@ Found = tuple[float, int, int, int, float]
 @jit
 def _search(task: Task, n: int, lo: int, kind: int, side: int, best: Found) -> Found:
     """The earlier of best and the first root of the function in the EVENT row, of which lo leading terms are zero."""
-    c, power = task.w[EVENT], task.w[POWER]
+    w = task.w
     for k in range(n + 1):
-        c[k] *= power[k]
-    x, level = first_root(c, lo, n)
+        w[EVENT, k] *= w[POWER, k]
+    x, level = first_root(w, EVENT, lo, n)
     if x >= best[0]:
         return best[0], best[1], best[2], max(best[3], level), best[4]
-    terms, value = 0.0, 0.0
+    terms, left = 0.0, 0.0
     for k in range(n, -1, -1):
-        terms += abs(c[k])
-        value = value * x + c[k]
-    return x, kind, side, max(best[3], level), (abs(value) / terms if terms > 0.0 else 0.0)
+        terms += abs(w[EVENT, k])
+        left = left * x + w[EVENT, k]
+    return x, kind, side, max(best[3], level), (abs(left) / terms if terms > 0.0 else 0.0)
 
 
 @jit
@@ -111,7 +111,7 @@ def first_event(task: Task, n: int) -> Found:
     if q[PIVOT] < 0:
         for side in (1, -1):
             scale = lift_margin(task, side, n - 1)
-            lo = leading(w[EVENT], n - 1, scale, time_s) if fresh else 0
+            lo = leading(w, EVENT, n - 1, scale, time_s) if fresh else 0
             best = _search(task, n - 1, lo, UPLIFT, side, best)
     else:
         best = _rotation(task, n, best)
@@ -119,7 +119,7 @@ def first_event(task: Task, n: int) -> Found:
         if q[SLIDE] == 0:
             for side in (1, -1):
                 scale = stick_margin(task, side, n - 1)
-                lo = leading(w[EVENT], n - 1, scale, time_s) if fresh else 0
+                lo = leading(w, EVENT, n - 1, scale, time_s) if fresh else 0
                 best = _search(task, n - 1, lo, SLIP_EVENT, side, best)
         else:
             lo = rate_zeros(task, n) if w[RATE, 0] == 0.0 else 0

@@ -54,7 +54,8 @@ def encode(motion: Excitation) -> tuple[Floats, Floats, Floats]:
         row[START], row[END] = motion.start_s, motion.end_s
     elif isinstance(motion, Record):
         row[KIND] = SAMPLED
-        return row, np.ascontiguousarray(motion.t_s), np.ascontiguousarray(motion.samples_m_s2)
+        # Copies: a read-only array is another type, for which the whole kernel would be compiled again.
+        return row, np.array(motion.t_s), np.array(motion.samples_m_s2)
     else:
         known = "Rest, Harmonic, Pulse or Record"
         raise AnalyticInputError(f"motion: {known} is wanted, {type(motion).__name__} came: sample it into a Record.")
@@ -100,54 +101,54 @@ def sampled_at(f: Floats, t: Floats, a: Floats, seg: int, time: float) -> float:
 
 
 @jit
-def _oscillation(c: Floats, n: int, amplitude: float, omega: float, sine: float, cosine: float) -> None:
+def _oscillation(w: Floats, row: int, n: int, amplitude: float, omega: float, sine: float, cosine: float) -> None:
     """amplitude sin(ωτ + φ) with sine = sin φ, cosine = cos φ."""
     power = amplitude
     for k in range(n + 1):
         turn = k % 4
         part = sine if turn % 2 == 0 else cosine
-        c[k] = power * part if turn < 2 else -(power * part)
+        w[row, k] = power * part if turn < 2 else -(power * part)
         power *= omega * INVERSE[k + 1]
 
 
 @jit
-def _ricker(c: Floats, n: int, amplitude: float, omega: float, xi: float) -> None:
+def _ricker(w: Floats, row: int, n: int, amplitude: float, omega: float, xi: float) -> None:
     """amplitude (1 − w²ξ²) exp(−w²ξ²/2) about ξ."""
     w2 = omega * omega
     e0, e1, e2 = amplitude * math.exp(-0.5 * w2 * xi * xi), 0.0, 0.0
     for k in range(n + 1):
-        c[k] = (1.0 - w2 * xi * xi) * e0 - 2.0 * w2 * xi * e1 - w2 * e2
+        w[row, k] = (1.0 - w2 * xi * xi) * e0 - 2.0 * w2 * xi * e1 - w2 * e2
         e0, e1, e2 = -w2 * (xi * e0 + e1) / (k + 1), e0, e1
 
 
 @jit
-def coefficients(f: Floats, t: Floats, a: Floats, seg: int, time: float, c: Floats, n: int) -> int:
-    """Write the Taylor coefficients c[0..n] of the acceleration about time, within segment seg; return the degree."""
+def coefficients(f: Floats, t: Floats, a: Floats, seg: int, time: float, w: Floats, row: int, n: int) -> int:
+    """Write the Taylor coefficients w[row, 0..n] of the acceleration about time, within segment seg; return the degree."""
     kind = int(f[KIND])
     for k in range(n + 1):
-        c[k] = 0.0
+        w[row, k] = 0.0
     if kind == SAMPLED:
         if seg < 1 or seg >= t.size:
             return 0
-        c[0] = sampled_at(f, t, a, seg, time)
-        c[1] = f[SCALE] * (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1])
+        w[row, 0] = sampled_at(f, t, a, seg, time)
+        w[row, 1] = f[SCALE] * (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1])
         return 1
     if kind == NONE or (kind != HARMONIC and seg != 1):
         return 0
     if kind == RECTANGULAR:
-        c[0] = f[AMPLITUDE]
+        w[row, 0] = f[AMPLITUDE]
         return 0
     since = time - f[START]
     if kind == RICKER:
-        _ricker(c, n, f[AMPLITUDE], f[OMEGA], since - 0.5 * (f[END] - f[START]))
+        _ricker(w, row, n, f[AMPLITUDE], f[OMEGA], since - 0.5 * (f[END] - f[START]))
         return n
     angle = f[OMEGA] * since + f[PHASE]
     if kind == COSINE:
-        _oscillation(c, n, f[AMPLITUDE], f[OMEGA], math.cos(angle), -math.sin(angle))
+        _oscillation(w, row, n, f[AMPLITUDE], f[OMEGA], math.cos(angle), -math.sin(angle))
         return n
-    _oscillation(c, n, f[AMPLITUDE], f[OMEGA], math.sin(angle), math.cos(angle))
+    _oscillation(w, row, n, f[AMPLITUDE], f[OMEGA], math.sin(angle), math.cos(angle))
     if kind == HARMONIC and seg == 0 and f[RAMP] > 0.0:
         for k in range(n, 0, -1):
-            c[k] = (c[k] * since + c[k - 1]) / f[RAMP]
-        c[0] = c[0] * since / f[RAMP]
+            w[row, k] = (w[row, k] * since + w[row, k - 1]) / f[RAMP]
+        w[row, 0] = w[row, 0] * since / f[RAMP]
     return n

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from analytic._jit import jit
+from analytic.borrowed import borrow
 from analytic.collision import land
 from analytic.dynamics import expand
 from analytic.energy import decide
@@ -123,8 +124,8 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
 def _move(task: Task, n: int, tau: float) -> None:
     """Set the state to the step's polynomials at tau."""
     s, w = task.s, task.w
-    s[S_TH], s[S_OM] = value(w[TH], n, tau), value(w[OM], n, tau)
-    s[S_U], s[S_V] = value(w[SLIP], n, tau), value(w[RATE], n, tau)
+    s[S_TH], s[S_OM] = value(w, TH, n, tau), value(w, OM, n, tau)
+    s[S_U], s[S_V] = value(w, SLIP, n, tau), value(w, RATE, n, tau)
 
 
 @jit
@@ -213,8 +214,8 @@ def _step(task: Task) -> None:
 
 
 @jit
-def run(task: Task) -> None:
-    """Run from the start to an ending; everything is written into the task."""
+def run_borrowed(task: Task) -> None:
+    """Run from the start to an ending on borrowed arrays."""
     s, q, p = task.s, task.q, task.p
     begin(task)
     _pass_breaks(task)
@@ -235,3 +236,29 @@ def run(task: Task) -> None:
         if q[OUTCOME] == RUNNING and s[T] >= p[DURATION]:
             _finish(task)
             record(task, FINISH, s[S_OM], s[S_V], 0.0, 0, 0.0)
+
+
+@jit
+def run(task: Task) -> None:
+    """Run from the start to an ending; everything is written into the task, whose arrays the caller keeps."""
+    run_borrowed(
+        Task(
+            borrow(task.p),
+            borrow(task.x),
+            borrow(task.z),
+            borrow(task.facet_rad),
+            borrow(task.fx),
+            borrow(task.fz),
+            borrow(task.tx),
+            borrow(task.sx),
+            borrow(task.tz),
+            borrow(task.sz),
+            borrow(task.w),
+            borrow(task.s),
+            borrow(task.q),
+            borrow(task.r),
+            borrow(task.c),
+            borrow(task.grid),
+            borrow(task.events),
+        )
+    )

@@ -16,43 +16,43 @@ TANGENT_LEVEL: Final = 12
 
 
 @jit
-def value(c: Floats, n: int, x: float) -> float:
-    """Value at x of the polynomial with coefficients c[0..n]."""
-    s = float(c[n])
+def value(w: Floats, row: int, n: int, x: float) -> float:
+    """Value at x of the polynomial with coefficients w[row, 0..n]."""
+    s = float(w[row, n])
     for k in range(n - 1, -1, -1):
-        s = s * x + c[k]
+        s = s * x + w[row, k]
     return s
 
 
 @jit
-def slope(c: Floats, lo: int, n: int, x: float) -> float:
-    """First derivative at x of Σ c[lo + k] x^k."""
+def slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
+    """First derivative at x of Σ w[row, lo + k] x^k."""
     s = 0.0
     for k in range(n, lo, -1):
-        s = s * x + (k - lo) * c[k]
+        s = s * x + (k - lo) * w[row, k]
     return s
 
 
 @jit
-def _stripped(c: Floats, lo: int, n: int, x: float) -> float:
-    s = float(c[n])
+def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
+    s = float(w[row, n])
     for k in range(n - 1, lo - 1, -1):
-        s = s * x + c[k]
+        s = s * x + w[row, k]
     return s
 
 
 @jit
-def _refine(c: Floats, lo: int, n: int, a: float, b: float) -> float:
+def _refine(w: Floats, row: int, lo: int, n: int, a: float, b: float) -> float:
     """The one root of a monotone polynomial that is positive at a and not at b: Newton's steps kept inside the bracket."""
-    fa, fb = _stripped(c, lo, n, a), _stripped(c, lo, n, b)
+    fa, fb = _stripped(w, row, lo, n, a), _stripped(w, row, lo, n, b)
     x = a + (b - a) * fa / (fa - fb) if fa > fb else b
     for _ in range(60):
-        f = _stripped(c, lo, n, x)
+        f = _stripped(w, row, lo, n, x)
         if f > 0.0:
             a = x
         else:
             b = x
-        d = slope(c, lo, n, x)
+        d = slope(w, row, lo, n, x)
         new = x - f / d if d != 0.0 else 0.5 * (a + b)
         if not (a <= new <= b):
             new = 0.5 * (a + b)
@@ -63,8 +63,8 @@ def _refine(c: Floats, lo: int, n: int, a: float, b: float) -> float:
 
 
 @jit
-def first_root(c: Floats, lo: int, n: int) -> tuple[float, int]:
-    """First x in [0, 1] at which Σ c[lo + k] x^k, k = 0..n − lo, is not positive, and the depth of the search.
+def first_root(w: Floats, row: int, lo: int, n: int) -> tuple[float, int]:
+    """First x in [0, 1] at which Σ w[row, lo + k] x^k, k = 0..n − lo, is not positive, and the depth of the search.
 
     The search is exact: an interval is left only when the bound min(f(a), f(b)) − B w²/8 > 0 or a slope beyond B w/2
     proves it free of roots, B being the sum of the second derivative's terms; a touch closer than the deepest interval
@@ -72,26 +72,26 @@ def first_root(c: Floats, lo: int, n: int) -> tuple[float, int]:
     """
     if lo > n:
         return NO_ROOT, 0
-    if c[lo] < 0.0:
+    if w[row, lo] < 0.0:
         return 0.0, 0
     bend, rest = 0.0, 0.0
     for k in range(lo + 2, n + 1):
-        size = abs(c[k])
+        size = abs(w[row, k])
         rest += size
         bend += (k - lo) * (k - lo - 1) * size
-    first = c[lo + 1] if lo < n else 0.0
-    if c[lo] + min(first, 0.0) > rest:
+    first = w[row, lo + 1] if lo < n else 0.0
+    if w[row, lo] + min(first, 0.0) > rest:
         return NO_ROOT, 0
     level, i, deepest = 0, 0, 0
     left, width = 0.0, 1.0
-    f_left = c[lo]
+    f_left = w[row, lo]
     while True:
         right = (i + 1) * width
-        f_right = _stripped(c, lo, n, right)
+        f_right = _stripped(w, row, lo, n, right)
         clear = f_right > 0.0 and min(f_left, f_right) > 0.125 * bend * width * width
-        if not clear and abs(slope(c, lo, n, left + 0.5 * width)) >= 0.5 * bend * width:
+        if not clear and abs(slope(w, row, lo, n, left + 0.5 * width)) >= 0.5 * bend * width:
             if f_right <= 0.0:
-                return _refine(c, lo, n, left, right), level
+                return _refine(w, row, lo, n, left, right), level
             clear = True
         if not clear and level < DEEPEST:
             level, i, width = level + 1, 2 * i, 0.5 * width
@@ -107,11 +107,11 @@ def first_root(c: Floats, lo: int, n: int) -> tuple[float, int]:
 
 
 @jit
-def leading(c: Floats, n: int, scale: float, time_s: float) -> int:
-    """Index of the first coefficient that is more than rounding: |c[k]| time_s^k above 1e-10 of scale; n + 1 if none."""
+def leading(w: Floats, row: int, n: int, scale: float, time_s: float) -> int:
+    """Index of the first coefficient that is more than rounding: |w[row, k]| time_s^k above 1e-10 of scale; n + 1 if none."""
     power = 1.0
     for k in range(n + 1):
-        if abs(c[k]) * power > 1e-10 * scale:
+        if abs(w[row, k]) * power > 1e-10 * scale:
             return k
         power *= time_s
     return n + 1

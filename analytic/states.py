@@ -63,8 +63,8 @@ def load(task: Task, n: int) -> tuple[int, int]:
     """Fill the first column of the workspace and the floor's accelerations to order n; return their degrees."""
     w, s, q = task.w, task.s, task.q
     w[TH, 0], w[OM, 0], w[SLIP, 0], w[RATE, 0] = s[S_TH], s[S_OM], s[S_U], s[S_V]
-    deg_x = coefficients(task.fx, task.tx, task.sx, q[SEG_X], s[T], w[AX], n)
-    deg_z = coefficients(task.fz, task.tz, task.sz, q[SEG_Z], s[T], w[GE], n)
+    deg_x = coefficients(task.fx, task.tx, task.sx, q[SEG_X], s[T], w, AX, n)
+    deg_z = coefficients(task.fz, task.tz, task.sz, q[SEG_Z], s[T], w, GE, n)
     w[GE, 0] += task.p[GRAVITY]
     return deg_x, deg_z
 
@@ -106,14 +106,14 @@ def stick_margin(task: Task, side: int, n: int) -> float:
 def omega_zeros(task: Task, n: int) -> int:
     """Leading coefficients of θ̇ that are rounding only."""
     scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[ABS, 0])) / task.p[CENTROID]
-    return leading(task.w[OM], n, scale, task.p[TIME_SCALE])
+    return leading(task.w, OM, n, scale, task.p[TIME_SCALE])
 
 
 @jit
 def rate_zeros(task: Task, n: int) -> int:
     """Leading coefficients of u̇ that are rounding only."""
     scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[AX, 0]))
-    return leading(task.w[RATE], n, scale, task.p[TIME_SCALE])
+    return leading(task.w, RATE, n, scale, task.p[TIME_SCALE])
 
 
 @jit
@@ -126,7 +126,7 @@ def falling(task: Task) -> bool:
 
 @jit
 def _holds(task: Task, scale: float, n: int) -> bool:
-    lead = leading(task.w[EVENT], n, scale, task.p[TIME_SCALE])
+    lead = leading(task.w, EVENT, n, scale, task.p[TIME_SCALE])
     return lead > n or task.w[EVENT, lead] > 0.0
 
 

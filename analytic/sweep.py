@@ -247,6 +247,11 @@ def _work(arrays: Any, out: Any, size: int, threads: int, progress: Progress | b
     _run_pieces(arrays, out, pieces, threads, lambda done: told(done, size))
 
 
+def _one_piece(arrays: tuple[Any, ...], out: tuple[Any, ...], start: int, stop: int) -> None:
+    rows: Callable[..., None] = run_rows
+    rows(*arrays, start, stop, *out)
+
+
 def _silent(done: int, total: int) -> None:
     return
 
@@ -263,7 +268,7 @@ def _run_pieces(
     arrays: Any, out: Any, pieces: list[tuple[int, int]], threads: int, told: Callable[[int], None]
 ) -> None:
     with ThreadPoolExecutor(threads) as pool:
-        waiting = {pool.submit(partial(run_rows, *arrays, start, stop, *out)): stop - start for start, stop in pieces}
+        waiting = {pool.submit(partial(_one_piece, arrays, out, start, stop)): stop - start for start, stop in pieces}
         done = 0
         for future in as_completed(waiting):
             future.result()

@@ -56,11 +56,11 @@ from analytic.states import choose
 @jit
 def _crossing(task: Task, row: int, n: int, tau: float, sign: float) -> float:
     """Time within the step at which sign × row, positive at its start, reaches zero."""
-    c, power = task.w[EVENT], 1.0
+    w, power = task.w, 1.0
     for k in range(n + 1):
-        c[k] = sign * task.w[row, k] * power
+        w[EVENT, k] = sign * w[row, k] * power
         power *= tau
-    x, _ = first_root(c, 0, n)
+    x, _ = first_root(w, EVENT, 0, n)
     return min(x, 1.0) * tau
 
 
@@ -78,20 +78,20 @@ def follow(task: Task, n: int, tau: float, until: float) -> None:
     if dt > 0.0:
         while q[GRID] < task.grid.shape[0] and q[GRID] * dt < until:
             at = max(q[GRID] * dt - s[T], 0.0)
-            task.grid[q[GRID], 0], task.grid[q[GRID], 1] = value(w[TH], n, at), value(w[OM], n, at)
-            task.grid[q[GRID], 2], task.grid[q[GRID], 3] = value(w[SLIP], n, at), value(w[RATE], n, at)
+            task.grid[q[GRID], 0], task.grid[q[GRID], 1] = value(w, TH, n, at), value(w, OM, n, at)
+            task.grid[q[GRID], 2], task.grid[q[GRID], 3] = value(w, SLIP, n, at), value(w, RATE, n, at)
             q[GRID] += 1
-    r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(value(w[SLIP], n, tau)))
+    r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(value(w, SLIP, n, tau)))
     if q[PIVOT] < 0:
         return
-    omega, theta = value(w[OM], n, tau), value(w[TH], n, tau)
+    omega, theta = value(w, OM, n, tau), value(w, TH, n, tau)
     reach = max(abs(w[TH, 0]), abs(theta)) + tau * max(abs(w[OM, 0]), abs(omega))
     if w[OM, 0] * omega < 0.0 and reach > abs(r[PEAK]):
         at = _crossing(task, OM, n, tau, 1.0 if w[OM, 0] > 0.0 else -1.0)
-        _peak(task, value(w[TH], n, at), s[T] + at)
+        _peak(task, value(w, TH, n, at), s[T] + at)
     _peak(task, theta, until)
     side = 1 if q[PIVOT] == task.x.size - 1 else (-1 if q[PIVOT] == 0 else 0)
-    if side != 0 and w[PX, 0] * side < 0.0 and value(w[PX], n, tau) * side >= 0.0:
+    if side != 0 and w[PX, 0] * side < 0.0 and value(w, PX, n, tau) * side >= 0.0:
         r[NO_RETURN] = s[T] + _crossing(task, PX, n, tau, -side)
 
 

@@ -85,13 +85,13 @@ def note_step(task: Task, n: int, tau: float) -> None:
     for i in range(SAMPLES):
         at = tau * i / (SAMPLES - 1)
         time = task.s[T] + at
-        v = value(w[PIVOT_V], n - 1, at)
-        accel = value(w[ABS], n - 1, at)
+        v = value(w, PIVOT_V, n - 1, at)
+        accel = value(w, ABS, n - 1, at)
         if pivot < 0:
             note_rest(task, time, accel, v / task.p[MASS])
         else:
             contact = task.x[pivot] - task.p[BASE_CENTRE]
-            _note(task, time, value(w[PIVOT_H], n - 1, at), v, value(w[NORMAL], n - 1, at), contact, accel)
+            _note(task, time, value(w, PIVOT_H, n - 1, at), v, value(w, NORMAL, n - 1, at), contact, accel)
 
 
 @jit

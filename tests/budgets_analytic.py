@@ -24,3 +24,7 @@ ENERGY_RISE_REL: Final = 1e-12
 
 SKIP_RAD: Final = 0.0
 """What is skipped must leave every bit as it was."""
+
+STRESS_STEPS_PER_S: Final = 60
+"""Steps and events for each second and hertz: a forced oscillation needs some ten steps for each period and each event adds
+two, with room for the natural frequency of the smallest blocks."""

@@ -1,0 +1,114 @@
+"""A run's stated uncertainty holds, and it says when it is not to be trusted."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic import AnalyticInputError, Block, Harmonic, Pedestal, Pulse, Rest, certify, simulate
+from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE
+
+ON_PEDESTAL = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15, "gravity_m_s2": GRAVITY}
+
+
+def test_free_rocking_is_sure_to_the_end() -> None:
+    found = certify(FREE, Rest(), theta0_rad=0.05, duration_s=3.0)
+    assert found.reliable_until_s == 3.0
+    assert found.uncertainty_rad < 1e-11
+    assert found.outcome_is_sure
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize(("amplitude_g", "frequency_hz"), [(0.334, 3.0), (0.429, 4.5), (0.429, 6.0)])
+def test_the_stated_uncertainty_covers_the_error(amplitude_g: float, frequency_hz: float) -> None:
+    motion = Harmonic(amplitude_g * GRAVITY, frequency_hz)
+    stated = certify(STATUE, motion, accuracy_rad=1e-4, base_accuracy_rad=1e-7, duration_s=10.0, **ON_PEDESTAL)
+    exact = simulate(STATUE, motion, accuracy_rad=1e-15, duration_s=10.0, **ON_PEDESTAL)  # type: ignore[arg-type]
+    n = int(np.searchsorted(stated.solution.t_s, stated.reliable_until_s))
+    n = min(n, exact.t_s.size - 1, stated.solution.t_s.size - 1)
+    error = float(np.abs(stated.solution.theta_rad[:n] - exact.theta_rad[:n]).max())
+    assert n > 1000
+    assert error <= stated.uncertainty_rad + 1e-12
+    assert stated.uncertainty_rad <= 1e-4
+
+
+def test_a_chaotic_run_says_until_when_it_holds() -> None:
+    found = certify(
+        STATUE,
+        Harmonic(0.429 * GRAVITY, 6.0),
+        accuracy_rad=1e-9,
+        base_accuracy_rad=1e-8,
+        duration_s=10.0,
+        **ON_PEDESTAL,
+    )
+    assert 0.0 < found.reliable_until_s < 10.0
+    assert any("Beyond" in text for text in found.warnings)
+
+
+def test_doubts_and_limits_are_told() -> None:
+    jump = certify(STATUE, Pulse("rectangular", -0.3 * GRAVITY, 0.5), duration_s=2.0, **ON_PEDESTAL)
+    assert any("several states" in text for text in jump.warnings)
+    rough = certify(STATUE, Harmonic(0.334 * GRAVITY, 3.0), duration_s=2.0, statue_friction=0.1, **ON_PEDESTAL)
+    assert any("slides on its support" in text for text in rough.warnings)
+    assert rough.solution.validity is not None
+    assert rough.solution.validity.left_domain_s is not None
+    narrow = certify(
+        STATUE,
+        Harmonic(0.334 * GRAVITY, 3.0),
+        duration_s=2.0,
+        **(ON_PEDESTAL | {"pedestal": Pedestal(250.0, 0.3, 0.5)}),
+    )
+    assert any("pedestal itself tips" in text for text in narrow.warnings)
+
+
+def test_paestum_landing_left_needs_the_printed_friction() -> None:
+    """0.341 with the pedestal held (docs/model.md, section 5)."""
+    run = simulate(STATUE, Rest(), theta0_rad=0.05, duration_s=1.0, gravity_m_s2=GRAVITY)
+    assert run.validity is not None
+    first = run.impacts[0]
+    assert first.pivot == 0
+    z, omega, after = 0.774, first.theta_rate_before_rad_s, first.theta_rate_after_rad_s
+    needed = abs(z * (after - omega)) / (0.3585 * abs(after) + 0.0682 * abs(omega))
+    assert round(needed, 3) == 0.341
+    assert run.validity.pivot_friction_needed_at_impact >= needed * (1.0 - 1e-12)
+
+
+def test_tipping_margin_at_rest_is_the_statics_of_two_bodies() -> None:
+    a_x, offset = 0.5, 0.02
+    pedestal = Pedestal(250.0, 0.60, 0.20, offset)
+    run = simulate(
+        STATUE,
+        Pulse("rectangular", a_x, 1.0),
+        pedestal=pedestal,
+        floor_static=0.20,
+        floor_kinetic=0.15,
+        duration_s=0.9,
+        gravity_m_s2=GRAVITY,
+    )
+    assert run.peak_theta_rad == 0.0
+    total = 957.0
+    centre = 0.5 * (0.0682 - 0.3585) + offset
+    weight = -707.0 * centre * GRAVITY
+    inertia = (707.0 * (0.20 + 0.774) + 250.0 * 0.10) * a_x
+    expected = 0.30 - abs(weight - inertia) / (total * GRAVITY)
+    assert run.validity is not None
+    assert run.validity.pedestal_tipping_margin_m == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"duration_s": 0.0}, "duration_s"),
+        ({"theta0_rad": 1.6}, "theta0_rad"),
+        ({"floor_static": 0.1}, "kinetic"),
+        ({"accuracy_rad": -1.0}, "accuracy_rad"),
+        ({"dt_s": math.nan}, "dt_s"),
+    ],
+)
+def test_numbers_that_cannot_be_run_are_refused(change: dict[str, float], sentence: str) -> None:
+    with pytest.raises(AnalyticInputError, match=sentence):
+        simulate(STATUE, Rest(), **({"duration_s": 1.0} | ON_PEDESTAL | change))  # type: ignore[arg-type]
+    with pytest.raises(AnalyticInputError, match="mass_kg"):
+        Block.rectangle(width_m=0.1, height_m=1.0, mass_kg=-1.0)

@@ -1,0 +1,112 @@
+"""A base of more than two vertices (docs/model.md, section 8)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic import AnalyticInputError, Block, Harmonic, Rest, simulate
+from tests.analytic.paestum import GRAVITY, STATUE
+from tests.budgets_analytic import ENERGY_RISE_REL, EVENT_REL
+
+BULGE = Block.from_profile(
+    mass_kg=100.0,
+    centroid_height_m=0.6,
+    inertia_kg_m2=14.0,
+    profile_m=[(-0.15, 0.012), (-0.06, 0.0), (0.06, 0.0), (0.15, 0.012)],
+)
+
+
+def polygon(sides: int) -> Block:
+    """A regular polygon of unit radius standing on one side, as a base of its lower half."""
+    turn = 2.0 * math.pi / sides
+    angles = [(i + 0.5) * turn for i in range(-(sides // 4), sides // 4)]
+    drop = math.cos(0.5 * turn)
+    profile = [(math.sin(a), drop - math.cos(a)) for a in angles]
+    return Block.from_profile(mass_kg=1.0, centroid_height_m=drop, inertia_kg_m2=0.5, profile_m=profile)
+
+
+def test_two_vertices_are_exactly_the_two_corner_model() -> None:
+    same = Block.from_profile(
+        mass_kg=707.0, centroid_height_m=0.774, inertia_kg_m2=152.4, profile_m=[(-0.3585, 0.0), (0.0682, 0.0)]
+    )
+    a = simulate(STATUE, Harmonic(0.334 * GRAVITY, 4.5), duration_s=5.0)
+    b = simulate(same, Harmonic(0.334 * GRAVITY, 4.5), duration_s=5.0)
+    assert np.array_equal(a.theta_rad, b.theta_rad)
+    assert a.events == b.events
+
+
+def test_a_body_rolls_from_vertex_to_vertex_and_loses_what_angular_momentum_says() -> None:
+    run = simulate(BULGE, Rest(), theta0_rad=0.2, duration_s=3.0, gravity_m_s2=GRAVITY)
+    facets = BULGE.facets_rad()
+    assert run.events[0].pivot == 3
+    assert {event.facet for event in run.impacts} == {0, 1, 2}
+    m, h, jg = BULGE.mass_kg, BULGE.centroid_height_m, BULGE.inertia_kg_m2
+    before = run.events[0].pivot
+    for event in run.events[1:]:
+        if event.kind.value == "impact" and event.pivot is not None and before is not None:
+            angle = facets[event.facet]
+            assert event.theta_rad == angle
+            assert {before, event.pivot} == {event.facet, event.facet + 1}
+            levers = []
+            for vertex in (before, event.pivot):
+                x, z = BULGE.profile_m[vertex]
+                levers.append(
+                    (
+                        (h - z) * math.sin(angle) - x * math.cos(angle),
+                        x * math.sin(angle) + (h - z) * math.cos(angle),
+                    )
+                )
+            (xo, zo), (xn, zn) = levers
+            assert zo == pytest.approx(zn, rel=1e-12)
+            ratio = (jg + m * (zn * zn + xn * xo)) / (jg + m * (zn * zn + xn * xn))
+            assert event.theta_rate_after_rad_s == pytest.approx(ratio * event.theta_rate_before_rad_s, rel=EVENT_REL)
+        before = event.pivot
+
+
+def test_energy_of_a_free_bulging_base_never_rises_and_it_comes_to_rest_on_a_facet() -> None:
+    run = simulate(BULGE, Rest(), theta0_rad=0.2, duration_s=300.0, dt_s=0.1, gravity_m_s2=GRAVITY)
+    assert run.outcome.value == "stands"
+    assert run.events[-1].pivot is None
+    assert abs(run.theta_rad[-1] - BULGE.facets_rad()).min() == 0.0
+    assert all(event.energy_j <= ENERGY_RISE_REL for event in run.impacts)
+
+
+def test_many_vertices_roll_like_a_disk() -> None:
+    """A polygon of n sides under a weak steady push needs a finite slope; pushed on, it rolls over every vertex in turn."""
+    block = polygon(40)
+    run = simulate(block, Rest(), theta_rate0_rad_s=0.6, duration_s=0.8, gravity_m_s2=GRAVITY, dt_s=0.01)
+    visited = [event.pivot for event in run.impacts if event.pivot is not None]
+    assert len(visited) >= 2
+    assert visited == sorted(visited)
+
+
+def test_mirrored_profile_gives_the_mirrored_run_bit_for_bit() -> None:
+    uneven = Block.from_profile(
+        mass_kg=100.0,
+        centroid_height_m=0.6,
+        inertia_kg_m2=14.0,
+        profile_m=[(-0.12, 0.02), (-0.05, 0.0), (0.07, 0.0), (0.15, 0.012), (0.18, 0.03)],
+    )
+    motion = Harmonic(2.5, 2.0)
+    ours = simulate(uneven, motion, duration_s=6.0)
+    mirrored = simulate(uneven.mirrored(), motion.scaled(-1.0), duration_s=6.0)
+    assert ours.peak_theta_rad > 0.05
+    assert np.array_equal(ours.theta_rad, -mirrored.theta_rad)
+
+
+@pytest.mark.parametrize(
+    ("profile", "sentence"),
+    [
+        ([(-0.1, 0.0)], "at least two"),
+        ([(0.1, 0.0), (-0.1, 0.0)], "left to right"),
+        ([(-0.1, 0.0), (0.0, 0.01), (0.1, 0.0)], "convex"),
+        ([(0.1, 0.0), (0.2, 0.0)], "both sides"),
+        ([(-0.1, 0.0), (0.1, math.nan)], "finite"),
+    ],
+)
+def test_a_profile_that_cannot_rock_is_refused(profile: list[tuple[float, float]], sentence: str) -> None:
+    with pytest.raises(AnalyticInputError, match=sentence):
+        Block.from_profile(mass_kg=1.0, centroid_height_m=0.5, inertia_kg_m2=0.1, profile_m=profile)

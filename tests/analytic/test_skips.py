@@ -1,0 +1,85 @@
+"""What is skipped changes nothing: the same run with and without each skip."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic import Excitation, Harmonic, Pulse, Record, Rest, Solution, simulate
+from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
+from tests.budgets_analytic import SKIP_RAD
+
+TIMES = np.arange(0.0, 20.0, 0.02)
+ENVELOPE = np.exp(-(((TIMES - 10.0) / 2.0) ** 2))
+RECORD = Record(TIMES, 4.0 * ENVELOPE * np.sin(2.0 * np.pi * 2.1 * TIMES))
+FLOOR = {"duration_s": 25.0, "gravity_m_s2": GRAVITY}
+ON_PEDESTAL = FLOOR | {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15}
+
+
+def largest_difference(a: Solution, b: Solution) -> float:
+    columns = [(a.theta_rad, b.theta_rad), (a.theta_rate_rad_s, b.theta_rate_rad_s), (a.slip_m, b.slip_m)]
+    assert np.array_equal(a.t_s, b.t_s)
+    return max(float(np.abs(x - y).max()) for x, y in columns)
+
+
+@pytest.mark.parametrize("scene", [FLOOR, ON_PEDESTAL], ids=["floor", "pedestal"])
+@pytest.mark.parametrize("vertical", [Rest(), Record(TIMES[::2], 1.0 * ENVELOPE[::2])], ids=["flat", "vertical"])
+def test_quiet_times_are_skipped_bit_for_bit(scene: dict[str, object], vertical: Excitation) -> None:
+    on = simulate(STATUE, RECORD, vertical, skip=True, **scene)  # type: ignore[arg-type]
+    off = simulate(STATUE, RECORD, vertical, skip=False, **scene)  # type: ignore[arg-type]
+    assert on.peak_theta_rad > 0.0
+    assert on.work.quiet_samples_skipped > 200
+    assert off.work.quiet_samples_skipped == 0
+    assert on.work.steps < off.work.steps - 200
+    assert largest_difference(on, off) <= SKIP_RAD
+    assert on.events == off.events
+
+
+def test_a_motion_below_every_limit_is_not_integrated_at_all() -> None:
+    weak = RECORD.scaled(0.1)
+    on = simulate(STATUE, weak, **ON_PEDESTAL)  # type: ignore[arg-type]
+    off = simulate(STATUE, weak, skip=False, **ON_PEDESTAL)  # type: ignore[arg-type]
+    assert on.work.steps == 0
+    assert off.work.steps > 900
+    assert on.outcome == off.outcome
+    assert largest_difference(on, off) <= SKIP_RAD
+
+
+def test_rest_after_the_motion_is_detected() -> None:
+    run = simulate(STATUE, Pulse("one_sine", -2.0, 0.5), **(FLOOR | {"duration_s": 1000.0}), dt_s=1.0)  # type: ignore[arg-type]
+    assert run.outcome.value == "stands"
+    assert run.work.skipped_s > 900.0
+    assert run.work.steps < 600
+
+
+@pytest.mark.parametrize("scene", [FLOOR, ON_PEDESTAL], ids=["floor", "pedestal"])
+@pytest.mark.parametrize("factor", [0.5, 0.8, 1.0, 1.3, 1.7, 2.5, 4.0])
+def test_energy_decides_as_integration_does(scene: dict[str, object], factor: float) -> None:
+    motion = Pulse("one_sine", -2.5 * factor, 0.7)
+    outcomes = {}
+    for name, options in (("energy", {}), ("integrated", {"skip_energy": False}), ("history", {"dt_s": 0.01})):
+        run = simulate(STATUE, motion, **({"dt_s": None} | scene | options))  # type: ignore[arg-type]
+        outcomes[name] = run.outcome
+    assert len(set(outcomes.values())) == 1, outcomes
+
+
+def test_energy_ends_runs_early() -> None:
+    motion = Pulse("one_sine", -2.5, 0.7)
+    on = simulate(STATUE, motion, dt_s=None, **FLOOR)  # type: ignore[arg-type]
+    off = simulate(STATUE, motion, dt_s=None, skip_energy=False, **FLOOR)  # type: ignore[arg-type]
+    assert on.work.ended_by_energy
+    assert on.work.steps < off.work.steps
+    assert on.end_s < off.end_s
+    assert on.outcome == off.outcome
+
+
+def test_no_history_leaves_the_outcome_and_the_peak() -> None:
+    for amplitude, frequency in ((0.334, 3.0), (0.429, 2.0), (0.429, 6.0)):
+        motion = Harmonic(amplitude * GRAVITY, frequency)
+        full = simulate(STATUE, motion, **ON_PEDESTAL)  # type: ignore[arg-type]
+        bare = simulate(STATUE, motion, dt_s=None, events=False, validity=False, **ON_PEDESTAL)  # type: ignore[arg-type]
+        assert bare.outcome == full.outcome
+        assert bare.peak_theta_rad == full.peak_theta_rad
+        assert bare.overturn_time_s == full.overturn_time_s
+        assert bare.t_s.size == 0
+        assert bare.events == ()

@@ -1,0 +1,126 @@
+"""Any statue, any motion: a run always ends, in numbers, within its physics, and mirrors itself."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from analytic import Block, Form, Harmonic, Pedestal, Solution, simulate
+from tests.budgets_analytic import ENERGY_RISE_REL, STRESS_STEPS_PER_S
+
+GRAVITY = 9.81
+
+
+def tens(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers evenly spread over decades."""
+    return st.floats(math.log10(low), math.log10(high)).map(lambda power: 10.0**power)
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> dict[str, Any]:
+    """Slenderness 1–50, size 1 cm–100 m, mass ratio 1e-3–1e3, friction 0–5, 0–5 g, 0.05–100 Hz, vertical to −2 g."""
+    height = draw(tens(0.01, 100.0))
+    width = height / draw(tens(1.0, 50.0))
+    left = draw(st.floats(0.2, 0.8)) * width
+    mass = draw(tens(0.1, 1e4))
+    inertia = mass * (width**2 + height**2) / 12.0 * draw(st.floats(0.5, 1.5))
+    static = draw(st.floats(0.0, 5.0))
+    restitution = draw(st.one_of(st.none(), st.floats(0.0, 1.0)))
+    normal, at_impact = draw(st.sampled_from(["dynamic", "static"])), draw(st.sampled_from(["momentum", "unchanged"]))
+    pedestal = None
+    if draw(st.booleans()):
+        pedestal = Pedestal(mass * draw(tens(1e-3, 1e3)), 2.0 * width, 0.2 * height, draw(st.floats(-0.2, 0.2)) * width)
+    slim = min(left, width - left) / height
+    return {
+        "block": Block.two_corners(
+            mass_kg=mass,
+            centroid_height_m=0.5 * height,
+            inertia_kg_m2=inertia,
+            corner_left_m=left,
+            corner_right_m=width - left,
+        ),
+        "motion_x": Harmonic(draw(st.floats(-5.0, 5.0)) * GRAVITY, draw(tens(0.05, 100.0)), draw(st.floats(0.0, 6.0))),
+        "motion_z": Harmonic(draw(st.floats(0.0, 2.0)) * GRAVITY, draw(tens(0.05, 100.0)), draw(st.floats(0.0, 6.0))),
+        "pedestal": pedestal,
+        "floor_static": static,
+        "floor_kinetic": static * draw(st.floats(0.0, 1.0)),
+        "form": Form(normal, restitution, at_impact),  # type: ignore[arg-type]
+        "theta0_rad": draw(st.floats(-1.0, 1.0)) * slim,
+        "theta_rate0_rad_s": draw(st.floats(-1.0, 1.0)) * slim * math.sqrt(GRAVITY / height),
+        "duration_s": draw(st.floats(0.5, 3.0)),
+        "dt_s": 0.01,
+        "accuracy_rad": 1e-9,
+    }
+
+
+def mirrored(scene: dict[str, Any]) -> dict[str, Any]:
+    """The scene seen in a mirror."""
+    pedestal = scene["pedestal"]
+    if pedestal is not None:
+        pedestal = Pedestal(pedestal.mass_kg, pedestal.width_m, pedestal.height_m, -pedestal.offset_m)
+    return scene | {
+        "block": scene["block"].mirrored(),
+        "motion_x": scene["motion_x"].scaled(-1.0),
+        "pedestal": pedestal,
+        "theta0_rad": -scene["theta0_rad"],
+        "theta_rate0_rad_s": -scene["theta_rate0_rad_s"],
+    }
+
+
+def is_finite(run: Solution) -> bool:
+    columns = (run.t_s, run.theta_rad, run.theta_rate_rad_s, run.slip_m, run.slip_rate_m_s)
+    return all(np.isfinite(column).all() for column in columns)
+
+
+@settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(scenes())
+def test_every_run_ends_in_numbers_and_mirrors_itself(scene: dict[str, Any]) -> None:
+    run = simulate(**scene)
+    assert is_finite(run)
+    assert not run.doubts.gave_up, run.events[-3:]
+    assert np.abs(run.theta_rad).max() <= 1.5 + 1e-12
+    bound = (
+        STRESS_STEPS_PER_S
+        * (1.0 + run.end_s)
+        * (10.0 + scene["motion_x"].frequency_hz + scene["motion_z"].frequency_hz)
+    )
+    assert run.work.steps + run.work.events < bound + 40 * run.work.impacts, run.work
+    consistent = scene["form"] == Form()
+    if consistent:
+        scale = scene["block"].mass_kg * GRAVITY * scene["block"].centroid_height_m
+        assert run.energy_gained_j <= ENERGY_RISE_REL * (scale + run.energy_lost_j)
+    other = simulate(**mirrored(scene))
+    assert np.array_equal(run.theta_rad, -other.theta_rad)
+    assert np.array_equal(run.slip_m, -other.slip_m)
+    sides = {"overturned_left": "overturned_right", "overturned_right": "overturned_left"}
+    assert other.outcome.value == sides.get(run.outcome.value, run.outcome.value)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(scenes())
+def test_free_motion_never_gains_energy(scene: dict[str, Any]) -> None:
+    free = scene | {"form": Form(), "dt_s": 0.002}
+    free["motion_x"], free["motion_z"] = Harmonic(0.0, 1.0), Harmonic(0.0, 1.0)
+    run = simulate(**free)
+    block, pedestal = scene["block"], scene["pedestal"]
+    m, h = block.mass_kg, block.centroid_height_m
+    total = m + (pedestal.mass_kg if pedestal is not None else 0.0)
+    corners = np.array([vertex[0] for vertex in block.profile_m])
+    left = run.theta_rad < 0.0
+    x = np.where(left, corners[0], corners[1])
+    z = x * np.sin(run.theta_rad) + h * np.cos(run.theta_rad)
+    w, v = run.theta_rate_rad_s, run.slip_rate_m_s
+    energy = (
+        0.5 * total * v**2
+        + m * z * w * v
+        + 0.5 * (block.inertia_kg_m2 + m * (x**2 + h**2)) * w**2
+        + m * GRAVITY * (z - h)
+    )
+    scale = m * GRAVITY * h + float(np.abs(energy).max())
+    moving = run.theta_rad != 0.0
+    pairs = moving[1:] & moving[:-1]
+    assert np.diff(energy)[pairs].max(initial=0.0) <= 1e3 * ENERGY_RISE_REL * scale

@@ -1,0 +1,111 @@
+"""Many runs at once: the same as one by one, whatever the number of threads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic import AnalyticInputError, Harmonic, Outcome, Pulse, Record, ensemble, simulate
+from analytic.sweep import SWEEPABLE
+from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE
+
+ON_PEDESTAL = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15}
+AMPLITUDES = np.array([0.1, 0.3, 0.5]) * GRAVITY
+FREQUENCIES = np.array([1.0, 2.0, 4.0, 7.0])
+
+
+def test_each_run_is_the_single_run() -> None:
+    found = ensemble(
+        STATUE,
+        Harmonic(1.0, 1.0),
+        sweep={"amplitude_m_s2": AMPLITUDES[:, None], "frequency_hz": FREQUENCIES},
+        duration_s=5.0,
+        **ON_PEDESTAL,
+    )
+    assert found.codes.shape == (3, 4)
+    for i, amplitude in enumerate(AMPLITUDES):
+        for j, frequency in enumerate(FREQUENCIES):
+            motion = Harmonic(float(amplitude), float(frequency))
+            alone = simulate(
+                STATUE,
+                motion,
+                duration_s=5.0,
+                accuracy_rad=1e-6,
+                dt_s=None,
+                events=False,
+                validity=False,
+                **ON_PEDESTAL,
+            )  # type: ignore[arg-type]
+            assert found.outcomes[i, j] == alone.outcome
+            assert found.peak_theta_rad[i, j] == alone.peak_theta_rad
+            assert found.steps[i, j] == alone.work.steps
+            assert found.end_s[i, j] == alone.end_s
+
+
+def test_threads_change_no_bit() -> None:
+    rng = np.random.default_rng(5)
+    sweep = {
+        "amplitude_m_s2": rng.uniform(0.5, 6.0, 200),
+        "phase_rad": rng.uniform(0.0, 6.0, 200),
+        "corner_right_m": rng.uniform(0.05, 0.2, 200),
+        "floor_kinetic": rng.uniform(0.05, 0.2, 200),
+    }
+    runs = [
+        ensemble(STATUE, Harmonic(1.0, 2.0), sweep=sweep, duration_s=3.0, threads=threads, **ON_PEDESTAL)
+        for threads in (1, 3)
+    ]
+    assert np.array_equal(runs[0].peak_theta_rad, runs[1].peak_theta_rad)
+    assert np.array_equal(runs[0].codes, runs[1].codes)
+    assert np.array_equal(runs[0].overturn_time_s, runs[1].overturn_time_s, equal_nan=True)
+    assert runs[0].overturned.any()
+    assert runs[0].count(Outcome.STANDS) > 0
+
+
+def test_records_are_scaled() -> None:
+    times = np.arange(0.0, 4.0, 0.01)
+    record = Record(times, np.sin(9.0 * times))
+    scales = np.array([0.5, 1.5, 3.0, 4.5])
+    found = ensemble(STATUE, record, sweep={"scale": scales}, duration_s=5.0)
+    for scale, peak in zip(scales, found.peak_theta_rad, strict=True):
+        alone = simulate(STATUE, record.scaled(float(scale)), duration_s=5.0, accuracy_rad=1e-6, dt_s=None)
+        assert peak == pytest.approx(alone.peak_theta_rad, rel=1e-6, abs=1e-12)
+    assert found.peak_theta_rad[0] == 0.0
+    assert (np.diff(found.peak_theta_rad) > 0.0).any()
+
+
+def test_progress_hears_of_every_run() -> None:
+    heard: list[tuple[int, int]] = []
+    ensemble(
+        STATUE,
+        Pulse("one_sine", 1.0, 0.5),
+        sweep={"amplitude_m_s2": np.linspace(-6.0, 6.0, 100)},
+        duration_s=2.0,
+        progress=lambda done, total: heard.append((done, total)),
+    )
+    assert heard[-1] == (100, 100)
+    assert [done for done, _ in heard] == sorted(done for done, _ in heard)
+
+
+@pytest.mark.parametrize(
+    ("sweep", "sentence"),
+    [
+        ({}, "wanted"),
+        ({"amplitud": [1.0]}, "amplitud"),
+        ({"mass_kg": [-1.0]}, "positive"),
+        ({"frequency_hz": [np.nan]}, "finite"),
+        ({"floor_kinetic": [0.5]}, "floor_static"),
+        ({"theta0_rad": [2.0]}, "overturning"),
+    ],
+)
+def test_wrong_sweeps_are_refused(sweep: dict[str, list[float]], sentence: str) -> None:
+    with pytest.raises(AnalyticInputError, match=sentence):
+        ensemble(STATUE, Harmonic(1.0, 1.0), sweep=sweep, duration_s=1.0)
+
+
+def test_every_sweepable_name_is_taken() -> None:
+    values = {"mass_kg": 700.0, "duration_s": 1.0, "restitution": 0.9, "theta0_rad": 0.01, "pedestal_mass_kg": 200.0}
+    for name in SWEEPABLE:
+        found = ensemble(
+            STATUE, Harmonic(2.0, 2.0), sweep={name: [values.get(name, 0.16)]}, duration_s=0.5, **ON_PEDESTAL
+        )
+        assert found.codes.shape == (1,)
