@@ -52,7 +52,7 @@ def inspect(file: Path, known: Known) -> Inspection:
             contact_tolerance_m=known.contact_tolerance_m,
         )
     except MeshError as error:
-        raise InputError(Mistake(str(file), "", "a scan that can be prepared", str(error))) from error
+        raise InputError(mistake_of(file, str(error))) from error
 
 
 def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
@@ -64,7 +64,7 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     _check_out(out, file)
     found = inspect(file, known)
     if found.solid is None:
-        raise InputError(Mistake(str(file), "", "a statue that stands", str(found.refusal)))
+        raise InputError(mistake_of(file, str(found.refusal)))
     out.parent.mkdir(parents=True, exist_ok=True)
     found.prepared.write(out)
     account = out.with_suffix(".account.json")
@@ -98,6 +98,14 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
             written.unlink(missing_ok=True)
         raise
     return out
+
+
+def mistake_of(file: Path, sentence: str) -> Mistake:
+    """A mesh's sentence, "FILE: wanted A, got B — advice", as a mistake with its parts."""
+    said = sentence.removeprefix(f"{file}: ").removeprefix("wanted ")
+    wanted, _, rest = said.partition(", got ")
+    got, _, advice = rest.partition(" — ")
+    return Mistake(str(file), "", wanted, got, advice)
 
 
 def _check_out(out: Path, file: Path) -> None:

@@ -75,6 +75,16 @@ def test_mistakes_are_input_errors_and_nothing_is_written(scan: Path, tmp_path: 
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_refusal_reads_as_one_sentence(scan: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        inspect(scan, Known(up="z"))
+    (found,) = caught.value.mistakes
+    assert found.where == str(scan)
+    assert found.wanted == "a scale"
+    assert found.got.startswith("a file without units, 1.46 units high")
+    assert found.advice == "give the unit (--unit) or the true height (--height)"
+
+
 def test_the_scan_is_never_overwritten(scan: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="another file"):
         prepare(scan, scan, Known(unit="m"))
