@@ -18,7 +18,7 @@ from harness.errors import InputError, Mistake
 from harness.mistakes import mistakes_of
 from harness.scene import Scene
 from harness.scene_file import SceneFile
-from harness.study_file import Scatter, StudyFile, Variant, Vary
+from harness.study_file import Scatter, StudyFile, Vary
 
 
 @dataclass(frozen=True)
@@ -90,11 +90,21 @@ def expand(study: StudyFile, base: Base) -> Iterator[Case]:
         for sample, drawn in enumerate(draws):
             varied = {**point, **drawn}
             for variant in study.variant:
-                yield _case(next(number), variant, varied, (*indices, sample))
+                setting = {**varied, **_also(study.vary, varied), **variant.set}
+                place = (*indices, sample)
+                yield Case(next(number), variant.name, tuple(variant.engines), varied, setting, place)
 
 
-def _case(number: int, variant: Variant, varied: Mapping[str, Any], position: tuple[int, ...]) -> Case:
-    return Case(number, variant.name, tuple(variant.engines), varied, {**varied, **variant.set}, position)
+def _also(axes: Sequence[Vary], varied: Mapping[str, Any]) -> dict[str, float]:
+    """The further keys that follow a varied one. Raises `InputError` where that one is no number."""
+    found = {}
+    for item in axes:
+        for key, factor in item.also.items():
+            value = varied[item.key]
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise InputError(Mistake("study", f"vary {item.key}.also", "numbers to multiply", repr(value)))
+            found[key] = factor * value
+    return found
 
 
 def _values(item: Vary) -> Sequence[Any]:

@@ -21,7 +21,8 @@ Name = Annotated[str, Field(min_length=1)]
 class Vary(Table):
     """`[[vary]]`: one key of the scene and its values: a list, or a grid from … to … of `count` values.
 
-    The values `"keep"` and `"none"` leave the key as the scene has it and remove it (`pedestal = "none"`).
+    The values `"keep"` and `"none"` leave the key as the scene has it and remove it (`pedestal = "none"`). `also` sets further
+    keys to the value times a factor (static friction that keeps its proportion to the kinetic one).
     """
 
     key: Name
@@ -30,6 +31,7 @@ class Vary(Table):
     stop: float | None = None
     count: Annotated[int, Field(ge=1)] | None = None
     spacing: Literal["linear", "log"] = "linear"
+    also: dict[str, Annotated[float, Field(gt=0.0)]] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_way(self) -> Vary:

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from reports.assets import plotly_js, source_text
+from reports.design_figures import design_figures
 from reports.museum import of_study
 from reports.numbers import count_word, heading, label, listed, plain, short, unit
 from reports.scene_picture import scene_svg
-from reports.study_figures import fragility_figure, map_figures, panel_data, rose_figure
+from reports.study_figures import fragility_figure, map_axes, map_figures, panel_data, rose_figure
 from reports.study_rows import FAILED, NOT_SENT, SYMBOLS, Condition, agreement, cell, conditions, varying_keys
 from reports.words import Verdict
 
@@ -64,6 +65,8 @@ def study_charts(
     """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
     axes = [key for key in record["vary"] if key in keys]
     charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, found, axes))]
+    designs = design_figures(models, found, map_axes(found, axes))
+    charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
