@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,3 +142,16 @@ def test_gravity_of_a_step_is_exact_across_a_jump() -> None:
     expected = np.diff(on.shake.z.velocity_m_s(edges)) / 1e-3
     np.testing.assert_allclose(gravity[:, 2], -9.81 - expected, rtol=1e-12)
     assert np.all(gravity[:, 1] == 0.0)
+
+
+def test_flight_is_told_from_lying_on_another_edge() -> None:
+    on = paestum(0.0, pedestal=False, duration_s=2.0)
+    theta = np.minimum(TIMES, 1.4)
+    lying = standing(theta, np.where(TIMES < 1.4, 1.0, 0.0))
+    assert reduce_trajectory(on, lying, REPORT).validity["statue_flight_m"] <= budget.IMPULSE
+    lifted = replace(lying, statue_xz_m=lying.statue_xz_m + np.array([0.0, 0.01]))
+    assert reduce_trajectory(on, lifted, REPORT).validity["statue_flight_m"] == pytest.approx(0.01, abs=1e-9)
+    bulge = np.vstack([PAESTUM.section_m, [[0.4, 0.5]]])
+    rounded = on.but(statue=replace(PAESTUM, section_m=bulge))
+    found = reduce_trajectory(rounded, lying, REPORT).validity
+    assert found["penetration_m"] > 0.1
