@@ -191,6 +191,10 @@ def read_history(path: Path) -> History:
     table = _numbers(path, names, rows[1:])
     columns = {name: table[:, index] for index, name in enumerate(names)}
     t_s = columns["t_s"]
+    if not np.all(np.isfinite(table)) or np.any(np.diff(t_s) <= 0.0):
+        # Said before rates are formed: a difference over no time is no rate.
+        got = "times that do not increase" if np.all(np.isfinite(table)) else "NaN or infinite numbers"
+        raise InputError(Mistake(str(path), "", "finite columns over increasing times", got))
     for value, rate in (("theta_rad", "theta_rate_rad_s"), ("slip_m", "slip_rate_m_s")):
         columns.setdefault(value, np.zeros_like(t_s))
         columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))

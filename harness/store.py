@@ -111,7 +111,8 @@ class Store:
         """The stored result of a key, or None."""
         with self._told("read"):
             found = self._db.execute("SELECT record FROM run WHERE key=?", (key,)).fetchone()
-        return None if found is None else Row(key, json.loads(found[0]))
+        with self._decoded():
+            return None if found is None else Row(key, json.loads(found[0]))
 
     def seconds(self, key: str) -> float | None:
         """What the run took when it was computed."""
@@ -125,11 +126,12 @@ class Store:
             found = self._db.execute("SELECT columns, data FROM history WHERE key=?", (key,)).fetchone()
         if found is None:
             return None
-        names = found[0].split(",")
-        table = np.frombuffer(zlib.decompress(found[1]), dtype="<f8").reshape(-1, len(names))
-        columns = dict(zip(names, table.T, strict=True))
-        extra = {name: values for name, values in columns.items() if name not in COLUMNS}
-        return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
+        with self._decoded():
+            names = found[0].split(",")
+            table = np.frombuffer(zlib.decompress(found[1]), dtype="<f8").reshape(-1, len(names))
+            columns = dict(zip(names, table.T, strict=True))
+            extra = {name: values for name, values in columns.items() if name not in COLUMNS}
+            return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
 
     def write_plan(self, study: str, rows: Sequence[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
@@ -149,13 +151,15 @@ class Store:
                 "LEFT JOIN run ON run.key = plan.key WHERE study=? ORDER BY plan.number, plan.engine"
             )
             for number, engine, key, reason, what, record in self._db.execute(query, (study,)):
-                found = None if record is None else json.loads(record)
+                with self._decoded():
+                    found = None if record is None else json.loads(record)
+                    varied = json.loads(what)
                 yield {
                     "number": number,
                     "engine": engine,
                     "key": key,
                     "reason": reason,
-                    "varied": json.loads(what),
+                    "varied": varied,
                     "run": found,
                 }
 
@@ -176,6 +180,17 @@ class Store:
                 self._db.execute("ROLLBACK")
             raise
         self._db.execute("COMMIT")
+
+    @contextmanager
+    def _decoded(self) -> Iterator[None]:
+        """A result whose bytes SQLite gave back but that no longer says anything: a damaged page it did not notice."""
+        try:
+            yield
+        except (zlib.error, ValueError, KeyError) as error:
+            advice = "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
+            raise InputError(
+                Mistake(str(self.path), "", "a store whose results can be read", str(error), advice)
+            ) from error
 
     @contextmanager
     def _told(self, done: str) -> Iterator[None]:

@@ -74,6 +74,13 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
     faces = np.vstack(
         [np.asarray(part.faces, dtype=np.int64) + offset for part, offset in zip(parts, offsets, strict=True)]
     )
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        raise MeshError(f"{file}: wanted vertices of three coordinates, got others — export it again")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise MeshError(
+            f"{file}: wanted faces of vertices 0 to {len(vertices) - 1}, got {int(faces.min())} to {int(faces.max())}"
+            f" — the file is damaged: export it again"
+        )
     return vertices, faces
 
 

@@ -58,5 +58,7 @@ def weld(mesh: RawMesh) -> RawMesh:
     faces[order] = first[np.cumsum(new) - 1]
     faces = faces[mesh.faces]
     proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    if not proper.any():
+        raise MeshError(f"{mesh.source}: wanted a surface, got only faces without an area — export it again")
     vertices, faces = drop_unused(mesh.vertices, faces[proper])
     return RawMesh(vertices, faces, mesh.source)

@@ -1,0 +1,94 @@
+"""Small, reproducible damage to a file: what editors, networks, spreadsheets and hands do to it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+Stream = np.random.Generator
+Mutation = Callable[[bytes, Stream], bytes]
+
+NUMBER: Final = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+ODD_VALUES: Final = (
+    b"nan", b"inf", b"-inf", b"1e999", b"-1", b"0", b"1e-300", b"1e300", b"1e18", b"", b"x", b'"3"', b"3,5", b"0x10",
+    b"true", b"[]", b"{}", b"9999999999999999999999", b"-0.0", b"1_000",
+)  # fmt: skip
+ODD_TEXT: Final = (
+    b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", "é θ 😀".encode(), b"\r", b"\t", b'"', b"'''", b"#", b"[[", b"=", b",,,", b"\x1a",
+)  # fmt: skip
+
+
+def flip(data: bytes, rng: Stream) -> bytes:
+    """One to eight bytes replaced."""
+    out = bytearray(data)
+    for place in rng.integers(0, max(len(out), 1), int(rng.integers(1, 9))):
+        if out:
+            out[int(place)] = int(rng.integers(256))
+    return bytes(out)
+
+
+def truncate(data: bytes, rng: Stream) -> bytes:
+    """Cut short, sometimes to nothing."""
+    return data[: int(rng.integers(0, len(data) + 1))]
+
+
+def number(data: bytes, rng: Stream) -> bytes:
+    """One number replaced by an odd value."""
+    found = list(NUMBER.finditer(data))
+    if not found:
+        return data
+    place = found[int(rng.integers(len(found)))]
+    return data[: place.start()] + ODD_VALUES[int(rng.integers(len(ODD_VALUES)))] + data[place.end() :]
+
+
+def insert(data: bytes, rng: Stream) -> bytes:
+    """Odd text put somewhere."""
+    place = int(rng.integers(0, len(data) + 1))
+    return data[:place] + ODD_TEXT[int(rng.integers(len(ODD_TEXT)))] + data[place:]
+
+
+def lines(data: bytes, rng: Stream) -> bytes:
+    """A line dropped, doubled or moved."""
+    rows = data.split(b"\n")
+    i, j = (int(value) for value in rng.integers(0, len(rows), 2))
+    row = rows.pop(i)
+    choice = int(rng.integers(3))
+    if choice > 0:
+        rows.insert(j, row)
+    if choice == 2:
+        rows.insert(j, row)
+    return b"\n".join(rows)
+
+
+def words(data: bytes, rng: Stream) -> bytes:
+    """A word replaced by another of the file."""
+    found = list(re.finditer(rb"\w+", data))
+    if len(found) < 2:
+        return data
+    a, b = (found[int(value)] for value in rng.integers(0, len(found), 2))
+    return data[: a.start()] + b.group() + data[a.end() :]
+
+
+def recode(data: bytes, rng: Stream) -> bytes:
+    """Another encoding or other line ends."""
+    text = data.decode("utf-8", "replace")
+    ways: tuple[bytes, ...] = (
+        text.encode("utf-16"), text.encode("latin-1", "replace"), data.replace(b"\n", b"\r\n"),
+        data.replace(b".", b","), data.replace(b",", b";"), data.replace(b"\n", b"\r"),
+    )  # fmt: skip
+    return ways[int(rng.integers(len(ways)))]
+
+
+TEXT: Final[tuple[Mutation, ...]] = (number, number, number, words, words, lines, insert, flip, truncate, recode)
+BINARY: Final[tuple[Mutation, ...]] = (flip, flip, truncate, insert)
+
+
+def mutated(data: bytes, seed: int, ways: tuple[Mutation, ...]) -> bytes:
+    """One to three mutations of a file, the same for the same seed."""
+    rng = np.random.default_rng(seed)
+    for _ in range(int(rng.integers(1, 4))):
+        data = ways[int(rng.integers(len(ways)))](data, rng)
+    return data
