@@ -1,8 +1,10 @@
 """Collision shapes by need: feet under the base, a convex hull within a vertex budget, a convex decomposition.
 
-The base touches through the mesh's own vertices (`Solid.feet_m`) in every case; hull and parts stand for the body
-above it, where
-a wall or a pedestal's edge can be met, and are cut off a little above the base so that they never carry the statue.
+The base touches through the mesh's own vertices (`Solid.feet_m`) in every case. Hull and parts stand for the body
+above it, where a wall
+or a pedestal's edge can be met: the hull keeps the feet among its vertices, the parts are cut off a little above the
+base, so that
+they never carry the statue.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ Faces = NDArray[np.int64]
 LEAST_VERTICES = 12
 """A hull with fewer vertices is no statue."""
 COARSE_FACES = 3000
-"""Triangles given to the decomposition: its search grows with them, its parts hardly change (20-fold slower at 21 000)."""
+"""Triangles given to the decomposition: its search grows with them, its parts hardly change (20-fold slower at 21
+000)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +104,8 @@ class Parts:
 def decompose(
     solid: Solid, concavity: float = 0.08, max_parts: int = 24, clearance_m: float = 2e-3, seed: int = 0
 ) -> Parts:
-    """Convex decomposition (CoACD) of the body, coarsened first, cut off `clearance_m` above the base; deterministic for a seed.
+    """Convex decomposition (CoACD) of the body, coarsened first, cut off `clearance_m` above the base; deterministic
+    for a seed.
 
     `concavity` is CoACD's threshold, the depth left between a part and its hull relative to the body's size (0.01 to
     1).
