@@ -29,7 +29,7 @@ class Vary(Table):
     values: list[Value] | None = Field(default=None, min_length=1)
     start: float | None = None
     stop: float | None = None
-    count: Annotated[int, Field(ge=1)] | None = None
+    count: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
     spacing: Literal["linear", "log"] = "linear"
     also: dict[str, Annotated[float, Field(gt=0.0)]] = Field(default_factory=dict)
 

@@ -145,7 +145,9 @@ def mass_properties(vertices_m: Array, faces: Faces) -> MassProperties:
     from trimesh import triangles
 
     middle = 0.5 * (vertices_m.min(axis=0) + vertices_m.max(axis=0))
-    found = triangles.mass_properties((vertices_m - middle)[faces], density=1.0)
+    # A surface that encloses nothing has a centroid of 0/0; its volume is refused by whoever asked.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = triangles.mass_properties((vertices_m - middle)[faces], density=1.0)
     return MassProperties(float(found["volume"]), found["center_mass"] + middle, np.asarray(found["inertia"]))
 
 

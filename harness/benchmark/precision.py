@@ -31,7 +31,7 @@ DEAR_S: Final = 4.0
 
 @dataclass(frozen=True)
 class Rival:
-    """Settings that are not this project's: `label`, the module that runs them, and what its `Bare` is given."""
+    """Settings that are not this project's: `label`, the module that runs them, and what its `Stock` is given."""
 
     engine: str
     group: str
@@ -40,8 +40,8 @@ class Rival:
     given: Mapping[str, Any]
 
 
-BULLET: Final = "harness.engines.bullet.bare"
-MUNK: Final = "harness.engines.munk2d.bare"
+BULLET: Final = "harness.engines.bullet.stock"
+MUNK: Final = "harness.engines.munk2d.stock"
 RIVALS: Final = (
     Rival("pybullet", "default", "own defaults, 1/240 s", BULLET, {}),
     Rival("pybullet", "default", "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
@@ -145,7 +145,7 @@ def _rivals(item: Standard, scene: Scene, name: str, exact: Run | None) -> Itera
         if rival.engine != name:
             continue
         module = import_module(rival.module)
-        settings = module.Bare(**rival.given)
+        settings = module.Stock(**rival.given)
         t_s, theta = module.run(scene, settings)
         spent = cost(partial(module.run, scene, settings))
         row = _row(item, name, rival.group, rival.label, dt_s=settings.dt_s, spent=spent, scene=scene)

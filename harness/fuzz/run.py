@@ -79,7 +79,7 @@ def fuzz(inputs: int, seed: int = 0, told: Callable[[str], None] = lambda text: 
 def _kind(kind: Kind, seeds: Sequence[int], folder: Path, told: Callable[[str], None]) -> Row:
     told(f"mutated input: {kind.name}")
     whole = attempt(kind, kind.content, folder)
-    found = [] if whole is None else [{"seed": None, "what": whole}]
+    found: list[dict[str, Any]] = [] if whole is None else [{"seed": None, "what": whole}]
     counts = {"tracebacks": 0, "hangs": 0, "half_written": 0}
     for seed in seeds:
         wrong = attempt(kind, mutated(kind.content, seed, kind.ways), folder)

@@ -1,0 +1,59 @@
+"""Run the catalogue: what each engine says of each hard scene, and what the checks found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from harness import engines
+from harness.benchmark.scenes import scene_of
+from harness.engine import SKIPS, Engine, EngineFailure, Want
+from harness.record import Run
+from harness.scene import Scene
+from harness.stresses.catalogue import ENDS, Hard, catalogue
+from harness.uncertainty import run_to_accuracy
+
+Row = dict[str, Any]
+
+
+def compute(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
+    """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
+    want = Want(skips=frozenset(SKIPS) if skips else frozenset())
+    if engine.capabilities.certifies:
+        return run_to_accuracy(engine, scene, 1e-3, want)
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+
+
+def rows(told: Callable[[str], None], only: Callable[[Hard], bool] = lambda hard: True) -> Iterator[Row]:
+    """One row for each hard scene."""
+    for hard in catalogue():
+        if only(hard):
+            told(hard.name)
+            yield row_of(hard)
+
+
+def row_of(hard: Hard) -> Row:
+    """A hard scene by every engine that it names and that is here."""
+    scene = scene_of(hard.name, hard.content)
+    got: dict[str, str] = {}
+    found: list[str] = []
+    holds = True
+    for name in hard.engines:
+        engine = engines.load(name)
+        if engine.missing() is not None:
+            continue
+        try:
+            run = compute(engine, scene, hard.dt_s, hard.skips)
+        except EngineFailure as failure:
+            got[name], holds = f"failed: {failure}", False
+            continue
+        findings = [check(scene, run) for check in hard.checks]
+        bad = [item for item in findings if not item.holds]
+        outcome = run.outcome.value
+        if hard.wanted == ENDS and not run.outcome.failed:
+            found.append(f"{name}: {outcome}")
+            outcome = ENDS
+        got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
+        found += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
+        holds &= got[name] == hard.wanted
+    return {"name": hard.name, "wanted": hard.wanted, "got": got, "holds": holds, "checks": found, "note": hard.note}
