@@ -9,6 +9,7 @@ import platform
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
@@ -122,6 +123,12 @@ def write_text(path: Path, text: str) -> None:
 
 def versions() -> dict[str, str]:
     """Versions of this project, of Python and of what computes."""
+    return dict(_versions())
+
+
+@lru_cache(maxsize=1)
+def _versions() -> Mapping[str, str]:
+    # Asked for every key of a study; looking it up opens files.
     found = {"python": platform.python_version()}
     for name in DISTRIBUTIONS:
         try:
