@@ -1,7 +1,7 @@
 """600 tests on scanned stones at 800 Hz in one call: `python -m tests.harness.validation.measure_600 [MODEL...]`.
 
 The stones are spheres dented at random and cut flat with some roughness, as photogrammetry gives them; the motions are sine
-bursts of random frequency and strength. The observations are those of the first model with the friction 0.6, so that its accuracy must be 1.
+bursts of random frequency and strength. The observations are those of the first model, so that its own accuracy must be 1.
 """
 
 from __future__ import annotations
