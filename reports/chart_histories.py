@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import islice, pairwise
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from harness.history import History, Outcome
-from harness.record import PATTERN_NAMES
 from reports.assets import packed_array
-from reports.decimate import kept_samples
-from reports.palette import HAIRLINE, INK, MUTED, PATTERN_LOOKS, faint, look
+from reports.chart_patterns import pattern_strip
+from reports.decimate import Array, kept_samples
+from reports.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.source import RunSource
 from reports.words import horizon_s
 
 Json = dict[str, Any]
 
-MOST_STRETCHES: Final = 1500
-"""Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
 BAND_SAMPLES: Final = 3000
+ACROSS: Final = "out_of_plane_rad"
+ACROSS_RAD: Final = 1e-4
+"""A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
 GAP: Final = 0.055
 AXIS_COLOURS: Final = {"x": INK, "y": "#AA4499", "z": "#3A8FC7"}
 
@@ -34,9 +34,18 @@ def histories_figure(source: RunSource) -> Json:
     for name, history in source.histories.items():
         data += _rotation(source, name, history, names, axes["rotation"])
     if "slip" in rows:
-        data += [_slip(name, history, names, axes["slip"]) for name, history in source.histories.items()]
+        data += [
+            _lower(name, history, 1000.0 * history.slip_m, "slip %{y:.3f} mm", names, axes["slip"])
+            for name, history in source.histories.items()
+        ]
+    if "across" in rows:
+        data += [
+            _lower(name, history, history.extra[ACROSS], "out of plane %{y:.4f} rad", names, axes["across"])
+            for name, history in source.histories.items()
+            if ACROSS in history.extra
+        ]
     if "strip" in rows:
-        data += _strip(source, axes["strip"])
+        data += pattern_strip(source, axes["strip"])
     if "floor" in rows:
         data += _floor(source.record["motion"], float(source.scene["gravity_m_s2"]), axes["floor"])
     layout = _layout(source, rows, axes, domains)
@@ -50,9 +59,15 @@ def _rows(source: RunSource) -> dict[str, float]:
         rows["strip"] = 0.55 * len(with_patterns)
     if source.scene["pedestal"] is not None:
         rows["slip"] = 2.2
+    if any(_leaves_the_plane(history) for history in source.histories.values()):
+        rows["across"] = 1.8
     if any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz"):
         rows["floor"] = 1.7
     return rows
+
+
+def _leaves_the_plane(history: History) -> bool:
+    return ACROSS in history.extra and float(np.abs(history.extra[ACROSS]).max()) > ACROSS_RAD
 
 
 def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[float, float]]]:
@@ -119,13 +134,14 @@ def _band(run: Mapping[str, Any], history: History) -> tuple[Json, Json] | None:
     return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
 
 
-def _slip(name: str, history: History, names: list[str], axis: str) -> Json:
+def _lower(name: str, history: History, values: Array, words: str, names: list[str], axis: str) -> Json:
+    """One model's curve in a row under the rotation."""
     style = look(name, names)
-    t_s, slip = _line(history, 1000.0 * history.slip_m)
+    t_s, drawn = _line(history, values)
     return {
-        "type": "scatter", "x": t_s, "y": slip, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
+        "type": "scatter", "x": t_s, "y": drawn, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
         "showlegend": False, "line": {"color": style.colour, "dash": style.dash, "width": style.width},
-        "hovertemplate": f"{name} slip %{{y:.3f}} mm<extra></extra>",
+        "hovertemplate": f"{name} {words}<extra></extra>",
     }  # fmt: skip
 
 
@@ -140,52 +156,6 @@ def _floor(motion: Mapping[str, Any], gravity_m_s2: float, axis: str) -> list[Js
         for name, colour in AXIS_COLOURS.items()
         if f"{name}_m_s2" in motion
     ]  # fmt: skip
-
-
-def _strip(source: RunSource, axis: str) -> list[Json]:
-    traces: list[Json] = []
-    shown = {name: drawn_stretches(run["patterns"]) for name, run in source.runs.items() if run["patterns"]}
-    for pattern, words in PATTERN_NAMES.items():
-        rows = [(name, start, end) for name, all_ in shown.items() for start, end, which in all_ if which == pattern]
-        if not rows:
-            continue
-        colour, hatch = PATTERN_LOOKS[pattern]
-        traces.append(
-            {
-                "type": "bar", "orientation": "h", "yaxis": axis, "name": words, "showlegend": False, "hoverinfo": "skip",
-                "y": [row[0] for row in rows], "base": [row[1] for row in rows], "x": [row[2] - row[1] for row in rows],
-                "width": 0.72, "offset": -0.36,
-                "marker": {
-                    "color": colour, "line": {"width": 0},
-                    "pattern": {"shape": hatch, "size": 6, "solidity": 0.3, "fgcolor": "#ffffff", "fillmode": "overlay"},
-                },
-            }
-        )  # fmt: skip
-    return traces
-
-
-def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHES) -> list[tuple[float, float, str]]:
-    """At most `most` stretches covering the same time: where there are more, each bin takes its longest pattern."""
-    stretches = [(float(start), float(end), str(name)) for start, end, name in patterns]
-    if len(stretches) <= most:
-        return stretches
-    edges = np.linspace(stretches[0][0], stretches[-1][1], most + 1).tolist()
-    found: list[tuple[float, float, str]] = []
-    first = 0
-    for low, high in pairwise(edges):
-        while stretches[first][1] <= low and first + 1 < len(stretches):
-            first += 1
-        shares: dict[str, float] = {}
-        for start, end, name in islice(stretches, first, None):
-            if start >= high:
-                break
-            shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
-        longest = max(shares, key=lambda name: shares[name])
-        if found and found[-1][2] == longest:
-            found[-1] = (found[-1][0], high, longest)
-        else:
-            found.append((low, high, longest))
-    return found
 
 
 def _views(source: RunSource) -> Json:
@@ -208,7 +178,13 @@ def _layout(
     source: RunSource, rows: Mapping[str, float], axes: Mapping[str, str], domains: Mapping[str, tuple[float, float]]
 ) -> Json:
     lowest = list(axes.values())[-1]
-    titles = {"rotation": "rotation θ  [rad]", "strip": "", "slip": "slip u  [mm]", "floor": "floor  [g]"}
+    titles = {
+        "rotation": "rotation θ  [rad]",
+        "strip": "",
+        "slip": "slip u  [mm]",
+        "across": "across  [rad]",
+        "floor": "floor  [g]",
+    }
     layout: Json = {
         "xaxis": {
             "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, float(source.scene["duration_s"])],

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.chart_histories import drawn_stretches
+from reports.chart_patterns import drawn_stretches
 from reports.decimate import kept_samples
 
 
