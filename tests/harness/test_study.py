@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -19,66 +17,13 @@ from harness.executors import LocalPool
 from harness.store import Store
 from harness.study import Summary, run_study, study_name
 from harness.study_file import load_study
-
-BLOCK = """
-title = "a block"
-duration_s = 2.0
-[statue]
-mass_kg = 707.0
-centroid_height_m = 0.774
-corner_left_m = 0.3585
-corner_right_m = 0.0682
-inertia_kg_m2 = 152.4
-height_m = 1.46
-[pedestal]
-mass_kg = 250.0
-width_m = 0.6
-depth_m = 0.8
-height_m = 0.2
-[motion.x]
-kind = "harmonic"
-amplitude_g = 0.3
-frequency_hz = 2.0
-"""
-STUDY = """
-title = "a small study"
-scene = "block.toml"
-[[vary]]
-key = "motion.x.amplitude_g"
-start = 0.05
-stop = 0.6
-count = 6
-[[vary]]
-key = "motion.x.frequency_hz"
-start = 1.0
-stop = 4.0
-count = 5
-[[vary]]
-key = "contact.restitution"
-values = [0.85, 0.9]
-[[variant]]
-name = "own"
-engines = ["analytic"]
-set = { "contact.restitution" = "momentum" }
-"""
-
-
-def written(folder: Path, text: str = STUDY) -> Path:
-    folder.mkdir(exist_ok=True)
-    (folder / "block.toml").write_text(BLOCK)
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
+from tests.harness.small_study import STUDY, contents, written
 
 
 def compute(path: Path, store_path: Path, jobs: int = 1) -> Summary:
     study = load_study(path)
     with Store(store_path) as store:
         return run_study(study, path, store, LocalPool(jobs))
-
-
-def contents(path: Path) -> list[Any]:
-    with sqlite3.connect(path) as db:
-        return [db.execute(f"SELECT * FROM {table} ORDER BY 1, 2").fetchall() for table in ("run", "plan", "history")]
 
 
 def test_runs_that_are_the_same_by_their_physics_are_computed_once(tmp_path: Path) -> None:
