@@ -25,6 +25,9 @@ BASE_AREA = 0.05
 BASE_FACING = 0.8
 """The open base faces down: cosine of the angle between its normal and down."""
 
+CLEAR_OF_CONTACT = 1.05
+"""Vertices lifted off a fitted base stand this many contact tolerances above it: clear of it also after a last scaling."""
+
 
 @dataclass(frozen=True, eq=False)
 class BaseClosed:
@@ -75,7 +78,7 @@ def close_base(mesh: RawMesh, rim: Indices) -> BaseClosed:
     ahead, new_ahead = np.roll(rim, -1), np.roll(new, -1)
     skirt = np.vstack([np.column_stack([ahead, rim, new]), np.column_stack([ahead, new, new_ahead])])
     cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
-    clear = floor + (CONTACT_TOLERANCE_M * (1.0 + 1e-6) if outline.noise_m > 0.0 else 0.0)
+    clear = floor + (CLEAR_OF_CONTACT * CONTACT_TOLERANCE_M if outline.noise_m > 0.0 else 0.0)
     lifted = np.maximum(mesh.vertices, [-np.inf, -np.inf, clear])
     low = mesh.vertices[:, 2] < clear
     closed = RawMesh(np.vstack([lifted, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)

@@ -94,7 +94,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
     state = _scaled(state, wanted, suffix)
-    state = _closed(state, wanted)
+    state = _true_height(_closed(state, wanted), wanted)
     state = _checked(state, wanted)
     fewer, made = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     if made is not None:
@@ -207,6 +207,18 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
         what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
         account = account.and_changed(change("holes", what, holes.holes, before, measure(holes.mesh)))
     return Prepared(holes.mesh, account)
+
+
+def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
+    """A known height is over the base plane, which is known only once the base is closed: the scale corrected by the rest."""
+    if wanted.height_m is None:
+        return state
+    factor = wanted.height_m / float(np.ptp(state.mesh.vertices[:, 2]))
+    if abs(factor - 1.0) < 1e-9:
+        return state
+    what = f"corrected by {100 * (factor - 1):+.3f} % so that the height over the base plane is {wanted.height_m:g} m"
+    mesh = state.mesh.moved(factor * state.mesh.vertices)
+    return Prepared(mesh, state.account.and_changed(Change("scale", what, 1)))
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:

@@ -78,6 +78,7 @@ def test_a_closed_body_on_its_side_is_stood_up(statue: Solid) -> None:
 def test_scale_from_a_known_height(statue: Solid) -> None:
     faults = replace(COARSE, edge_m=0.05, noise_m=0.0, units_per_m=3.7)
     solid = prepare_mesh(scan(statue, faults), Wanted(height_m=statue.height_m)).solid(density_kg_m3=DENSITY)
+    assert solid.height_m == pytest.approx(statue.height_m, rel=ROUND_OFF_REL)
     assert solid.mass_kg == pytest.approx(statue.mass_kg, rel=3 * QUIET_SCAN_REL)
 
 
