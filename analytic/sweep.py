@@ -163,10 +163,8 @@ def _rows(
         else:
             _vary_motion(name, values, fxs, fzs)
     _check(p, x, fxs)
-    far = np.maximum(np.abs(x[:, :1]), np.abs(x[:, -1:]))[:, 0]
-    length = np.hypot(far, p[:, at.CENTROID])
-    j = p[:, at.INERTIA] + p[:, at.MASS] * length**2
-    p[:, at.TIME_SCALE] = np.sqrt(j / (p[:, at.MASS] * p[:, at.GRAVITY] * length))
+    if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", *_BASE}:
+        p[:, at.TIME_SCALE] = _time_scale(p, x, z)
     return p, x, z, facets, fxs, fzs, tx, sx, tz, sz
 
 
@@ -198,6 +196,16 @@ def _parameters(block: Block, duration_s: float, accuracy_rad: float, scene: Map
         validity=False,
         **(settings | rest),
     )
+
+
+def _time_scale(p: NDArray[np.float64], x: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1/p of each row's faster outer corner, s."""
+    mass, weight = p[:, at.MASS], p[:, at.MASS] * p[:, at.GRAVITY]
+    scale = np.full(len(p), np.inf)
+    for k in (0, -1):
+        radius = np.hypot(x[:, k], p[:, at.CENTROID] - z[:, k])
+        scale = np.minimum(scale, np.sqrt((p[:, at.INERTIA] + mass * radius**2) / (weight * radius)))
+    return scale
 
 
 def _vary_motion(name: str, values: NDArray[np.float64], fxs: NDArray[np.float64], fzs: NDArray[np.float64]) -> None:

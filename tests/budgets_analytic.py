@@ -28,3 +28,6 @@ SKIP_RAD: Final = 0.0
 STRESS_STEPS_PER_S: Final = 60
 """Steps and events for each second and hertz: a forced oscillation needs some ten steps for each period and each event adds
 two, with room for the natural frequency of the smallest blocks."""
+
+ROOT_REL: Final = 1e-7
+"""numpy's companion matrix gives simple roots of degree 13 to some 1e-10 relative, and pairs 1e-5 apart to 1e-16 / 1e-5."""

@@ -83,3 +83,11 @@ def test_no_history_leaves_the_outcome_and_the_peak() -> None:
         assert bare.overturn_time_s == full.overturn_time_s
         assert bare.t_s.size == 0
         assert bare.events == ()
+
+
+def test_every_motion_runs_the_same_compiled_code() -> None:
+    from analytic.kernel import run
+
+    for motion in (RECORD, Harmonic(2.0, 2.0), Pulse("ricker", 2.0, 1.0), Rest()):
+        simulate(STATUE, motion, duration_s=1.0)
+    assert len(run.signatures) == 1  # type: ignore[attr-defined]
