@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LADDER: Final = (
-    BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10),
+    BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10, impact_substeps=80),
     BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4, residual=3e-10),
     BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, iterations=400),
-    BulletSettings(dt_s=6.25e-5, expected_error_rad=2e-5, residual=0.0, iterations=1000),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=0.0, iterations=1000),
 )
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""

@@ -16,8 +16,8 @@ from harness.scene import OVERTURN_RAD, Scene
 
 AHEAD: Final = 1.5
 """An impact expected within this many steps is passed in sub-steps: the rate changes little in so short a time."""
-LEAST_RATE_RAD_S: Final = 1e-3
-"""A slower approach is no impact: what a step's error could change is below a millionth of a radian."""
+LEAST_RATE_RAD_S: Final = 3e-3
+"""A slower approach is no impact: what such a rate can lift is below a hundred-thousandth of a radian."""
 LEAST_LEAN_RAD: Final = 1e-5
 """With a rate below `LEAST_RATE_RAD_S`, a lean that counts as none."""
 LEAST_SHARE: Final = 0.1

@@ -20,7 +20,7 @@ class BulletSettings(Settings):
     the same solution, reached by more sweeps.
     """
 
-    impact_substeps: int = 20
+    impact_substeps: int = 40
     iterations: int = 200
     residual: float = 1e-9
     breaking_threshold_m: float = 1e-4
