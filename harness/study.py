@@ -245,7 +245,9 @@ def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int,
 
     if left:
         told(0, len(left))
-        pool.run(work, batches(left), done)
+        # One run here first: what it compiles is kept beside the code, and no worker compiles it again.
+        done(left[-1:], work(left[-1:]))
+        pool.run(work, batches(left[:-1]), done)
 
 
 def batches(jobs: Sequence[Job]) -> list[tuple[Job, ...]]:

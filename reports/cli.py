@@ -119,7 +119,6 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Run the models on measured tests and score them against what was observed."""
-    from harness.engines import DEFAULT_ENGINES
     from harness.run import check_folder
     from harness.validation.run import validate as run_validation
 
@@ -128,7 +127,7 @@ def validate(
     found = run_validation(
         experiments,
         folder,
-        models=engine or DEFAULT_ENGINES,
+        models=engine,
         samples=samples,
         fit_share=fit_share,
         seed=seed,
@@ -141,6 +140,40 @@ def validate(
         typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
     elif not quiet:
         typer.echo(f"report: {page}")
+
+
+Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
+
+
+@app.command(epilog="Example:  `rockcheck bench --out out/bench`")
+def bench(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
+    """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
+    from harness import benchmark
+
+    folder = out or OUT / "bench"
+    with harness_cli.Telling(quiet or as_json) as telling:
+        found = benchmark.run(folder, quick, telling.engine)
+    page = _page(folder)
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo("\n".join([*found["sentences"], f"report: {page}"]))
+
+
+@app.command(epilog="Example:  `rockcheck stress --out out/stress`")
+def stress(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
+    """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
+    from harness import stresses
+
+    folder = out or OUT / "stress"
+    with harness_cli.Telling(quiet or as_json) as telling:
+        found = stresses.run(folder, quick, telling.engine)
+    page = _page(folder)
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo("\n".join([*stresses.sentences(found), f"report: {page}"]))
+    raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
 @app.command()

@@ -29,7 +29,7 @@ def validate(
     experiments: Path,
     folder: Path,
     *,
-    models: Sequence[str] = engines.DEFAULT_ENGINES,
+    models: Sequence[str] | None = None,
     samples: int = 0,
     fit_share: str = "fit",
     seed: int = 0,
@@ -46,7 +46,7 @@ def validate(
     """
     start = time.perf_counter()
     _check(folder, samples, jobs, resume)
-    chosen = [parse_model(text) for text in dict.fromkeys(models)]
+    chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
     trials = read_table(experiments)
     intensities = _intensities(trials)
     wanted = jobs_of(trials, chosen, samples, seed)
