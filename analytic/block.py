@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal, Self, final
 
 import numpy as np
@@ -86,11 +87,17 @@ class Block:
         points = tuple((float(x), float(z)) for x, z in profile_m)
         return cls(mass_kg, centroid_height_m, inertia_kg_m2, points)
 
+    @cached_property
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """x and z of the vertices (k,), m, and the facets' rotations (k − 1,), rad; shared, not to be written to."""
+        points = np.array(self.profile_m, dtype=np.float64)
+        angles = np.arctan2(np.diff(points[:, 1]), np.diff(points[:, 0]))
+        flat = np.where(np.abs(angles) < FLAT_RAD, 0.0, angles)
+        return np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1]), flat
+
     def facets_rad(self) -> NDArray[np.float64]:
         """Rotation (k − 1,), rad, at which each facet lies on the support."""
-        points = np.asarray(self.profile_m, dtype=np.float64)
-        angles = np.arctan2(np.diff(points[:, 1]), np.diff(points[:, 0]))
-        return np.asarray(np.where(np.abs(angles) < FLAT_RAD, 0.0, angles))
+        return self.arrays[2].copy()
 
     def _outer(self, side: int) -> tuple[float, float]:
         x, z = self.profile_m[-1 if side > 0 else 0]

@@ -93,14 +93,14 @@ def task_for(block: Block, p: at.Floats, motion_x: Excitation, motion_z: Excitat
     """Everything that one run reads and writes, freshly allocated."""
     fx, tx, sx = encode(motion_x)
     fz, tz, sz = encode(motion_z)
-    points = np.asarray(block.profile_m, dtype=np.float64)
+    x, z, facets = block.arrays
     dt = p[at.GRID_STEP]
     samples = math.floor(p[at.DURATION] / dt * (1.0 + 1e-12)) + 1 if dt > 0.0 else 0
     return at.Task(
         p,
-        np.ascontiguousarray(points[:, 0]),
-        np.ascontiguousarray(points[:, 1]),
-        block.facets_rad(),
+        x,
+        z,
+        facets,
         fx,
         fz,
         tx,
