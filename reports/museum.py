@@ -188,9 +188,8 @@ def of_study(record: Mapping[str, Any], models: Sequence[str], found: Sequence[C
             continue
         setting = "on the floor" if item.varied["pedestal"] == "none" else "on the pedestal"
         place = (float(item.varied[pace]), setting)
-        fallen = family(row["run"]["outcome"]) == "overturns"
-        fell.setdefault(place, []).append(fallen)
-        if not fallen:
+        fell.setdefault(place, []).append(family(row["run"]["outcome"]) == "overturns")
+        if row["run"]["outcome"] == Outcome.STANDS:
             theta = float(row["run"]["peak_theta_rad"]) * np.array([-1.0, 1.0])
             moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + float(row["run"]["peak_slip_m"])
             reach[place] = max(reach.get(place, 0.0), moved)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,14 +11,17 @@ from typing import Any, Final
 from reports.assets import plotly_js, source_text
 from reports.design_figures import design_figures
 from reports.museum import of_study
-from reports.numbers import count_word, heading, label, listed, plain, short, unit
+from reports.numbers import heading, label, listed, plain, short, unit
 from reports.scene_picture import scene_svg
 from reports.study_figures import fragility_figure, map_axes, map_figures, panel_data, rose_figure
-from reports.study_rows import FAILED, NOT_SENT, SYMBOLS, Condition, agreement, cell, conditions, varying_keys
+from reports.study_rows import FAILED, NOT_SENT, SYMBOLS, Condition, agreement, cell, conditions, family, varying_keys
 from reports.words import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
+MOST_WARNINGS: Final = 30
+NUMBER: Final = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+"""A number inside a warning: runs differ in it while the warning is the same."""
 MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
 
@@ -95,9 +99,21 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
     if record.get("headline"):
         return Verdict(_claims_headline(record["headline"]), tone, [*_claim_points(record), *points])
     if not pairs:
-        return Verdict(f"{len(found)} conditions by {count_word(len(models))} model(s)", "agree", points)
+        return Verdict(_falls(models, found), "agree", points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, tone, points)
+
+
+def _falls(models: Sequence[str], found: Sequence[Condition]) -> str:
+    """In how many conditions each model lets the statue overturn."""
+    parts = []
+    for model in models:
+        rows = [
+            row for item in found for row in [item.answers.get(model)] if row is not None and row["run"] is not None
+        ]
+        fell = sum(family(row["run"]["outcome"]) == "overturns" for row in rows)
+        parts.append(f"in {fell} of {len(rows)} conditions ({model})")
+    return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
 
 
 def _percent(part: int, whole: int) -> str:
@@ -148,8 +164,14 @@ def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str
 
 
 def study_warnings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Each warning of any run once, with the number of runs that gave it."""
-    counts = Counter(
-        f"{row['engine']}: {text}" for row in rows if row["run"] is not None for text in row["run"]["warnings"]
-    )
-    return [f"{text} ({count} run{'s' if count > 1 else ''})" for text, count in counts.most_common(30)]
+    """Each kind of warning once (numbers left out where they differ), with the number of runs that gave it."""
+    kinds: dict[str, Counter[str]] = {}
+    for row in rows:
+        for text in row["run"]["warnings"] if row["run"] is not None else ():
+            full = f"{row['engine']}: {text}"
+            kinds.setdefault(NUMBER.sub("…", full), Counter())[full] += 1
+    ordered = sorted(kinds.items(), key=lambda item: -item[1].total())
+    return [
+        f"{kind if len(texts) > 1 else next(iter(texts))} ({texts.total()} run{'s' if texts.total() > 1 else ''})"
+        for kind, texts in ordered[:MOST_WARNINGS]
+    ]

@@ -57,13 +57,17 @@ def conditions(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[Condi
         varied = {key: value for key, value in row["varied"].items() if key != "variant"}
         models[model_name(row)] = None
         found.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
-    return sorted(models, key=_order), [Condition(varied, answers) for varied, answers in found.values()]
+    variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
+    return sorted(models, key=lambda model: _order(model, variants)), [
+        Condition(varied, answers) for varied, answers in found.values()
+    ]
 
 
-def _order(model: str) -> tuple[str, int, str]:
+def _order(model: str, variants: Sequence[str]) -> tuple[int, int, str]:
+    """Variants as the study has them, within each the analytic model first."""
     engine, _, variant = model.partition(" (")
     rank = {"analytic": 0, "pymunk": 1, "pybullet": 2}.get(engine, 3)
-    return variant, rank, engine
+    return variants.index(variant), rank, engine
 
 
 def family(outcome: str) -> str:
