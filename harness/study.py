@@ -241,13 +241,17 @@ def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int,
         counts.mine.update(job.key for job in batch)
         counts.failed += sum(run.outcome.failed for run in results)
         finished += len(batch)
-        told(finished, len(left))
+        told(finished, total)
 
+    total = len(left)
     if left:
         told(0, len(left))
-        # One run here first: what it compiles is kept beside the code, and no worker compiles it again.
-        done(left[-1:], work(left[-1:]))
-        pool.run(work, batches(left[:-1]), done)
+        if left[-1].engine == asking.REFERENCE:
+            # One run here first: what it compiles is kept beside the code, and no worker compiles it again. A contact
+            # engine never runs in this process: its crash would end the study.
+            done(left[-1:], work(left[-1:]))
+            left.pop()
+        pool.run(work, batches(left), done)
 
 
 def batches(jobs: Sequence[Job]) -> list[tuple[Job, ...]]:
