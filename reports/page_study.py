@@ -14,7 +14,18 @@ from reports.museum import of_study
 from reports.numbers import heading, label, listed, plain, short, unit
 from reports.scene_picture import scene_svg
 from reports.study_figures import fragility_figure, map_axes, map_figures, panel_data, rose_figure
-from reports.study_rows import FAILED, NOT_SENT, SYMBOLS, Condition, agreement, cell, conditions, family, varying_keys
+from reports.study_rows import (
+    FAILED,
+    NOT_SENT,
+    SYMBOLS,
+    Condition,
+    agreement,
+    cell,
+    conditions,
+    family,
+    model_name,
+    varying_keys,
+)
 from reports.words import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -94,6 +105,7 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
         f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
         for first, second, same, total in pairs
     ]
+    points += left_domain(record["rows"])
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     tone = "agree" if same == total else "differ"
     if record.get("headline"):
@@ -102,6 +114,19 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
         return Verdict(_falls(models, found), "agree", points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, tone, points)
+
+
+def left_domain(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
+    sentences = []
+    for model in dict.fromkeys(model_name(row) for row in rows):
+        runs = [row["run"] for row in rows if row["run"] is not None and model_name(row) == model]
+        causes = Counter(run["validity"].get("left_domain_by") or "" for run in runs)
+        del causes[""]
+        if causes:
+            each = listed(f"{cause}: {count}" for cause, count in causes.most_common())
+            sentences.append(f"{model} left its domain in {causes.total()} of {len(runs)} runs ({each}).")
+    return sentences
 
 
 def _falls(models: Sequence[str], found: Sequence[Condition]) -> str:

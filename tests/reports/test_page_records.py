@@ -12,6 +12,7 @@ from reports.page import write_report
 from reports.page_bench import bench_verdict, on_front
 from reports.page_stress import stress_verdict
 from reports.page_study import context as study_context
+from reports.page_study import left_domain, study_warnings
 from reports.page_validation import validation_verdict
 from reports.source import read_record
 from reports.study_rows import agreement, conditions
@@ -112,3 +113,20 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
     assert "Wrong: vertical −1 g." in wrong.points
     assert "without an explanation" in " ".join(wrong.points)
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
+
+
+def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
+    rows = [
+        {"engine": "analytic", "varied": {"variant": "own"}, "run": {"validity": {"left_domain_by": cause}}}
+        for cause in ("the statue slides", "the statue slides", "the pedestal tips", "", None)
+    ]
+    assert left_domain(rows) == [
+        "analytic (own) left its domain in 3 of 5 runs (the statue slides: 2 and the pedestal tips: 1)."
+    ]
+    assert left_domain(rows[3:]) == []
+
+
+def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
+    texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
+    rows = [{"engine": "analytic", "run": {"warnings": [text]}} for text in texts]
+    assert study_warnings(rows) == ["analytic: From … s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
