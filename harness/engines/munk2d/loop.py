@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.engine import Want
 from harness.engines.munk2d import drive as driving
-from harness.engines.munk2d import native
+from harness.engines.munk2d import events, native
 from harness.engines.munk2d.drive import Drive
 from harness.engines.munk2d.world import MunkSettings
 from harness.scene import OVERTURN_RAD, Scene
@@ -70,10 +70,10 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
         k, event, share = _plain_steps(drive, grid, k, look)
         if event == IMPACT:
             end = min(k + EVENT_STEPS, total)
-            driving.split_impact(drive, float(grid.edges_s[end]))
+            events.split_impact(drive, float(grid.edges_s[end]))
             k, drive.rate_before_m_s = end, math.nan
         elif event == HALT:
-            driving.split_halt(drive, share, float(grid.edges_s[k + 1]))
+            events.split_halt(drive, share, float(grid.edges_s[k + 1]))
             k, drive.rate_before_m_s = k + 1, math.nan
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
@@ -111,10 +111,10 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
     angle_of, spin_of, velocity_of = native.get_angle, native.get_spin, native.get_velocity
     record_with, record_to = recorder.each, recorder.target
     dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
-    half, far, last_split = 0.5 * dt, driving.MOST_SHARE * dt, len(gravity) - EVENT_STEPS
+    half, far, last_split = 0.5 * dt, events.MOST_SHARE * dt, len(gravity) - EVENT_STEPS
     switches, creep = friction.switches, CREEP_SHARE * rest
     halts = drive.settings.align and pedestal is not None and rest > 0.0
-    least_spin = driving.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
+    least_spin = events.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
     begin, event, share = k, END, 0.0
     rate, before = driving.slip_rate(drive), drive.rate_before_m_s
     while k < stop:
@@ -146,7 +146,7 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
         each(space, record_with, record_to)
         k += 1
         if k % KEEP_STEPS == 0 and drive.aligned:
-            driving.keep_depth(drive)
+            events.keep_depth(drive)
     drive.rate_before_m_s = before
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
     drive.work["engine_steps"] += k - begin

@@ -2,7 +2,8 @@
 
 pymunk's `Space.step` spends more time on its lists of pending changes than Chipmunk on two bodies, and a property read costs
 as much as a collision. No body, shape or callback is added while a run goes on, so these lists stay empty and the results are
-the same (tests/harness/engines/test_munk2d.py compares them). One call after each step appends all bodies' states to a buffer in C.
+the same (tests/harness/engines/test_munk2d.py compares them). One call after each step appends all bodies' states to a buffer
+in C.
 """
 
 from __future__ import annotations
