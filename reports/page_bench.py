@@ -1,9 +1,10 @@
 """The page of a bench: run time against error for every engine and setting.
 
-The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene`, `label`, `group` = `ladder` | `default` |
-`peer`, `dt_s`, `error_rad`, `wall_s`, `steps`, `real_time_factor`, `reference`, `chosen` (what the target accuracy takes),
-`stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each `engine`, `quantity`, `value`, `wall_s`,
-`memory_mb`), `coverage` by engine (`inside` of `total`), `sentences` computed from the rows, `versions`, `machine`, `seconds`.
+The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene`, `label`, `group` = `ladder` | `accuracy` |
+`default` | `peer`, `dt_s`, `error_rad`, `cpu_s` (processor time), `wall_s`, `steps`, `real_time_factor`, `reference`,
+`chosen` (what the target accuracy takes), `stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each
+`engine`, `quantity`, `value`, `wall_s`, `memory_mb`), `coverage` by engine (`inside` of `total`), `sentences` computed from
+the rows, `versions`, `machine`, `seconds`.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from reports.words import Verdict
 
 Json = dict[str, Any]
 
-SYMBOLS: Final = {"ladder": "circle", "default": "square-open", "peer": "diamond-open"}
-WORDS: Final = {"ladder": "", "default": "own defaults", "peer": "nearest peer's settings"}
+SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
+WORDS: Final = {"ladder": "", "accuracy": "to the target", "default": "own defaults", "peer": "nearest peer's settings"}
 
 
 def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
@@ -95,8 +96,8 @@ def on_front(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> bool:
         other["scene"] == row["scene"]
         and other["failed"] is None
         and other["error_rad"] <= row["error_rad"]
-        and other["wall_s"] <= row["wall_s"]
-        and (other["error_rad"], other["wall_s"]) != (row["error_rad"], row["wall_s"])
+        and other["cpu_s"] <= row["cpu_s"]
+        and (other["error_rad"], other["cpu_s"]) != (row["error_rad"], row["cpu_s"])
         for other in rows
     )
 
@@ -117,7 +118,7 @@ def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: 
             data.append(
                 {
                     "type": "scatter", "mode": "lines+markers" if group == "ladder" else "markers", "marker": marker,
-                    "line": line, "x": [row["wall_s"] for row in mine], "y": [row["error_rad"] for row in mine],
+                    "line": line, "x": [row["cpu_s"] for row in mine], "y": [row["error_rad"] for row in mine],
                     "name": f"{engine} {WORDS[group]}".strip(), "text": [row["label"] for row in mine],
                     "hovertemplate": f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
                 }
@@ -125,7 +126,7 @@ def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: 
     front = sorted((row for row in here if on_front(row, here)), key=_error)
     data.append(
         {
-            "type": "scatter", "mode": "lines", "name": "best of all", "x": [row["wall_s"] for row in front],
+            "type": "scatter", "mode": "lines", "name": "best of all", "x": [row["cpu_s"] for row in front],
             "y": [row["error_rad"] for row in front], "line": {"color": MUTED, "width": 6, "shape": "hv"}, "opacity": 0.25,
             "hoverinfo": "skip",
         }
@@ -174,6 +175,6 @@ def _scaling(quantity: str, items: Sequence[Mapping[str, Any]]) -> Json:
 def _cells(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     error = row["failed"] if row["failed"] is not None else digits(row["error_rad"], 2)
     steps = "–" if row["steps"] is None else str(row["steps"])
-    cells = [row["engine"], row["label"], digits(row["dt_s"]), error, digits(row["wall_s"]), steps]
+    cells = [row["engine"], row["label"], digits(row["dt_s"]), error, digits(row["cpu_s"]), steps]
     cells += [digits(row["real_time_factor"], 2), digits(row["stated_rad"], 2)]
     return {"cells": cells, "front": on_front(row, rows), "chosen": row["chosen"], "failed": row["failed"] is not None}

@@ -103,7 +103,7 @@ def single(told: Callable[[str], None]) -> Iterator[Row]:
     fell = scene_of(
         "falls", {"duration_s": duration, "statue": COLUMN, "motion": {"x": record(file, column, pga_g=2.0)}}
     )
-    short = {"x": {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.35, "duration_s": 0.5}}
+    short = {"x": {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.28, "duration_s": 0.5}}
     pulse = scene_of("pulse", {"duration_s": 20.0, "statue": COLUMN, "motion": short})
     cases = (
         ("quiet_start", "analytic", real), ("quiet_start", "pymunk", real),

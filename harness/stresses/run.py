@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
@@ -50,3 +51,24 @@ def holds(found: dict[str, Any]) -> bool:
     unexplained = [cell for cell in found["cells"] if cell["category"] != "stable" and not cell["explained"]]
     harm = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in found["fuzz"])
     return all(row["holds"] for row in found["scenes"]) and not unexplained and harm == 0
+
+
+def sentences(found: dict[str, Any]) -> list[str]:
+    """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
+    wrong = [row for row in found["scenes"] if not row["holds"]]
+    told = [f"{len(found['scenes']) - len(wrong)} of {len(found['scenes'])} hard scenes come out as they must."]
+    for row in wrong:
+        bad = "; ".join(f"{name}: {got}" for name, got in row["got"].items() if got != row["wanted"])
+        told.append(f"“{row['name']}” (wanted: {row['wanted']}): {bad}.")
+    counts = Counter(cell["category"] for cell in found["cells"])
+    told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
+    told += [
+        f"Unexplained: {cell['engine']}, {cell['setting']}, {cell['difficulty']}: {cell['category']}, {cell['evidence']}."
+        for cell in found["cells"]
+        if cell["category"] != "stable" and not cell["explained"]
+    ]
+    inputs = sum(item["inputs"] for item in found["fuzz"])
+    bad_inputs = [(item["reader"], case["seed"]) for item in found["fuzz"] for case in item["found"]]
+    told.append(f"{inputs} mutated inputs, {len(bad_inputs)} kept as failures.")
+    told += [f"Mutated {reader}, seed {seed}: not refused in words." for reader, seed in bad_inputs]
+    return told

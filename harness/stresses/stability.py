@@ -57,7 +57,7 @@ def difficulties() -> tuple[Difficulty, ...]:
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell: `category`: stable, inaccurate, drifting, diverged; `evidence` the numbers that say so, `explained` what owes it."""
+    """One cell: `category` (stable, inaccurate, drifting, diverged), the numbers that say so, and what it is owed to."""
 
     engine: str
     setting: str

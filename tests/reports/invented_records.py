@@ -105,6 +105,7 @@ def bench_rows() -> list[dict[str, Any]]:
                 row |= {
                     "error_rad": error * dt,
                     "wall_s": seconds,
+                    "cpu_s": seconds,
                     "steps": int(10.0 / dt),
                     "real_time_factor": 10.0 / seconds,
                 }
@@ -118,7 +119,14 @@ def bench_rows() -> list[dict[str, Any]]:
                     "dt_s": 1 / 240,
                     "failed": None,
                 }
-                | {"error_rad": 0.11, "wall_s": 0.05, "steps": 2400, "real_time_factor": 200.0, "reference": "analytic"}
+                | {
+                    "error_rad": 0.11,
+                    "wall_s": 0.05,
+                    "cpu_s": 0.05,
+                    "steps": 2400,
+                    "real_time_factor": 200.0,
+                    "reference": "analytic",
+                }
                 | {"chosen": False, "stated_rad": None}
             )
     rows[-1] |= {"failed": "diverged", "error_rad": None}

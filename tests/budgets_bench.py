@@ -1,0 +1,22 @@
+"""Budgets of work that do not depend on the machine's mood, each with the sentence that derives it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+ANALYTIC_STEPS: Final = 40
+"""Taylor steps of 1 s of the paper's statue on its pedestal: 28 counted, one for each event and turn of the table."""
+SPARE: Final = 1.15
+"""Steps of a contact engine over duration/dt: what splitting impacts and halts may add."""
+SPARE_SUBSTEPS: Final = 1.4
+"""The same for an engine that sub-steps through impacts: 20 sub-steps at each impact or halt (1.16 counted at 0.25 ms)."""
+ACCURACY_RUNS: Final = 3
+"""Runs that 1e-3 rad may take on an easy scene: a rung, a finer one to check it, at most one more."""
+MODULES_OF_HELP: Final = 330
+"""Modules imported to answer --help (a simulator would add hundreds more)."""
+OUTCOME_ALLOCATED_KB: Final = 400
+"""Peak of memory that an outcome of the analytic model allocates through Python: the motion's coefficients, no history."""
+SAME_RAD: Final = 1e-9
+"""What a skip may change of a peak that is integrated either way: the certified model's own reliable error is 1e-6."""
+SKIP_RAD: Final = 2e-4
+"""What a skip may change in a contact engine: contacts settle anew where integration begins, within the rung's own error."""
