@@ -33,9 +33,9 @@ first second, against the analytic model. Iterations grow as the step shrinks: a
 the paper's, and what they leave does not fall with the step."""
 IMPACT_ITERATIONS: Final = 400
 """Least iterations of a step that holds an event: it starts from impulses of another state."""
-DEPTH_RAD_S: Final = 0.01
+DEPTH_RAD_S: Final = 0.002
 """Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
-SLOP_DEPTHS: Final = 10.0
+SLOP_DEPTHS: Final = 50.0
 SETTLE_STEPS: Final = 64
 """Whole steps computed before the first instant at which anything can move."""
 

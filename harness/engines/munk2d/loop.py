@@ -25,7 +25,7 @@ BLOCK_STEPS: Final = 512
 """Whole steps between two looks at whether the run can end."""
 CREEP_SHARE: Final = 1e-3
 """Share of the velocity of rest above which a stuck pedestal is asked whether its friction is at the limit."""
-KEEP_STEPS: Final = 16
+KEEP_STEPS: Final = 4
 """Steps after which the standing corner's drift is taken back."""
 STILL_BLOCKS: Final = 2
 STILL_RAD_S: Final = 1e-5

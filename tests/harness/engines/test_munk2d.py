@@ -224,7 +224,7 @@ def test_ladder_is_ordered() -> None:
 
 
 def test_bare_loop_makes_the_same_motion_in_as_many_steps() -> None:
-    on = paestum(0.1, 5.0, mu=0.8, duration_s=0.5)
+    on = paestum(0.08, 5.0, mu=0.8, duration_s=0.5)
     settings = ENGINE.settings_for_dt(on, 1e-3)
     seconds, rows = bare_loop(on, settings)
     found = ENGINE.simulate(on, settings, Want(skips=frozenset()))
