@@ -50,13 +50,25 @@ def _step(skip: str, want: Want, applies: bool, yes: str, no: str, engine: str =
 
 
 def limit_of_rest_m_s2(scene: Scene) -> float:
-    """Horizontal acceleration below which nothing can move while the floor moves horizontally only.
+    """Horizontal acceleration, in whatever direction, below which nothing can move while the floor moves horizontally only.
 
-    The least of uplift, g b_s / h of either corner, and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
+    The least of uplift, g b / h with b the distance of the base's nearest edge (of its two corners when the motion stays in the
+    plane), and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
     """
     statue, gravity = scene.statue, scene.gravity_m_s2
-    uplift = gravity * min(statue.corner_left_m, statue.corner_right_m) / statue.centroid_height_m
-    return uplift if scene.pedestal is None else min(uplift, scene.contact.floor_static * gravity)
+    corner = min(statue.corner_left_m, statue.corner_right_m)
+    if not isinstance(scene.shake.y, Rest):
+        corner = min(corner, _nearest_edge_m(statue.footprint_m[:, :2]))
+    uplift = gravity * corner / statue.centroid_height_m
+    slip = scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
+    return min(uplift, slip * gravity)
+
+
+def _nearest_edge_m(polygon_m: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+    """Distance from the origin (below the centroid) to the nearest edge of a convex polygon around it."""
+    along = np.roll(polygon_m, -1, axis=0) - polygon_m
+    across = polygon_m[:, 0] * along[:, 1] - polygon_m[:, 1] * along[:, 0]
+    return float(np.min(np.abs(across) / np.hypot(along[:, 0], along[:, 1])))
 
 
 def first_motion_s(scene: Scene) -> float:
@@ -73,8 +85,7 @@ def first_motion_s(scene: Scene) -> float:
     if times is None:
         return 0.0
     x, y, z = (np.abs(np.asarray(item.accel_m_s2(times), dtype=np.float64)) for item in components)
-    # A vertical acceleration lowers every limit in proportion; across the plane the base is at least as wide only when the
-    # scene says nothing of it, so horizontal motion counts by its magnitude.
+    # A vertical acceleration lowers every limit in proportion; horizontal motion counts by its magnitude.
     limit = limit_of_rest_m_s2(scene) * np.maximum(1.0 - z / scene.gravity_m_s2, 0.0)
     over = np.flatnonzero(np.hypot(x, y) >= limit)
     if over.size == 0:
@@ -117,19 +128,13 @@ def _energy(scene: Scene, want: Want) -> Step:
     return _step("energy_outcome", want, possible, yes, why)
 
 
-def body_can_touch(scene: Scene) -> str | None:
-    """Why something other than the statue's base may touch before it counts as overturned, or None."""
-    if scene.wall is not None:
-        return "there is a wall"
-    if scene.pedestal is not None:
-        return "a falling statue can meet the pedestal's edge"
-    return None
-
-
 def _base_only(scene: Scene, engine: Engine, want: Want) -> Step:
-    reason = body_can_touch(scene)
     yes = "nothing but the base can touch before the statue has overturned"
-    return _step("base_only", want, reason is None, yes, reason or "", engine.name)
+    if scene.pedestal is not None:
+        yes = "the base alone touches until the body can meet the pedestal's edge; from there on the full shape is used"
+    if scene.wall is not None:
+        yes += "; the wall's contact follows from the silhouette"
+    return _step("base_only", want, True, yes, "", engine.name)
 
 
 def _planar(scene: Scene, engines: Sequence[Engine], want: Want) -> Step:

@@ -6,3 +6,5 @@ from typing import Final
 
 HERMITE_ROUNDING: Final = 4e-16
 """A cubic is reproduced exactly; a handful of operations on numbers below one leave a few units of 1.1e-16."""
+LIMIT_ROUNDING: Final = 1e-15
+"""A limit is two or three products of numbers given exactly: a few units of 1.1e-16."""
