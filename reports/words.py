@@ -112,7 +112,7 @@ def _reach(source: RunSource) -> list[str]:
         where = f"the wall on the {wall['side']}, {length(wall['distance_m'])} from the base"
         if touching:
             sentences.append(f"The statue touches {where}, in {listed(touching)}.")
-        else:
+        elif source.histories:
             side = 1 if wall["side"] == "right" else -1
             most = max(
                 float(shape.overhang_m(item.theta_rad, item.slip_m, side).max()) for item in source.histories.values()

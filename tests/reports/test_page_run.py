@@ -188,3 +188,13 @@ def test_a_broken_record_is_refused(tmp_path: Path, text: str, match: str) -> No
     (tmp_path / "result.json").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=match):
         write_report(tmp_path)
+
+
+def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    for path in folder.glob("history_*.csv"):
+        path.unlink()
+    html = without_data(write_report(folder).read_text(encoding="utf-8"))
+    assert "All three models agree on the outcome" in html
+    assert 'id="histories"' not in html
+    assert 'id="replay"' not in html
