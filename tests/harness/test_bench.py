@@ -1,0 +1,138 @@
+"""The bench: errors that see a wrong run, sentences that follow from the rows, failures kept as rows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.benchmark import precision, sentences, skips
+from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
+from harness.benchmark.timing import cost
+from harness.engine import EngineFailure, Want
+from harness.history import History
+
+FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
+
+
+def row(engine: str, scene: str, label: str, error_rad: float, cpu_s: float, **more: Any) -> dict[str, Any]:
+    """An invented row."""
+    plain = {"engine": engine, "scene": scene, "label": label, "error_rad": error_rad, "cpu_s": cpu_s, "block": True}
+    return plain | {"group": "ladder", "failed": None, "real_time_factor": 1.0 / cpu_s} | more
+
+
+ROWS = [
+    row("pymunk", "easy", "coarse", 1e-4, 0.001),
+    row("pymunk", "easy", "fine", 1e-5, 0.1),
+    row("pymunk", "hard", "coarse", 1e-1, 0.001),
+    row("pymunk", "hard", "fine", 1e-4, 0.1),
+    row("pymunk", "easy", "to 1e-3", 1e-4, 0.002, group="accuracy"),
+    row("pymunk", "hard", "to 1e-3", 1e-4, 0.2, group="accuracy"),
+]
+
+
+def test_the_choice_is_compared_with_the_fixed_rung_that_meets_every_scene() -> None:
+    found = sentences.choice(ROWS, 1e-3)[0]
+    assert found["fixed_s"] == pytest.approx(0.2)
+    assert found["share"] == pytest.approx(0.202 / 0.2)
+    assert found["worst_times"] == pytest.approx(2.0)
+    assert found["met"] == 2
+
+
+def test_no_fixed_rung_is_said() -> None:
+    worse = [item | {"error_rad": 1.0} if item["scene"] == "hard" else item for item in ROWS]
+    found = sentences.choice(worse, 1e-3)[0]
+    assert found["fixed_s"] is None
+    assert found["worst_scene"] == "easy"
+    assert found["met"] == 1
+
+
+def test_the_slowest_scene_of_the_fastest_rung_that_meets_the_target() -> None:
+    assert sentences.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
+    assert sentences.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
+
+
+def test_sentences_follow_the_rows() -> None:
+    record = {
+        "rows": ROWS, "target_rad": 1e-3, "choice": sentences.choice(ROWS, 1e-3),
+        "coverage": {"pymunk": {"inside": 19, "total": 20}},
+        "skips": [{"skip": "all together", "engine": "pymunk", "scenes": 6, "gain": 1.5, "same": True, "changed": []}],
+    }  # fmt: skip
+    told = " ".join(sentences.sentences(record))
+    assert "short of the 250 wanted" in told
+    assert "19 of 20 seeded scenes (at least 95%)" in told
+    assert "1.5 times faster (short of 2 wanted); no outcome changed" in told
+    faster = {**record, "skips": [record["skips"][0] | {"gain": 3.0, "same": False, "changed": ["a: b"]}]}
+    assert "3 times faster (at least 2 wanted); a: b" in " ".join(sentences.sentences(faster))
+
+
+def test_an_error_is_seen() -> None:
+    engine = engines.load("analytic")
+    run = engine.simulate(FREE.scene(), engine.ladder(FREE.scene())[-1], Want())
+    h = run.history
+    assert h is not None
+    assert precision.error(run, run) == 0.0
+    shifted = History(h.t_s, h.theta_rad + 1e-5, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert precision.error(replace(run, history=shifted), run) == pytest.approx(1e-5)
+    assert precision.error(replace(run, history=None), run) == np.inf
+
+
+def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
+    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True, told=lambda text: None))
+    groups = {(item["engine"], item["group"]) for item in rows}
+    assert {("pymunk", "ladder"), ("pymunk", "accuracy"), ("pybullet", "default"), ("pybullet", "peer")} <= groups
+    errors = {(item["engine"], item["label"]): item["error_rad"] for item in rows}
+    best = min(error for (name, _), error in errors.items() if name == "pybullet")
+    peer = next(error for (_, label), error in errors.items() if label.startswith("virtual_shake_robot"))
+    assert peer > 3.0 * best, "compliant contact was measured to cost half a peak"
+    assert all(item["cpu_s"] > 0.0 and item["real_time_factor"] > 0.0 for item in rows)
+
+
+def test_a_failing_rung_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    from harness.engines.munk2d import Munk2D
+
+    def refuses(*args: object) -> None:
+        raise EngineFailure("no such scene for me")
+
+    monkeypatch.setattr(Munk2D, "simulate", refuses)
+    monkeypatch.setattr(precision, "_rivals", lambda *args: iter(()))
+    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True, told=lambda text: None))
+    assert rows
+    assert {item["failed"] for item in rows} == {"no such scene for me"}
+
+
+def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROCKCHECK_DATA", "/nowhere")
+    found, absent = resolved(standard_set())
+    assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
+    assert len(absent) == 3
+    assert skips.rows(True, lambda text: None)[0]["failed"]
+
+
+def test_cost_is_the_least_of_several() -> None:
+    calls: list[int] = []
+    spent = cost(lambda: calls.append(sum(range(20_000))), repeats=4)
+    assert len(calls) == spent.repeats == 4
+    assert 0.0 < spent.cpu_s <= spent.wall_s * 1.5
+
+
+@pytest.mark.parametrize("name", ["analytic", "pymunk"])
+def test_skips_change_no_outcome_on_a_real_record(data_dir: object, name: str) -> None:
+    engine = engines.load(name)
+    scenes = [scene for scene in skips.outcome_scenes((1.5, 6.0)) if "elcentro" in scene.title]
+    outcomes = set()
+    for scene in scenes:
+        on, off = skips.simulate(engine, scene, skips.ALL), skips.simulate(engine, scene, skips.NONE)
+        assert on.outcome is off.outcome, scene.title
+        assert on.history is None
+        outcomes.add(on.outcome.value)
+    assert len(outcomes) > 1, "amplitudes on both sides of overturning are wanted"
+
+
+def test_a_scene_of_the_set_is_a_scene_file() -> None:
+    for item in standard_set():
+        assert item.content["duration_s"] > 0.0
+    assert scene_of("x", FREE.content).statue.mass_kg == COLUMN["mass_kg"]

@@ -1,0 +1,121 @@
+"""The stress run: checks that fail when they must, cells whose category follows from numbers, scenes that come out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import engines, stresses
+from harness.benchmark.scenes import COLUMN, scene_of
+from harness.engine import Want
+from harness.history import History, Outcome
+from harness.record import Run
+from harness.scene import Scene
+from harness.stresses import checks, more, scenes, stability
+from harness.stresses.catalogue import catalogue, leaning
+
+QUICK = ("released 1e-3 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
+         "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return scene_of("free", leaning(COLUMN, 0.5, 0.6))
+
+
+@pytest.fixture(scope="module")
+def exact(scene: Scene) -> Run:
+    engine = engines.load("analytic")
+    return engine.simulate(scene, engine.ladder(scene)[-1], Want())
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_hard_scenes_come_out(name: str) -> None:
+    hard = next(item for item in catalogue() if item.name == name)
+    found = scenes.row_of(hard)
+    assert found["holds"], found["got"]
+
+
+def test_names_of_hard_scenes_are_their_own() -> None:
+    names = [item.name for item in catalogue()]
+    assert len(set(names)) == len(names)
+
+
+def spoiled(run: Run, **changes: Any) -> Run:
+    return replace(run, **changes)
+
+
+def test_checks_fail_when_they_must(scene: Scene, exact: Run) -> None:
+    assert all(check(scene, exact).holds for check in checks.BASIC)
+    assert not checks.finite(scene, spoiled(exact, peak_theta_rad=float("nan"))).holds
+    gained = spoiled(exact, validity={"energy_gained_j": 0.05 * checks.barrier_j(scene)})
+    assert not checks.energy(scene, gained).holds
+    assert not checks.depth(scene, spoiled(exact, validity={"penetration_m": 1e-3})).holds
+    assert not checks.creep(scene, exact).holds, "a rocking statue is not at rest"
+    assert not checks.ends_at_rest(scene, exact).holds
+    assert not checks.upright(scene, exact).holds
+
+
+def still(drift_rad: float) -> History:
+    t = np.linspace(0.0, 10.0, 1001)
+    zero = np.zeros_like(t)
+    return History(t, drift_rad * t / 10.0 + 1e-6 * np.sin(50.0 * t), zero, zero, zero)
+
+
+def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
+    assert checks.creep(scene, spoiled(exact, history=still(1e-7), end_s=10.0)).holds
+    assert not checks.creep(scene, spoiled(exact, history=still(1e-5), end_s=10.0)).holds
+
+
+def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
+    h = exact.history
+    assert h is not None
+    assert stability.judge(scene, exact, exact, False)[0] == "stable"
+    wrong = History(h.t_s, 1.1 * h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s)
+    assert stability.judge(scene, spoiled(exact, history=wrong), exact, False)[0] == "inaccurate"
+    gained = spoiled(exact, validity={"energy_gained_j": checks.barrier_j(scene)})
+    assert stability.judge(scene, gained, exact, False)[0] == "drifting"
+    crashed = spoiled(exact, outcome=Outcome.CRASHED, history=None, message="died")
+    assert stability.judge(scene, crashed, exact, False) == ("diverged", "died")
+
+
+def cell(setting: str, category: str, **more: Any) -> stability.Cell:
+    return stability.Cell("pymunk", setting, "hard", category, "evidence", **more)
+
+
+def test_only_what_numbers_explain_is_explained() -> None:
+    row = [cell("a", "inaccurate", error_rad=1.0), cell("b", "stable", error_rad=1e-4)]
+    assert [item.explained for item in stability.explained(row)] == [
+        "the step is too long for this scene: b is stable",
+        "",
+    ]
+    worse = [cell("a", "inaccurate", error_rad=0.1), cell("b", "inaccurate", error_rad=0.2)]
+    assert [item.explained for item in stability.explained(worse)] == ["", ""]
+    falling = [cell("a", "drifting", gained_j=1.0), cell("b", "drifting", gained_j=0.3)]
+    assert "falls with the step" in list(stability.explained(falling))[1].explained
+    assert list(stability.explained([cell("a", "stable"), cell("b", "diverged")]))[1].explained == ""
+
+
+@pytest.mark.parametrize("question", [more._repeated, more._mirrored, more._permuted, more._refined, more._no_motion])
+def test_hard_questions(question: Any) -> None:
+    found = question()
+    assert found["holds"], found["got"]
+
+
+def test_what_does_not_hold_is_told_and_fails() -> None:
+    wrong = {"name": "n", "wanted": "stands", "got": {"pymunk": "overturned_left"}, "holds": False}
+    bad = {"reader": "scene", "inputs": 10, "tracebacks": 1, "hangs": 0, "half_written": 0}
+    good = {**bad, "tracebacks": 0, "found": []}
+    whole = {"scenes": [{**wrong, "holds": True}], "cells": [cell("a", "stable").as_dict()], "fuzz": [good]}
+    assert stresses.holds(whole)
+    for spoilt in (
+        {**whole, "scenes": [wrong]},
+        {**whole, "cells": [cell("a", "diverged").as_dict()]},
+        {**whole, "fuzz": [{**bad, "found": [{"seed": 3, "what": "KeyError"}]}]},
+    ):
+        assert not stresses.holds(spoilt)
+        told = " ".join(stresses.sentences(spoilt))
+        assert "pymunk: overturned_left" in told or "Unexplained: pymunk" in told or "seed 3" in told
