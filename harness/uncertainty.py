@@ -27,6 +27,8 @@ SAFETY: Final = 4.0
 """Factor from the spread to the stated uncertainty: measured coverage on seeded scenes is above 95 %."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
+CONFIRMED: Final = 2
+"""Comparisons in a row that must hold: of scenes where one held, some 4 % were held by chance."""
 CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
 FLOOR_SHARE: Final = 1.0
@@ -68,7 +70,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         runs.append(run)
         if run.outcome.failed:
             continue
-        if spreads and (spreads[-1].whole or _hopeless(spreads, run.end_s, ladder[-1].dt_s)):
+        if _agreed(spreads) or (spreads and _hopeless(spreads, run.end_s, ladder[-1].dt_s)):
             break
     return _stated(runs, spreads, accuracy_rad, want)
 
@@ -119,12 +121,17 @@ def _instants(a: History, b: History, end_s: float) -> Array:
     return np.linspace(0.0, end_s, count, dtype=np.float64)
 
 
+def _agreed(spreads: list[Spread]) -> bool:
+    """Whether the last three runs agree, each with the next: two alone may share an error by chance."""
+    return len(spreads) >= CONFIRMED and all(item.whole for item in spreads[-CONFIRMED:])
+
+
 def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
     """Whether no rung is expected to reach the end.
 
     A small difference grows in proportion to itself, so each halving of the step gains about the same time.
     """
-    if len(spreads) < 2:
+    if len(spreads) < 2 or spreads[-1].whole:
         return False
     last, previous = spreads[-1], spreads[-2]
     gained = (last.until_s - previous.until_s) / math.log(previous.coarse_dt_s / last.coarse_dt_s)

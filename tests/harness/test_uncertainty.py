@@ -74,8 +74,8 @@ def test_cheapest_rung_that_meets_the_target(accuracy: float) -> None:
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= accuracy
     assert run.reliable_until_s == 1.0
-    assert run.work["runs"] == 2
-    assert 0.04 * accuracy < run.settings["dt_s"] < 1.5 * accuracy
+    assert run.work["runs"] == 3
+    assert 0.004 * accuracy < run.settings["dt_s"] < 1.5 * accuracy
 
 
 def test_a_growing_error_gives_a_horizon() -> None:
