@@ -78,7 +78,10 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
             drive.states.append(drive.world.recorder.take())
-            if abs(native.get_angle(native.body_of(drive.world.statue))) > OVERTURN_RAD:
+            if (
+                want.may_skip("stop_at_overturn")
+                and abs(native.get_angle(native.body_of(drive.world.statue))) > OVERTURN_RAD
+            ):
                 return False
             still_blocks = still_blocks + 1 if drive.t_s > quiet_after and _still(drive) else 0
             if still_blocks >= STILL_BLOCKS:
