@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 RECONCILED: Final = 0.005
 """Relative difference between a survey's number and the mesh up to which the two are said to agree."""
+LARGEST_M: Final = 1e4
+"""No statue is longer; beyond it squares of lengths overflow."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
@@ -128,6 +130,14 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     if depth is None:
         depth = left + right
         notes.append(f"statue.depth_m is not given: the base's width, {depth:.4g} m, is assumed")
+    sizes = {"corner_left_m": left, "corner_right_m": right, "height_m": height, "depth_m": depth}
+    mistakes = [
+        Mistake(str(path), f"statue.{name}", f"a length of at most {LARGEST_M:g} m", f"{value:g}")
+        for name, value in sizes.items()
+        if value > LARGEST_M
+    ]
+    if mistakes:
+        raise InputError(mistakes)
     section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
     half = 0.5 * depth
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
