@@ -156,7 +156,8 @@ def _hulls() -> Row:
             content = {"duration_s": 1.0, "statue": {"mesh": {"file": str(file), "density_kg_m3": 2700.0}}}
             scene = scene_of("hull", {**content, "motion": harmonic(0.45, 2.0)})
             # The same body to all three: what differs is only how many vertices describe it above its base.
-            scene = scene.but(statue=replace(scene.statue, mass_kg=300.0, inertia_kg_m2=26.0, centroid_height_m=0.5))
+            statue = replace(scene.statue, mass_kg=300.0, inertia_kg_m2=26.0, centroid_height_m=0.5)
+            scene = scene.but(statue=replace(statue, inertia_tensor_kg_m2=np.diag([26.0, 26.0, 2.0])))
             for engine in _here(ALL):
                 peaks[engine.name].append(_run(engine, scene, 1e-3).peak_theta_rad)
     for name, values in peaks.items():

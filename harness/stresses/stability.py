@@ -151,10 +151,14 @@ def explained(row: Sequence[Cell]) -> Iterator[Cell]:
     """The row with what its cells that are not stable owe it to: the step, when a finer one of the same row is stable."""
     for index, cell in enumerate(row):
         finer = [other for other in row[index + 1 :] if other.category == "stable"]
+        near = [o for o in row[index + 1 :] if o.error_rad is not None and o.error_rad <= INACCURATE_RAD]
         if cell.category == "stable":
             yield cell
         elif finer:
             yield replace(cell, explained=f"the step is too long for this scene: {finer[0].setting} is stable")
+        elif near and cell.category == "inaccurate":
+            why = f"the step is too long for this scene: at {near[0].setting} the error is {near[0].error_rad:.1e} rad"
+            yield replace(cell, explained=why)
         else:
             yield replace(cell, explained=_converging(cell, row[:index]))
 

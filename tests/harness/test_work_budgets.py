@@ -124,3 +124,17 @@ def test_the_energy_decides_as_the_integration_does() -> None:
     off = engine.simulate(scene, settings, Want(history=False, skips=frozenset(SKIPS) - {"energy_outcome"}))
     assert on.outcome is off.outcome
     assert on.steps < off.steps
+
+
+def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:
+    engine = engines.load("pymunk")
+    scene = scene_of("falls", {"duration_s": 8.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)})
+    settings = engine.ladder(scene)[0]
+    on = engine.simulate(scene, settings, Want())
+    off = engine.simulate(scene, settings, Want(skips=frozenset(SKIPS) - {"stop_at_overturn"}))
+    assert on.outcome is off.outcome
+    assert on.outcome.overturned
+    assert on.history is not None
+    assert off.history is not None
+    assert np.array_equal(on.history.theta_rad, off.history.theta_rad)
+    assert on.steps < 0.5 * off.steps
