@@ -20,7 +20,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@echo "setting up $(VENV) with $(PYTHON)"
 	@$(PYTHON) -m venv --clear $(VENV) || { \
 		echo "rockcheck needs the venv module of Python 3.11 (on Debian: apt-get install python3.11-venv)" >&2; exit 1; }
-	@$(PY) -m pip install --quiet --disable-pip-version-check --only-binary :all: -r requirements.lock
+	@$(PY) -m pip install --quiet --disable-pip-version-check --prefer-binary --only-binary pybullet -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $@
 
