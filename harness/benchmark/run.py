@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import engines, record
-from harness.benchmark import precision, scaling, skips
+from harness.benchmark import others, precision, scaling, skips
 from harness.benchmark.scenes import resolved, standard_set
 from harness.benchmark.sentences import choice, sentences
 from harness.record import SCHEMA_VERSION
@@ -44,11 +44,13 @@ def run(folder: Path, quick: bool = False, told: Callable[[str], None] = lambda 
         "coverage": _counted(coverage_rows),
         "skips": skips.rows(quick, told),
         "scaling": list(scaling.rows(quick, told)),
+        **others.measure(quick),
         "versions": record.versions(),
         "machine": record.machine(),
     }
     found["sentences"] = [
         *sentences(found),
+        *others.sentences(found),
         *(f"“{name}” was left out: {why}." for name, why in absent.items()),
     ]
     found["seconds"] = time.perf_counter() - start

@@ -68,8 +68,8 @@ def standard_set() -> Sequence[Standard]:
     """The scenes in the order of the report."""
     free = {"duration_s": 2.0, "statue": COLUMN, "initial": {"theta_rad": 0.0987}}
     pulse = {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.28, "duration_s": 0.5}
-    west = record("coalinga1983_PFZ14.csv", "a_90_ms2", scale=3.0, window_s=[5.0, 9.0])
-    north = record("coalinga1983_PFZ14.csv", "a_0_ms2", scale=3.0, window_s=[5.0, 9.0])
+    west = record("coalinga1983_PFZ14.csv", "a_90_ms2", pga_g=0.8, window_s=[5.0, 9.0])
+    north = record("coalinga1983_PFZ14.csv", "a_0_ms2", pga_g=0.8, window_s=[5.0, 9.0])
     scan = {"mesh": {"file": f"{MESHES}/maria_acephalous.obj", "unit": "m", "density_kg_m3": 2700.0}}
     centro = record("elcentro1940_NS.csv", "a_NS_ms2")
     return (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.benchmark import precision, sentences, skips
+from harness.benchmark import others, precision, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.benchmark.timing import cost
 from harness.engine import EngineFailure, Want
@@ -136,3 +136,21 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
     for item in standard_set():
         assert item.content["duration_s"] > 0.0
     assert scene_of("x", FREE.content).statue.mass_kg == COLUMN["mass_kg"]
+
+
+def test_other_solvers_are_compared_at_equal_error() -> None:
+    solvers = [
+        {"solver": "analytic", "error_rad": 1e-10, "seconds": 0.001},
+        {"solver": "analytic", "error_rad": 1e-4, "seconds": 0.0001},
+        {"solver": "scipy DOP853", "error_rad": 1e-7, "seconds": 0.2},
+        {"solver": "heyoka", "failed": "not installed"},
+    ]
+    rates = {"two_block": {"runs_per_core_s": 9000.0}}
+    found = {"solvers": solvers, "throughput": rates, "overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}}
+    told = others.sentences(found)
+    assert "200 times as fast as scipy DOP853 (at least 100 wanted)" in told[0]
+    assert told[1] == "No tolerance of scipy DOP853 reached 1e-09 rad."
+    assert "not installed" in told[2]
+    assert "9e+03 a second and core (short of the 10000 wanted)" in told[3]
+    assert "0.50 times a bare loop (at most" in told[4]
+    assert "1.20 times a bare loop (above" in told[5]
