@@ -15,7 +15,7 @@ from harness.benchmark.sentences import choice, sentences
 from harness.record import SCHEMA_VERSION
 from harness.run import check_folder
 
-COVERAGE_SEEDS: Final = {"pymunk": 30, "pybullet": 8}
+COVERAGE_SEEDS: Final = {"pymunk": 30, "pybullet": 3}
 """Seeded scenes for the coverage of the stated uncertainty, as many as the time allows (200 are run outside the bench)."""
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
