@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import sys
 from collections.abc import Mapping, Sequence
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 OK: Final = 0
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
+FULL_OR_READ_ONLY: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM})
 
 Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
 Engines = Annotated[
@@ -97,6 +99,9 @@ def compare(
         if not all(tables) or len(files) != 2:
             got = ", ".join(str(path) for path in files)
             raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
+        if engine or overrides or accuracy is not None or dt is not None or horizon:
+            no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
+            raise InputError(Mistake("compare", "", no_run, "one of them"))
         from harness.comparator import compare_files
 
         found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": compare_files(files[0], files[1], iso=iso)}
@@ -171,12 +176,14 @@ def compute(
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> str:
-    """The plan of a scene as text."""
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None, *, as_json: bool = False) -> str:
+    """The plan of a scene as text, or as a JSON list of its steps."""
     from harness.engines import DEFAULT_ENGINES, load
     from harness.plan import plan
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip))
+    if as_json:
+        return json.dumps([step.as_dict() for step in steps], indent=1, ensure_ascii=False)
     return "\n".join(map(str, steps))
 
 
@@ -257,5 +264,10 @@ def guarded(action: Any) -> int:
         return 130
     except BrokenPipeError:
         sys.stderr.close()
+        return FAILED
+    except OSError as error:
+        if error.errno not in FULL_OR_READ_ONLY:
+            raise
+        print(f"error: {error.filename or 'the output'} could not be written: {error.strerror}", file=sys.stderr)
         return FAILED
     return int(code or OK)

@@ -180,7 +180,8 @@ def read_history(path: Path) -> History:
         with path.open(newline="", encoding="utf-8") as stream:
             rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(Mistake(str(path), "", "a readable CSV file", reason)) from error
     if len(rows) < 2:
         raise InputError(Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(rows)} lines"))
     names = [name.strip() for name in rows[0]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import shutil
 import tempfile
 import time
@@ -183,12 +184,17 @@ def check_folder(folder: Path) -> None:
     existing = next((path for path in (folder, *folder.parents) if path.exists()), None)
     if existing is not None and not existing.is_dir():
         raise InputError(Mistake("--out", "", "a folder", f"the file {existing}"))
+    if existing is not None and not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {existing}"))
 
 
 def write_result(result: Result, folder: Path) -> Path:
     """Write histories, the statue's mesh and `result.json` into `folder`; a killed write leaves the old result whole."""
     check_folder(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(Mistake("--out", "", "a folder that can be written", f"{folder}: {error.strerror}")) from error
     fresh = Path(tempfile.mkdtemp(dir=folder, prefix=".writing-"))
     try:
         for name, run in result.runs.items():

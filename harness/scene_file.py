@@ -147,6 +147,8 @@ def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFi
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
+    except RecursionError as error:
+        raise InputError(Mistake(where, "", "valid TOML", "values nested too deeply to read")) from error
     mistakes = [mistake for item in overrides if (mistake := override(content, item)) is not None]
     if mistakes:
         raise InputError(mistakes)
@@ -171,6 +173,8 @@ def override(content: dict[str, Any], item: str) -> Mistake | None:
         plain: Any = tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         plain = value.strip()
+    except RecursionError:
+        return Mistake("--set", key, "a TOML value", "one nested too deeply to read")
     table = content
     for part in parts[:-1]:
         table = table.setdefault(part, {})

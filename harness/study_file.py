@@ -132,6 +132,8 @@ def load_study(path: Path | str) -> StudyFile:
         content: Mapping[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
+    except RecursionError as error:
+        raise InputError(Mistake(str(path), "", "valid TOML", "values nested too deeply to read")) from error
     try:
         return StudyFile.model_validate(content)
     except ValidationError as error:

@@ -45,14 +45,17 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
-    from harness.run import check_folder, write_result
+    from harness.run import check_folder, check_target, write_result
 
     folder = out or OUT / scene.stem
     check_folder(folder)
     if explain:
         from harness.load import load_scene
 
-        typer.echo(harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip))
+        check_target(accuracy, dt)
+        told = harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip, as_json=as_json)
+        if not quiet or as_json:
+            typer.echo(told)
         return
     result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json)
     write_result(result, folder)

@@ -79,7 +79,7 @@ def pair(a: History, b: History, *, hold_a: bool = False, hold_b: bool = False) 
     end = min(end, max(a.duration_s, b.duration_s))
     if end < start:
         spans = " and ".join(f"{h.t_s[0]:.6g}…{h.t_s[-1]:.6g} s" for h in (a, b))
-        raise ValueError(f"two histories that overlap in time are wanted, got {spans}")
+        raise ValueError(f"{spans}, which do not overlap")
     t_s = _times(a.t_s, b.t_s, start, end)
     return Pair(t_s, *_columns(a, b, t_s))
 

@@ -64,6 +64,11 @@ def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Pat
         (["run", "block.toml", "--set", "statue.corner_right_m=-0.01"], "statue.corner_right_m"),
         (["run", "block.toml", "--accuracy", "1e-3", "--dt", "1e-3"], "one of the two"),
         (["run", "block.toml", "--dt", "0"], "--dt"),
+        (["run", "block.toml", "--explain", "--accuracy", "nan"], "--accuracy"),
+        (["run", "block.toml", "--explain", "--accuracy", "1e-3", "--dt", "1e-3"], "one of the two"),
+        (["run", "block.toml", "--set", "statue.mass_kg=" + "[" * 5000], "nested too deeply"),
+        (["run", "block.toml", "-e", "analytic", "--out", "/proc/nowhere"], "--out"),
+        (["compare", "a.csv", "b.csv", "-e", "pymunk"], "nothing is run"),
         (["run", "block.toml", "--no-skip", "quiet_strat"], "did you mean quiet_start?"),
         (["run", "block.toml", "--out", "block.toml"], "a folder"),
         (["compare", "a.csv"], "exactly two"),
@@ -95,6 +100,27 @@ def test_explain_lists_the_skips_and_runs_nothing(scene: Path, tmp_path: Path) -
     assert "quiet_start" in done.stdout
     assert "base_only (pybullet)" in done.stdout
     assert not (tmp_path / "out").exists()
+
+
+def test_explain_in_json_is_json_and_quietly_says_nothing(scene: Path, tmp_path: Path) -> None:
+    done = rockcheck("run", "block.toml", "--explain", "--json", cwd=tmp_path)
+    assert "quiet_start" in {step["skip"] for step in json.loads(done.stdout)}
+    assert rockcheck("run", "block.toml", "--explain", "-q", cwd=tmp_path).stdout == ""
+
+
+def test_a_value_nested_beyond_reading_is_a_mistake(tmp_path: Path) -> None:
+    (tmp_path / "deep.toml").write_text("a = " + "[" * 5000 + "]" * 5000)
+    for command in ("run", "study"):
+        done = rockcheck(command, "deep.toml", cwd=tmp_path)
+        assert (done.returncode, "nested too deeply" in done.stderr) == (2, True), done.stderr
+
+
+def test_a_full_disk_is_told_without_a_traceback(scene: Path, tmp_path: Path) -> None:
+    command = f"{sys.executable} -c 'from reports.cli import main; main()' engines >/dev/full"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "could not be written: No space left" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path) -> None:
