@@ -28,7 +28,9 @@ report: $(STAMP) ## run the main job and say where the report is
 	@$(PY) -m reports.main_job
 
 test: $(STAMP) ## pass the tests
-	@$(PY) -m pytest -q
+	@# Compiled once here, not once in each of the processes below.
+	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.Rest(), duration_s=0.01)"
+	@$(PY) -m pytest -q -n auto
 
 lint: $(STAMP) ## check style, types and import rules
 	@$(VENV)/bin/ruff check .
