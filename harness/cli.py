@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 OK: Final = 0
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
+INTERRUPTED: Final = 130
 FULL_OR_READ_ONLY: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM})
 
 Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
@@ -259,9 +260,12 @@ def guarded(action: Any) -> int:
         for mistake in error.mistakes:
             print(f"error: {mistake}", file=sys.stderr)
         return WRONG_INPUT
-    except KeyboardInterrupt:
-        print("interrupted: nothing was written", file=sys.stderr)
-        return 130
+    except (KeyboardInterrupt, SystemExit) as ending:
+        # Typer turns an interrupt into this exit code and says nothing.
+        if isinstance(ending, SystemExit) and ending.code != INTERRUPTED:
+            raise
+        print("interrupted: no result was written; what a study has finished is kept in its store", file=sys.stderr)
+        return INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()
         return FAILED

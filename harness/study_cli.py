@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -38,7 +39,7 @@ def run(
     _check(study, folder, jobs, resume, export)
     start = time.perf_counter()
     pool: Pool = LocalPool(jobs) if dask is None else DaskPool(dask)
-    with Store(folder / STORE_NAME) as store, progress(study.title, quiet) as told:
+    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet) as told:
         summary = run_study(study, path, store, pool, told)
         found = study_record(study, path, store, summary, time.perf_counter() - start)
         record.write_json(folder / "result.json", found)
@@ -46,6 +47,28 @@ def run(
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
     return found, summary
+
+
+@contextmanager
+def unbegun(folder: Path) -> Iterator[None]:
+    """Take a store away that was made here when the study turns out to be wrong before anything was computed."""
+    store = folder / STORE_NAME
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    fresh = not store.exists()
+    try:
+        yield
+    except InputError:
+        if fresh and store.is_file() and _is_empty(store):
+            for path in (store, *folder.glob(f"{STORE_NAME}-*")):
+                path.unlink()
+            for path in made:
+                path.rmdir()
+        raise
+
+
+def _is_empty(path: Path) -> bool:
+    with closing(sqlite3.connect(path)) as store:
+        return store.execute("SELECT 1 FROM run LIMIT 1").fetchone() is None
 
 
 def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:

@@ -14,6 +14,22 @@ from harness.record import SCHEMA_VERSION
 
 RECORD_NAME: Final = "result.json"
 KINDS: Final = ("run", "study", "bench", "stress", "validation")
+REWRITE: Final = "write the result anew with this version"
+
+_TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
+_EVERY: Final = {
+    "title": _TEXT,
+    "scene": _TABLE,
+    "notes": _LIST,
+    "seconds": _NUMBER,
+    "versions": _TABLE,
+    "machine": _TABLE,
+}
+PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
+    "run": _EVERY | {"motion": _TABLE, "runs": _TABLE, "scores": _TABLE, "plan": _LIST, "warnings": _LIST},
+    "study": _EVERY | {"file": _TEXT, "vary": _TABLE, "summary": _TABLE, "engine_seconds": _TABLE, "rows": _LIST},
+}
+"""What a record of each kind must hold for its page, and in which form."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +66,22 @@ def read_record(folder: Path) -> dict[str, Any]:
         raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
     if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
         got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
-        raise InputError(
-            Mistake(
-                str(path), "schema_version", str(SCHEMA_VERSION), repr(got), "write the result anew with this version"
-            )
-        )
+        raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
     if record.get("kind") not in KINDS:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(record.get("kind"))))
+    _check_parts(path, record)
     return record
+
+
+def _check_parts(path: Path, record: dict[str, Any]) -> None:
+    """Raise `InputError` naming every part that a page needs and the record lacks or holds in another form."""
+    mistakes = [
+        Mistake(str(path), key, words, "nothing" if key not in record else type(record[key]).__name__, REWRITE)
+        for key, (form, words) in PARTS.get(record["kind"], {}).items()
+        if not isinstance(record.get(key), form)
+    ]
+    if mistakes:
+        raise InputError(mistakes)
 
 
 def run_source(folder: Path) -> RunSource:

@@ -9,6 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli import INTERRUPTED, guarded
+from harness.errors import InputError
+from reports.page import write_report
+from tests.reports.invented_run import write_invented
+
 SCENE = """
 title = "a block"
 duration_s = 1.0
@@ -113,6 +118,37 @@ def test_a_value_nested_beyond_reading_is_a_mistake(tmp_path: Path) -> None:
     for command in ("run", "study"):
         done = rockcheck(command, "deep.toml", cwd=tmp_path)
         assert (done.returncode, "nested too deeply" in done.stderr) == (2, True), done.stderr
+
+
+@pytest.mark.parametrize(("key", "scene_file"), [("initial.theta", "block.toml"), ("initial.theta_rad", "none.toml")])
+def test_a_wrong_study_leaves_no_store(scene: Path, tmp_path: Path, key: str, scene_file: str) -> None:
+    text = f'title = "s"\nscene = "{scene_file}"\n[[vary]]\nkey = "{key}"\nvalues = [0.05]\n'
+    (tmp_path / "wrong.toml").write_text(text + '[[variant]]\nname = "a"\nengines = ["analytic"]\n')
+    done = rockcheck("study", "wrong.toml", "--out", "made/here", cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert not (tmp_path / "made").exists()
+
+
+def test_an_interrupt_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupted() -> None:
+        raise SystemExit(INTERRUPTED)
+
+    assert guarded(interrupted) == INTERRUPTED
+    assert "interrupted" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        guarded(lambda: sys.exit(1))
+
+
+@pytest.mark.parametrize("part", ["title", "scene", "runs", "scores", "plan", "machine"])
+def test_a_damaged_record_is_told_by_its_part(tmp_path: Path, part: str) -> None:
+    write_invented(tmp_path)
+    path = tmp_path / "result.json"
+    record = json.loads(path.read_text())
+    for damaged in ({k: v for k, v in record.items() if k != part}, record | {part: 3}):
+        path.write_text(json.dumps(damaged))
+        with pytest.raises(InputError, match=f"result.json: {part}: wanted a"):
+            write_report(tmp_path)
+    assert not (tmp_path / "report.html").exists()
 
 
 def test_a_full_disk_is_told_without_a_traceback(scene: Path, tmp_path: Path) -> None:
