@@ -151,6 +151,12 @@ def test_a_damaged_record_is_told_by_its_part(tmp_path: Path, part: str) -> None
     assert not (tmp_path / "report.html").exists()
 
 
+def test_quiet_is_quiet_with_every_engine(scene: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    done = rockcheck("run", "block.toml", "-e", "pybullet", "-q", "--set", "duration_s=0.05", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_a_full_disk_is_told_without_a_traceback(scene: Path, tmp_path: Path) -> None:
     command = f"{sys.executable} -c 'from reports.cli import main; main()' engines >/dev/full"
     done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -1,0 +1,31 @@
+"""The first import of pybullet, without the line that its C code writes to stderr."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+STDERR: Final = 2
+
+
+@contextmanager
+def _without_banner() -> Iterator[None]:
+    """Keep the line that pybullet's C code writes to stderr at its first import from the user's terminal."""
+    try:
+        kept = os.dup(STDERR)
+    except OSError:  # stderr is closed: nothing to keep from it
+        yield
+        return
+    try:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), STDERR)
+        yield
+    finally:
+        os.dup2(kept, STDERR)
+        os.close(kept)
+
+
+with _without_banner():
+    import pybullet  # noqa: F401
