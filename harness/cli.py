@@ -241,9 +241,11 @@ def summary(result: Result) -> str:
 def _details(run: Any) -> str:
     if run.outcome.failed:
         return f": {run.message}"
-    parts = [f"peak {run.peak_theta_rad:+.4f} rad at {run.peak_time_s:.3f} s"]
+    # An overturned run has no peak of its own: it was ended at the rotation that counts as overturned.
     if run.overturn_time_s is not None:
-        parts.append(f"overturned at {run.overturn_time_s:.3f} s")
+        parts = [f"counts as overturned at {run.overturn_time_s:.3f} s"]
+    else:
+        parts = [f"peak {run.peak_theta_rad:+.4f} rad at {run.peak_time_s:.3f} s"]
     if run.numerical_uncertainty_rad is not None:
         until = run.reliable_until_s
         parts.append(

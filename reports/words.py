@@ -151,7 +151,7 @@ def _trust(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
     if until is not None and until < source.scene["duration_s"]:
         sentences.append(
             f"After {unit(until, 's')} the histories are not to be compared instant by instant: at least one model's own "
-            "numerical spread exceeds its aim there. Outcomes and peaks beyond that time are one possibility among several."
+            "numerical spread exceeds its aim there. Peaks, and outcomes decided later, are one possibility among several."
         )
     return sentences
 
