@@ -12,7 +12,7 @@ import numpy as np
 from analytic.excitation import Excitation, Rest
 from harness import motions, paths, scene_file
 from harness.errors import InputError, Mistake
-from harness.motions.spec import Component, Motion
+from harness.motions.spec import Component
 from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
 from harness.scene_file import ContactTable, MeshTable, ModelTable, PedestalTable, SceneFile, StatueTable
 
@@ -41,7 +41,7 @@ def resolve(model: SceneFile, path: Path, content: dict[str, object] | None = No
     """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`."""
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    shake = _shake(model.motion, path, model.duration_s, mistakes, notes)
+    shake = _shake(model, path, mistakes, notes)
     statue = None
     try:
         statue = _statue(model.statue, path, notes)
@@ -81,15 +81,22 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(motion: Motion, path: Path, duration_s: float, mistakes: list[Mistake], notes: list[str]) -> Shake:
+def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> Shake:
     found: dict[str, Excitation] = {axis: Rest() for axis in ("x", "y", "z")}
     for axis in found:
-        component: Component | None = getattr(motion, axis)
+        component: Component | None = getattr(model.motion, axis)
         if component is None:
             continue
         key = f"motion.{axis}"
         try:
-            prepared = motions.prepare(component, base_dir=path.parent, where=str(path), key=key, duration_s=duration_s)
+            prepared = motions.prepare(
+                component,
+                base_dir=path.parent,
+                where=str(path),
+                key=key,
+                duration_s=model.duration_s,
+                gravity_m_s2=model.gravity_m_s2,
+            )
             found[axis] = prepared.excitation
             notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
         except InputError as error:

@@ -167,7 +167,12 @@ def _inspected(file: Path, unit: str | None, axis: str) -> Any:
         given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
         raise InputError(Mistake("--axis", "", f"a component of the scene ({', '.join(given) or 'it has none'})", axis))
     return inspect_component(
-        component, base_dir=file.parent, where=str(file), key=f"motion.{axis}", duration_s=model.duration_s
+        component,
+        base_dir=file.parent,
+        where=str(file),
+        key=f"motion.{axis}",
+        duration_s=model.duration_s,
+        gravity_m_s2=model.gravity_m_s2,
     )
 
 

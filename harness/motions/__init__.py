@@ -29,24 +29,43 @@ class Prepared:
     target: DesignSpectrum | None = None
 
 
-def build(component: Component, *, base_dir: Path, where: str, key: str, duration_s: float | None = None) -> Excitation:
+def build(
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
+) -> Excitation:
     """The excitation of one component; `where` and `key` name it in messages. Raises InputError.
 
-    `duration_s` is the scene's: only a harmonic motion through a building needs it.
+    `duration_s` is the scene's: only a harmonic motion through a building needs it. `gravity_m_s2` is the scene's: formulas give
+    their amplitude as a share of it, so that a block's limits in g are exact; records in g mean standard gravity.
     """
-    return prepare(component, base_dir=base_dir, where=where, key=key, duration_s=duration_s).excitation
+    return prepare(
+        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
+    ).excitation
 
 
-def prepare(component: Component, *, base_dir: Path, where: str, key: str, duration_s: float | None = None) -> Prepared:
+def prepare(
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
+) -> Prepared:
     """The excitation with its record of steps and warnings (as `build`)."""
     if isinstance(component, RestSpec):
         return Prepared(Rest())
     if isinstance(component, HarmonicSpec):
-        amplitude = component.amplitude_g * STANDARD_GRAVITY_M_S2
+        amplitude = component.amplitude_g * gravity_m_s2
         phase = math.radians(component.phase_deg)
         ground = Prepared(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
     elif isinstance(component, PulseSpec):
-        amplitude = component.amplitude_g * STANDARD_GRAVITY_M_S2
+        amplitude = component.amplitude_g * gravity_m_s2
         ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
         loaded = records.load(component, base_dir=base_dir, where=where, key=key)

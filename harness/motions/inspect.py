@@ -113,10 +113,18 @@ def inspect_file(path: Path, *, unit: str | None = None, target: DesignSpectrum 
 
 
 def inspect_component(
-    component: Component, *, base_dir: Path, where: str, key: str, duration_s: float | None = None
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
 ) -> Inspection:
     """One component of a scene as the models will feel it; InputError as `harness.motions.build`."""
-    prepared = motions.prepare(component, base_dir=base_dir, where=where, key=key, duration_s=duration_s)
+    prepared = motions.prepare(
+        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
+    )
     excitation = prepared.excitation
     if isinstance(excitation, Record):
         steps = np.diff(excitation.t_s)

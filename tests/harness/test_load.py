@@ -1,0 +1,89 @@
+"""From a scene file to plain numbers: what is assumed is said, what is compared is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from harness.errors import InputError
+from harness.load import load_scene
+from tests.harness.test_scene_file import GOOD
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return path
+
+
+def test_what_is_assumed_is_said(tmp_path: Path) -> None:
+    scene = load_scene(written(tmp_path, GOOD))
+    assert scene.statue.height_m == 1.0
+    assert any("twice the centroid's height" in note for note in scene.notes)
+    assert any("base's width" in note for note in scene.notes)
+    assert any("no pedestal" in note for note in scene.notes)
+
+
+def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
+    motion = "[motion.x]\nkind = 'harmonic'\namplitude_g = 0.25\nfrequency_hz = 1.0\n"
+    scene = load_scene(written(tmp_path, GOOD + motion))
+    assert scene.shake.x.peak_m_s2 == 0.25 * 9.81
+    weak = load_scene(written(tmp_path, GOOD + motion), ["gravity_m_s2=4.0"])
+    assert weak.shake.x.peak_m_s2 == 1.0
+
+
+def test_the_papers_preset_is_its_two_choices(tmp_path: Path) -> None:
+    scene = load_scene(
+        written(tmp_path, GOOD + "[model]\npreset = 'paper'\n[contact]\nrestitution = 0.85\n"),
+        ["model.friction_normal='dynamic'"],
+    )
+    assert (scene.form.friction_normal, scene.form.pedestal_at_impact) == ("dynamic", "unchanged")
+    assert scene.contact.restitution == 0.85
+
+
+def test_a_pedestal_must_carry_the_whole_base(tmp_path: Path) -> None:
+    pedestal = "[pedestal]\nmass_kg = 1.0\nwidth_m = 0.1\ndepth_m = 1.0\nheight_m = 0.1\n"
+    with pytest.raises(InputError, match="under the whole base"):
+        load_scene(written(tmp_path, GOOD + pedestal))
+    with pytest.raises(InputError, match="under the whole base"):
+        load_scene(written(tmp_path, GOOD + pedestal), ["pedestal.width_m=0.3", "pedestal.offset_m=0.2"])
+
+
+def test_a_mesh_is_compared_with_the_survey(root: Path) -> None:
+    scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.centroid_height_m=0.80"])
+    assert any("centroid_height_m = 0.8 differs from 0.774" in note for note in scene.notes)
+    assert any("corner_left_m = 0.3585 agrees with" in note for note in scene.notes)
+    assert scene.statue.solid is not None
+
+
+def test_a_weighed_mass_gives_the_density(root: Path) -> None:
+    scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.mass_kg=750.0"])
+    assert scene.statue.mass_kg == pytest.approx(750.0, rel=1e-12)  # the density is solved from it: one division
+    assert any("density_kg_m3 = 2700 differs" in note for note in scene.notes)
+
+
+@pytest.mark.parametrize(
+    ("override", "key"),
+    [
+        ("statue.mesh.file='none.ply'", "statue.mesh.file"),
+        ("statue.mesh.density_kg_m3=none", "statue.mesh.density_kg_m3"),
+        ("motion.x={kind='record', file='none.csv', column='a'}", "motion.x"),
+    ],
+)
+def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_scene(root / "scenes" / "paestum_floor.toml", [override])
+    assert any(mistake.key.startswith(key) for mistake in caught.value.mistakes), str(caught.value)
+
+
+def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
+    from harness.cases import base_of, expand
+    from harness.study_file import load_study
+
+    for path in sorted((root / "scenes").glob("*.toml")):
+        if "\nscene = " in path.read_text():
+            study = load_study(path)
+            assert next(iter(expand(study, base_of(study, path)))).number == 0
+        else:
+            assert load_scene(path).statue.mass_kg > 0.0
