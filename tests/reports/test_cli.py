@@ -173,6 +173,13 @@ def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path)
     assert scores["rms_theta_rad"] == 0.0
 
 
+def test_a_single_instant_is_no_agreement(tmp_path: Path) -> None:
+    (tmp_path / "one.csv").write_text("t_s,theta_rad\n0,0\n")
+    (tmp_path / "two.csv").write_text("t_s,theta_rad\n0,0\n1,0.1\n")
+    done = rockcheck("compare", "one.csv", "two.csv", cwd=tmp_path)
+    assert (done.returncode, "one common instant" in done.stderr) == (2, True), done.stderr
+
+
 def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:
     code = (
         "import sys\nfrom reports.cli import app\n"
