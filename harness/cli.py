@@ -172,6 +172,7 @@ def compute(
             dt_s=dt,
             want=want,
             told=telling.engine,
+            apart=True,
             iso=iso,
             horizon=horizon,
         )

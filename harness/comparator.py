@@ -72,8 +72,9 @@ def compare(
 def compare_files(a: Path, b: Path, *, iso: bool = False) -> dict[str, Any]:
     """Score history file a against history file b, the reference, of whatever software; raises `InputError`."""
     scores = compare(read_history(a), read_history(b), names=(a.name, b.name), iso=iso)
-    if scores.compared_until_s <= scores.compared_from_s:
-        wanted, got = "a common stretch of time", f"one common instant at {scores.compared_from_s:g} s"
+    begin_s, end_s = scores.compared_from_s, scores.compared_until_s
+    if begin_s is not None and end_s is not None and end_s <= begin_s:
+        wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
         raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
     return scores.as_dict()
 

@@ -16,6 +16,7 @@ from harness.run import failed, simulate
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
+    from harness.engine import Want
     from harness.record import Run
     from harness.scene import Scene
 
@@ -94,6 +95,7 @@ def simulate_isolated(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
+    want: Want | None = None,
     timeout_s: float = DEFAULT_TIMEOUT_S,
 ) -> Run:
     """`harness.simulate` in a process of its own; a crash or hang is a run whose outcome says so.
@@ -102,7 +104,7 @@ def simulate_isolated(
     """
     begin = time.perf_counter()
     try:
-        run: Run = call(_simulate, (scene, engine, accuracy_rad, dt_s), timeout_s=timeout_s)
+        run: Run = call(_simulate, (scene, engine, accuracy_rad, dt_s, want), timeout_s=timeout_s)
     except Died as error:
         return failed(engine, Outcome.CRASHED, str(error), time.perf_counter() - begin)
     except Hung as error:
@@ -110,5 +112,5 @@ def simulate_isolated(
     return run
 
 
-def _simulate(scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None) -> Run:
-    return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s)
+def _simulate(scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, want: Want | None) -> Run:
+    return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)

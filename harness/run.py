@@ -8,6 +8,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -137,10 +138,13 @@ def run_scene(
     told: Callable[[str], None] = lambda text: None,
     iso: bool = False,
     horizon: bool = False,
+    apart: bool = False,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
 
-    `horizon` also finds each model's horizon of prediction from its own perturbed starts (some twenty runs of each).
+    `horizon` also finds each model's horizon of prediction from its own perturbed starts (some twenty runs of each). `apart` runs
+    three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
+    `multiprocessing` wants it); the results are the same.
     """
     from harness.comparator import compare
 
@@ -149,10 +153,15 @@ def run_scene(
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
     steps = plan(scene, loaded, want)
     start = time.perf_counter()
-    runs: dict[str, Run] = {}
-    for engine in loaded:
-        told(engine.name)
-        runs[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
+    beside = [item for item in loaded if apart and len(loaded) > 1 and item.capabilities.dimensions == 3]
+    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
+        waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
+        here: dict[str, Run] = {}
+        for engine in loaded:
+            told(engine.name)
+            if engine.name not in waiting:
+                here[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
+        runs = {item.name: here.get(item.name) or waiting[item.name].result() for item in loaded}
     answers = [run for run in runs.values() if not run.outcome.failed]
     horizons = _horizons(scene, answers, told) if horizon else {}
     known = {name: found.intrinsic_s for name, found in horizons.items()}
@@ -164,6 +173,12 @@ def run_scene(
     }
     plain = [step.as_dict() for step in steps]
     return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons)
+
+
+def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    from harness.isolate import simulate_isolated
+
+    return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
 
 
 def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None]) -> dict[str, Horizon]:

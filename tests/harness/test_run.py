@@ -1,0 +1,55 @@
+"""Engines beside each other give what they give alone; a failure is a recorded outcome of its own engine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.errors import InputError
+from harness.history import Outcome
+from harness.run import check_target, run_scene, simulate, write_result
+from tests.scenes_for_tests import paestum
+
+
+@pytest.mark.skipif(engines.load("pybullet").missing() is not None, reason="pybullet is not installed here")
+def test_a_process_of_its_own_changes_no_result() -> None:
+    scene = paestum(0.3, 2.0, pedestal=False)
+    alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3)
+    apart = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True)
+    for name in ("analytic", "pybullet"):
+        a, b = alone.runs[name].history, apart.runs[name].history
+        assert a is not None
+        assert b is not None
+        assert np.array_equal(a.theta_rad, b.theta_rad)
+    assert list(apart.runs) == list(alone.runs)
+
+
+def test_an_engine_that_is_not_here_is_an_outcome(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(type(engines.load("pymunk")), "missing", lambda self: "pymunk is not installed")
+    result = run_scene(paestum(0.1, 2.0), ["analytic", "pymunk"])
+    assert result.failed
+    assert result.runs["pymunk"].outcome is Outcome.UNAVAILABLE
+    assert result.scores == {}
+    write_result(result, tmp_path / "out")
+    assert not (tmp_path / "out" / "history_pymunk.csv").exists()
+
+
+def test_an_old_result_is_replaced_whole(tmp_path: Path) -> None:
+    scene = paestum(0.1, 2.0)
+    write_result(run_scene(scene, ["analytic", "pymunk"]), tmp_path)
+    write_result(run_scene(scene, ["analytic"]), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["history_analytic.csv", "result.json"]
+
+
+@pytest.mark.parametrize(("accuracy", "dt"), [(1e-3, 1e-3), (0.0, None), (1.0, None), (None, 0.0), (None, 1.0)])
+def test_a_target_out_of_range_is_a_mistake(accuracy: float | None, dt: float | None) -> None:
+    with pytest.raises(InputError, match="wanted"):
+        check_target(accuracy, dt)
+
+
+def test_an_unknown_engine_names_the_nearest() -> None:
+    with pytest.raises(InputError, match="did you mean pymunk"):
+        simulate(paestum(0.1, 2.0), "pymonk")
