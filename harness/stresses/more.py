@@ -27,6 +27,8 @@ STEP_S: Final = 5e-4
 PERMUTED_RAD: Final = 2e-3
 """What another order of bodies may change where friction switches between two coefficients."""
 PERMUTED_STEP_S: Final = 2.5e-4
+TIGHT_SWEEPS: Final = 3000
+TIGHT_RESIDUAL: Final = 1e-13
 PERTURBATIONS: Final = (1e-12, 1e-9, 1e-6, 1e-3)
 GROWTH: Final = 100.0
 """A perturbed start may end this much farther from the unperturbed one in two seconds with impacts, plus the engine's error."""
@@ -121,6 +123,10 @@ def _permuted() -> Row:
     for engine in _here(CONTACT):
         settings = _settings(engine, scene, PERMUTED_STEP_S)
         plain = settings.as_dict()
+        if "residual" in plain:
+            # The order in which an iterative solver meets the bodies matters as long as it stops early; what must not depend on
+            # it is the contact problem's solution (2.0e-3 rad apart with 200 sweeps here, 7.7e-4 rad with these).
+            settings = replace(settings, iterations=TIGHT_SWEEPS, residual=TIGHT_RESIDUAL)  # type: ignore[call-arg]
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
         apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
