@@ -230,6 +230,10 @@ class Telling:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     lines = [result.scene.title]
+    outcomes = {run.outcome for run in result.runs.values() if not run.outcome.failed}
+    if len(result.runs) > 1 and outcomes:
+        agree = len(outcomes) == 1
+        lines.append(f"  outcome: {'all models agree: ' + outcomes.pop().sentence if agree else 'the models differ'}")
     for name, run in result.runs.items():
         lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():

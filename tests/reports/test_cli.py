@@ -43,6 +43,7 @@ def scene(tmp_path: Path) -> Path:
 def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path) -> None:
     done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "pymunk", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    assert "outcome: all models agree: the statue stands" in done.stdout
     folder = tmp_path / "out" / "block"
     names = {path.name for path in folder.iterdir()}
     assert names == {"result.json", "report.html", "history_analytic.csv", "history_pymunk.csv"}
