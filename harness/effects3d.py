@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -240,8 +240,3 @@ def tilt_along(theta_rad: Array, out_of_plane_rad: Array, direction_deg: float) 
     up_z = np.cos(out_of_plane_rad) * np.cos(theta_rad)
     angle = np.deg2rad(direction_deg)
     return np.asarray(np.arctan2(np.cos(angle) * up_x + np.sin(angle) * up_y, up_z))
-
-
-def as_rows(found: Sequence[Amplitude | Departure]) -> list[dict[str, Any]]:
-    """Plain rows for a record."""
-    return [asdict(row) for row in found]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analytic.excitation import Excitation, Rest
-from harness.engine import SKIPS, Engine, Want
+from harness.engine import Engine, Want
 from harness.scene import OVERTURN_RAD, Scene
 
 
@@ -148,8 +148,3 @@ def _planar(scene: Scene, engines: Sequence[Engine], want: Want) -> Step:
         "no 3D engine is asked: the scene is planar",
         f"{names} asked by name: computed in 3D" if asked else "the scene is not planar",
     )
-
-
-def known_skips() -> str:
-    """The names of all skips, for messages."""
-    return ", ".join(SKIPS)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -92,10 +93,7 @@ def study(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, quiet=quiet or as_json
     )
     page = _page(folder)
-    if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo(f"{study_file.name}: {summary}\nreport: {page}")
+    _say(found, [f"{study_file.name}: {summary}", f"report: {page}"], as_json, quiet)
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 
@@ -139,10 +137,7 @@ def validate(
         quiet=quiet or as_json,
     )
     page = _page(folder)
-    if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo(f"report: {page}")
+    _say(found, [f"report: {page}"], as_json, quiet)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
@@ -157,10 +152,7 @@ def bench(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: Q
     with harness_cli.Telling(quiet or as_json) as telling:
         found = benchmark.run(folder, quick, telling.engine)
     page = _page(folder)
-    if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo("\n".join([*found["sentences"], f"report: {page}"]))
+    _say(found, [*found["sentences"], f"report: {page}"], as_json, quiet)
 
 
 @app.command(epilog="Example:  `rockcheck stress --out out/stress`")
@@ -172,10 +164,7 @@ def stress(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: 
     with harness_cli.Telling(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine)
     page = _page(folder)
-    if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo("\n".join([*stresses.sentences(found), f"report: {page}"]))
+    _say(found, [*stresses.sentences(found), f"report: {page}"], as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
@@ -185,6 +174,14 @@ def report(
 ) -> None:
     """Write the report of a result folder again from its records."""
     typer.echo(f"report: {_page(folder)}")
+
+
+def _say(found: Mapping[str, Any], lines: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """The record as JSON, or the lines, or nothing."""
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo("\n".join(lines))
 
 
 def _page(folder: Path) -> Path:

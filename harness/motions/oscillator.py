@@ -65,12 +65,6 @@ def displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, damping: fl
     return _filter(exact_step(period_s, damping, dt_s), np.array([1.0, 0.0]), accel_m_s2)
 
 
-def absolute_accel_m_s2(accel_m_s2: Floats, dt_s: float, period_s: float, damping: float) -> Floats:
-    """Absolute acceleration q̈ + a = −ω²q − 2ζωq̇ at the samples (n,), m/s²."""
-    step = exact_step(period_s, damping, dt_s)
-    return _filter(step, step.row_absolute, accel_m_s2)
-
-
 @dataclass(frozen=True, eq=False)
 class Peaks:
     """Per period: pseudo-acceleration ω²|d| (m/s²) with the sign of −d at its peak, and the time of that peak (s)."""
