@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import asking, engines, record
+from harness.batches import batches, runs_of
 from harness.cases import Base, Case, base_of, expand
 from harness.digest import scene_digest
 from harness.engine import Engine, Want
-from harness.executors import Crash, Pool
-from harness.history import Outcome
+from harness.executors import Pool
 from harness.record import Run
-from harness.run import DEFAULT_ACCURACY_RAD, failed, simulate
+from harness.run import DEFAULT_ACCURACY_RAD, simulate
 from harness.store import Store
 from harness.study_file import StudyFile
 
@@ -233,13 +233,10 @@ def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int,
 
     def done(batch: Sequence[Job], results: Sequence[Run] | BaseException) -> None:
         nonlocal finished
-        if isinstance(results, Crash):
-            results = [failed(job.engine, Outcome.CRASHED, f"the engine's process died: {results}") for job in batch]
-        elif isinstance(results, BaseException):
-            raise results
-        store.put([(job.key, run) for job, run in zip(batch, results, strict=True)], histories=batch[0].histories)
+        runs = runs_of(batch, results)
+        store.put([(job.key, run) for job, run in zip(batch, runs, strict=True)], histories=batch[0].histories)
         counts.mine.update(job.key for job in batch)
-        counts.failed += sum(run.outcome.failed for run in results)
+        counts.failed += sum(run.outcome.failed for run in runs)
         finished += len(batch)
         told(finished, total)
 
@@ -251,19 +248,7 @@ def _compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int,
             # engine never runs in this process: its crash would end the study.
             done(left[-1:], work(left[-1:]))
             left.pop()
-        pool.run(work, batches(left), done)
-
-
-def batches(jobs: Sequence[Job]) -> list[tuple[Job, ...]]:
-    """Jobs in the order given, grouped by engine into what a worker takes at a time."""
-    groups: dict[str, list[Job]] = defaultdict(list)
-    for job in jobs:
-        groups[job.engine].append(job)
-    found = []
-    for name, members in groups.items():
-        size = BATCH.get(name, 1)
-        found += [tuple(members[i : i + size]) for i in range(0, len(members), size)]
-    return found
+        pool.run(work, batches(left, BATCH, otherwise=1), done)
 
 
 def work(batch: Sequence[Job]) -> list[Run]:

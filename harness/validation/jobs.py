@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines, record
+from harness.batches import batches, runs_of
 from harness.engine import Want
 from harness.errors import InputError, Mistake
-from harness.executors import Crash, Pool
-from harness.history import Outcome
+from harness.executors import Pool
 from harness.record import Run
-from harness.run import DEFAULT_ACCURACY_RAD, check_target, failed, simulate
+from harness.run import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
 from harness.validation.table import Trial
@@ -43,6 +42,11 @@ class Job:
     variant: Variant
     model: Model
     seed: int
+
+    @property
+    def engine(self) -> str:
+        """The engine that answers."""
+        return self.model.engine
 
     @property
     def history(self) -> bool:
@@ -97,30 +101,15 @@ def compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int, 
 
     def done(batch: Sequence[Job], results: Sequence[Run] | BaseException) -> None:
         nonlocal finished
-        if isinstance(results, Crash):
-            results = [failed(job.model.engine, Outcome.CRASHED, f"the process died: {results}") for job in batch]
-        elif isinstance(results, BaseException):
-            raise results
-        for job, run in zip(batch, results, strict=True):
+        for job, run in zip(batch, runs_of(batch, results), strict=True):
             store.put([(job.key, run)], histories=job.history)
         finished += len(batch)
         told(finished, len(left))
 
     if left:
         told(0, len(left))
-        pool.run(work, _batches(left), done)
+        pool.run(work, batches(left, BATCH, otherwise=2), done)
     return len(left)
-
-
-def _batches(jobs: Sequence[Job]) -> list[tuple[Job, ...]]:
-    groups: dict[str, list[Job]] = defaultdict(list)
-    for job in jobs:
-        groups[job.model.engine].append(job)
-    found = []
-    for name, members in groups.items():
-        size = BATCH.get(name, 2)
-        found += [tuple(members[i : i + size]) for i in range(0, len(members), size)]
-    return found
 
 
 def work(batch: Sequence[Job]) -> list[Run]:
