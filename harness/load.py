@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 RECONCILED: Final = 0.005
 """Relative difference between a survey's number and the mesh up to which the two are said to agree."""
+LARGEST_GYRATION: Final = 2.0
+"""No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
 LARGEST_M: Final = 1e4
 """No statue is longer; beyond it squares of lengths overflow."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
@@ -143,6 +146,12 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
         for name, value in sizes.items()
         if value > LARGEST_M
     ]
+    gyration, largest = math.sqrt(inertia / mass), LARGEST_GYRATION * max(height, left + right)
+    if gyration > largest:
+        wanted = (
+            f"at most {mass * largest**2:.4g} (radius of gyration {largest:.4g} m: {LARGEST_GYRATION:g} times its size)"
+        )
+        mistakes.append(Mistake(str(path), "statue.inertia_kg_m2", wanted, f"{inertia:g}"))
     if mistakes:
         raise InputError(mistakes)
     section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, get_args
 
@@ -36,23 +37,45 @@ class Contradiction(ValueError):
         self.key, self.wanted, self.got = key, wanted, got
 
 
-def mistakes_of(error: ValidationError, model: type[BaseModel], where: str, text: str = "") -> list[Mistake]:
-    """All mistakes in a validation error, one for each place, in the order of the file's model."""
+def mistakes_of(
+    error: ValidationError,
+    model: type[BaseModel],
+    where: str,
+    text: str = "",
+    overridden: Sequence[tuple[str, ...]] = (),
+) -> list[Mistake]:
+    """All mistakes in a validation error, one for each place, in the order of the file's model.
+
+    `overridden` are the keys that `--set` wrote: a mistake there is not the file's.
+    """
     grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
     for detail in error.errors(include_url=False):
         path, _ = _resolve(model, detail["loc"])
         grouped.setdefault(path, []).append(detail)
-    return [_mistake(path, details, model, where, text) for path, details in grouped.items()]
+    return [_mistake(path, details, model, _Source(where, text, overridden)) for path, details in grouped.items()]
 
 
-def _mistake(
-    path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], where: str, text: str
-) -> Mistake:
+@dataclass(frozen=True)
+class _Source:
+    """Where a table's content came from: a file's text, with the keys that the command line wrote over it."""
+
+    where: str
+    text: str
+    overridden: Sequence[tuple[str, ...]]
+
+    def place(self, path: tuple[str, ...]) -> str:
+        if any(path[: len(key)] == key for key in self.overridden):
+            return "--set"
+        line = _line_of(self.text, path)
+        return f"{self.where}:{line}" if line else self.where
+
+
+def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], source: _Source) -> Mistake:
     detail = details[0]
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Contradiction):
         path = (*path, *cause.key.split("."))
-        return Mistake(_place(where, text, path), ".".join(path), cause.wanted, cause.got)
+        return Mistake(source.place(path), ".".join(path), cause.wanted, cause.got)
     _, owner = _resolve(model, detail["loc"])
     advice = ""
     if detail["type"] == "extra_forbidden":
@@ -64,12 +87,7 @@ def _mistake(
     else:
         wanted = " or ".join(dict.fromkeys(_wanted(item) for item in details))
         got = _got(detail)
-    return Mistake(_place(where, text, path), ".".join(path), wanted, got, advice)
-
-
-def _place(where: str, text: str, path: tuple[str, ...]) -> str:
-    line = _line_of(text, path)
-    return f"{where}:{line}" if line else where
+    return Mistake(source.place(path), ".".join(path), wanted, got, advice)
 
 
 def _wanted(detail: ErrorDetails) -> str:
@@ -85,6 +103,12 @@ def _wanted(detail: ErrorDetails) -> str:
             return f"a number {words} {context[name]:g}"
     if kind == "string_too_short":
         return "a text that is not empty"
+    if kind == "too_short":
+        return f"at least {context['min_length']} of them"
+    if kind == "too_long":
+        return f"at most {context['max_length']} of them"
+    if kind == "string_pattern_mismatch":
+        return f"a text like {context['pattern']}"
     return detail["msg"]
 
 

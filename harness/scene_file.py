@@ -16,6 +16,7 @@ from harness.motions.spec import Motion
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 MAX_SAMPLES = 2e7
+MAX_BYTES = 10_000_000
 
 
 class Table(BaseModel):
@@ -152,21 +153,26 @@ def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFi
     mistakes = [mistake for item in overrides if (mistake := override(content, item)) is not None]
     if mistakes:
         raise InputError(mistakes)
+    overridden = [_key_of(item) for item in overrides]
     try:
         model = SceneFile.model_validate(content)
     except ValidationError as error:
         missing = _absent_numbers(content.get("statue"), where)
-        raise InputError([*mistakes_of(error, SceneFile, where, text), *missing]) from error
+        raise InputError([*mistakes_of(error, SceneFile, where, text, overridden), *missing]) from error
     missing = _absent_numbers(content["statue"], where)
     if missing:
         raise InputError(missing)
     return model, content
 
 
+def _key_of(item: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in item.partition("=")[0].split("."))
+
+
 def override(content: dict[str, Any], item: str) -> Mistake | None:
     """Set one dotted key of `content` from `KEY=VALUE`; `KEY=none` removes it. Returns the mistake, if it is one."""
     key, found, value = item.partition("=")
-    parts = [part.strip() for part in key.split(".")]
+    parts = _key_of(item)
     if not found or not all(parts):
         return Mistake("--set", item, "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(item))
     try:
@@ -201,7 +207,11 @@ def _absent_numbers(statue: Any, where: str) -> list[Mistake]:
 def read(path: Path) -> str:
     """The text of a scene file; raises `InputError` when it cannot be read."""
     try:
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as stream:
+            raw = stream.read(MAX_BYTES + 1)
+        if len(raw) > MAX_BYTES:
+            raise InputError(Mistake(str(path), "", f"a scene file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
+        return raw.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise InputError(Mistake(str(path), "", "a readable scene file", reason)) from error

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from harness import scene_file
@@ -94,6 +96,24 @@ def test_overrides_set_add_and_remove_keys() -> None:
 def test_an_override_that_makes_no_sense_is_a_mistake(item: str) -> None:
     found = mistakes(GOOD, item)
     assert all(mistake.where == "--set" for mistake in found.values())
+
+
+def test_a_mistake_that_an_override_made_is_not_blamed_on_the_file() -> None:
+    found = mistakes(GOOD, "duration_s=-1", "contact.statue=0")
+    assert [found[key].where for key in ("duration_s", "contact.statue")] == ["--set", "--set"]
+    assert (
+        mistakes(GOOD.replace("mass_kg = 100.0", "mass_kg = -1.0"), "duration_s=-1")["statue.mass_kg"].where
+        == "s.toml:5"
+    )
+
+
+def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
+    long = tmp_path / "long.toml"
+    long.write_bytes(b"#" * (scene_file.MAX_BYTES + 1))
+    with pytest.raises(InputError, match="at most 1e\\+07 bytes"):
+        scene_file.read(long)
+    long.write_bytes(b"#" * scene_file.MAX_BYTES)
+    assert len(scene_file.read(long)) == scene_file.MAX_BYTES
 
 
 def test_a_statue_by_numbers_wants_all_of_them() -> None:
