@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from harness.contact.friction import floor_friction
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
+from harness.contact.spatial import fall_across
 from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.bullet.settings import BulletSettings
-from harness.history import Outcome
 from harness.record import Run
-from harness.scene import OVERTURN_RAD, Scene
+from harness.scene import Scene
 
 if TYPE_CHECKING:
     from harness.engines.bullet.course import Course, Setup
@@ -92,7 +92,7 @@ class Bullet3D(Engine):
         setup = course.prepare(scene)
         found = course.run(scene, rung, setup, want)
         path = trajectory(scene, found.record, setup.axes, rung.dt_s)
-        fall = _fall(path.extra, path.theta_rad)
+        fall = fall_across(path.extra, path.theta_rad)
         report = Report(
             engine=self.name,
             settings=rung.as_dict(),
@@ -117,17 +117,6 @@ def _own(settings: Settings) -> BulletSettings:
     if not isinstance(settings, BulletSettings):
         raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
     return settings
-
-
-def _fall(extra: Mapping[str, Array], theta_rad: Array) -> Outcome | None:
-    """Front or back when the run ended with the statue fallen across the plane, else None: the rotation tells."""
-    across = float(extra["out_of_plane_rad"][-1])
-    if abs(theta_rad[-1]) >= OVERTURN_RAD or not np.isfinite(across):
-        return None
-    up_z = np.cos(across) * np.cos(theta_rad[-1])
-    if up_z > np.cos(OVERTURN_RAD):
-        return None
-    return Outcome.OVERTURNED_BACK if across > 0.0 else Outcome.OVERTURNED_FRONT
 
 
 def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.contact.friction import FloorFriction, floor_friction
 from harness.contact.reduce import Report, reduce_trajectory
+from harness.contact.spatial import fall_across, fallen, matrices, planar, statue_columns
 from harness.contact.trajectory import Trajectory
 from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
 from harness.record import Run
@@ -89,21 +90,25 @@ class Mujoco3D(Engine):
         edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
         gravity = frame.apparent_gravity(scene, edges)
         states, work = _march(mujoco, model, scene, own, gravity)
+        states = states[: _until_fallen(states)]
         trajectory = _trajectory(scene, own, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
         base = scene.statue.corner_left_m + scene.statue.corner_right_m
         settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
+        fall = fall_across(trajectory.extra, trajectory.theta_rad)
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
             steps=len(states) - 1,
             wall_s=0.0,
+            outcome=fall,
             resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
             stuck_below_m_s=1e-4,
             with_history=want.history or not want.may_skip("no_history"),
             work=work,
             warnings=_warnings(scene),
         )
-        return replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
+        run = replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
+        return run if fall is None else replace(run, overturn_time_s=run.end_s)
 
 
 def _own(settings: Settings) -> MujocoSettings:
@@ -195,14 +200,23 @@ def _march(mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: 
             stuck, again = _follow(mujoco, model, data, scene, friction, rows[k], gravity[k] * own.dt_s, stuck)
             repeated += again
         rows[k + 1, :n], rows[k + 1, n:] = data.qpos, data.qvel
-        if k % BLOCK_STEPS == 0 and _lean(data.qpos) > OVERTURN_RAD:
+        if k % BLOCK_STEPS == 0 and fallen(*_axis(data.qpos[3:7])):
             rows = rows[: k + 2]
             break
     return rows, {"steps_repeated": repeated}
 
 
-def _lean(qpos: Any) -> float:
-    return abs(float(_theta(np.asarray(qpos)[None, 3:7])[0]))
+def _axis(turn: Any) -> tuple[float, float, float]:
+    """The statue's axis in the world, from its quaternion (w, x, y, z)."""
+    w, x, y, z = (float(value) for value in turn)
+    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+def _until_fallen(rows: Array) -> int:
+    """How many rows up to and with the first at which the statue counts as overturned."""
+    up_z = 1.0 - 2.0 * (rows[:, 4] ** 2 + rows[:, 5] ** 2)
+    low = np.flatnonzero(up_z <= math.cos(OVERTURN_RAD / 2.0))
+    return next((int(k) + 1 for k in low if fallen(*_axis(rows[k, 3:7]))), len(rows))
 
 
 def _follow(
@@ -233,10 +247,18 @@ def _follow(
     return False, 1
 
 
-def _theta(quaternion: Array) -> Array:
-    w, x, y, z = quaternion.T
-    theta: Array = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
-    return theta
+def _back(quaternion: Array, rate: Array, half_s: float) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) taken back by half a step, and angular velocities (n, 3) in the world; `rate` is the body's own."""
+    turn = matrices(quaternion[:, [1, 2, 3, 0]])
+    nothing = np.zeros(len(rate))
+    x, y, z = rate.T
+    cross = np.moveaxis(np.array([[nothing, -z, y], [z, nothing, -x], [-y, x, nothing]]), -1, 0)
+    return turn - half_s * turn @ cross, np.einsum("nij,nj->ni", turn, rate)
+
+
+def _tilt(turn: Array, spin: Array) -> Array:
+    """Planar rotation of a body from its rotations and angular velocities."""
+    return planar(turn[:, :, 2], spin)[0]
 
 
 def _trajectory(scene: Scene, own: MujocoSettings, t_s: Array, gravity_xz: Array, rows: Array) -> Trajectory:
@@ -245,25 +267,23 @@ def _trajectory(scene: Scene, own: MujocoSettings, t_s: Array, gravity_xz: Array
     nq = 14 if pedestal else 7
     q, v, half = rows[:, :nq], rows[:, nq:], 0.5 * own.dt_s
     zero = np.zeros(t_s.size)
-    w, x, y, z = q[:, 3:7].T
-    extra = {
-        "y_m": q[:, 1] - half * v[:, 1],
-        "roll_rad": np.arctan2(2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
-        "yaw_rad": np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)),
-    }
+    turn, spin = _back(q[:, 3:7], v[:, 3:6], half)
+    centroid = q[:, :3] - half * v[:, :3]
+    theta, theta_rate = planar(turn[:, :, 2], spin)
+    extra = statue_columns(scene.statue, turn, centroid)
     place, rate, slip, slip_rate = None, None, zero, zero
     if pedestal:
         place, rate = q[:, [7, 9]] - half * v[:, [6, 8]], v[:, [6, 8]]
         slip, slip_rate = place[:, 0] - place[0, 0], rate[:, 0]
-        extra["pedestal_tilt_rad"] = _theta(q[:, 10:14]) - half * v[:, 10]
+        extra["pedestal_tilt_rad"] = _tilt(*_back(q[:, 10:14], v[:, 9:12], half))
     return Trajectory(
         t_s,
-        _theta(q[:, 3:7]) - half * v[:, 4],
-        v[:, 4],
+        theta,
+        theta_rate,
         slip,
         slip_rate,
         gravity_xz,
-        q[:, [0, 2]] - half * v[:, [0, 2]],
+        centroid[:, [0, 2]],
         v[:, [0, 2]],
         place,
         rate,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact import frame
+from harness.contact.spatial import matrices, planar, statue_columns
 from harness.contact.trajectory import Trajectory
-from harness.engines.bullet.pose import matrices
 from harness.engines.bullet.stepper import Record
 from harness.scene import Scene
 
@@ -28,8 +28,8 @@ def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Traj
     turn = matrices(rows[:, 3:7]) @ axes.T
     spin = rows[:, 10:13]
     centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate
-    theta, theta_rate = _planar(turn[:, :, 2], spin)
-    extra = _statue_columns(scene, turn, centroid)
+    theta, theta_rate = planar(turn[:, :, 2], spin)
+    extra = statue_columns(scene.statue, turn, centroid)
     slip = slip_rate = np.zeros_like(t_s)
     pedestal = pedestal_rate = None
     if scene.pedestal is not None:
@@ -95,30 +95,6 @@ def _table(scene: Scene, t_s: Array) -> tuple[Array, Array]:
         nothing = np.zeros((t_s.size, 3))
         return nothing, nothing
     return frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
-
-
-def _planar(up: Array, spin: Array) -> tuple[Array, Array]:
-    """θ = atan2(ẑ·x̂, ẑ·ẑ), unwrapped, and its rate, from the statue's axis (n, 3) and its angular velocity (n, 3)."""
-    theta = np.unwrap(np.arctan2(up[:, 0], up[:, 2]))
-    change = np.cross(spin, up)
-    size = up[:, 0] ** 2 + up[:, 2] ** 2
-    rate: Array = (up[:, 2] * change[:, 0] - up[:, 0] * change[:, 2]) / np.where(size > 0.0, size, 1.0)
-    return theta, rate
-
-
-def _statue_columns(scene: Scene, turn: Array, centroid: Array) -> dict[str, Array]:
-    columns = {
-        "roll_rad": np.arctan2(turn[:, 2, 1], turn[:, 2, 2]),
-        "pitch_rad": np.arcsin(np.clip(-turn[:, 2, 0], -1.0, 1.0)),
-        "yaw_rad": np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0])),
-        "out_of_plane_rad": np.arcsin(np.clip(turn[:, 1, 2], -1.0, 1.0)),
-        "statue_y_m": centroid[:, 1] - centroid[0, 1],
-    }
-    statue = scene.statue
-    for name, x in (("right", statue.corner_right_m), ("left", -statue.corner_left_m)):
-        path = centroid + turn @ np.array([x, 0.0, -statue.centroid_height_m])
-        columns |= {f"corner_{name}_{axis}_m": path[:, k] for k, axis in enumerate("xyz")}
-    return columns
 
 
 def _pedestal_columns(turn: Array, place: Array) -> dict[str, Array]:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.bullet.pose import matrices
+from harness.contact.spatial import matrices
 
 Array = NDArray[np.float64]
 

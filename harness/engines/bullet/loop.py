@@ -8,11 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
 from harness.engines.bullet.schedule import Schedule, Vector
 from harness.engines.bullet.stepper import Record, Row, Stepper, axis_of
 from harness.engines.bullet.world import World
-from harness.scene import OVERTURN_RAD, Scene
+from harness.scene import Scene
 
 AHEAD: Final = 1.5
 """An impact expected within this many steps is passed in sub-steps: the rate changes little in so short a time."""
@@ -37,8 +38,6 @@ STILL_M_S: Final = 1e-5
 STILL_CHECK: Final = 64
 STILL_CHECKS: Final = 16
 """A run may end when everything was still at this many checks in a row, `STILL_CHECK` steps apart."""
-OVERTURN_TAN: Final = math.tan(OVERTURN_RAD)
-OVERTURN_COS: Final = math.cos(OVERTURN_RAD)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, firs
     number, row, was_near, fine_before, still, cut = start, first, False, False, Still(watch), -1
     while number < schedule.count:
         zx, zy, zz = axis_of(row, watch.axis)
-        if zz < LEANING and _overturned(zx, zy, zz):
+        if zz < LEANING and fallen(zx, zy, zz):
             break
         if watch.halt is not None and watch.halt(row):
             break
@@ -198,9 +197,3 @@ class Still:
         upright = max(abs(zx - rest[0]), abs(zy - rest[1])) < STILL_LEAN_RAD
         self.count = self.count + 1 if upright and max(map(abs, moving)) < STILL_M_S else 0
         return self.count >= STILL_CHECKS
-
-
-def _overturned(zx: float, zy: float, zz: float) -> bool:
-    if abs(zx) >= abs(zy):
-        return abs(zx) >= zz * OVERTURN_TAN
-    return zz <= OVERTURN_COS

@@ -89,14 +89,3 @@ def quaternion(rotation: Array) -> tuple[float, float, float, float]:
         found[3] = skew[k] / (2.0 * size)
         found = found if found[3] >= 0.0 else -found
     return float(found[0]), float(found[1]), float(found[2]), float(found[3])
-
-
-def matrices(turns: Array) -> Array:
-    """Rotation matrices (n, 3, 3) of quaternions (n, 4)."""
-    x, y, z, w = turns.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
+from harness.contact.spatial import matrices
 from harness.engine import Want
 from harness.engines import load
 from harness.engines.bullet import course, feet, pose, shapes
@@ -132,7 +133,7 @@ def test_rolling_on_the_rim() -> None:
     )
     rung = load("pybullet").settings_for_dt(case, 2.5e-4)
     found = course.run(case, rung, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
-    up = (pose.matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
+    up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
     azimuth = np.unwrap(np.arctan2(up[:, 1], up[:, 0]))
     rate = (azimuth[-1] - azimuth[0]) / found.record.t_s[-1]
     assert rate == pytest.approx(closed.precession_rad_s, rel=budget.PRECESSION_REL)
