@@ -53,18 +53,21 @@ def certify(
     """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
 
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
-    scene: the other keywords of ``simulate``. Raises
-    AnalyticInputError as ``simulate`` does.
+    scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
+    the finer error and the shorter steps together, is the check. Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else Rest()
     base = min(accuracy_rad, base_accuracy_rad)
     gravity = scene.get("gravity_m_s2", 9.81)
     cap = min(step_cap_s, CAP / max(block.p_rad_s(1, gravity), block.p_rad_s(-1, gravity)))
     quick = scene | {"events": False, "validity": False}
+    checks: tuple[tuple[float, float], ...] = ((base * FINER, step_cap_s), (base, 0.5 * cap))
+    if scene.get("dt_s", 0.0) is None:
+        scene, checks = {"events": False} | scene, ((base * FINER, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
-    others = (
-        simulate(block, motion_x, motion_z, accuracy_rad=base * FINER, step_cap_s=step_cap_s, **quick),
-        simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=0.5 * cap, **quick),
+    others = tuple(
+        simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
+        for finer, shorter in checks
     )
     uncertainty, until = _spread(first, others, accuracy_rad)
     sure = all(other.outcome is first.outcome for other in others)

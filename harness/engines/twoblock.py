@@ -185,7 +185,7 @@ def _skipped(solution: Solution, want: Want) -> tuple[str, ...]:
     if work.ended_by_energy and solution.end_s > 0.0 and not want.history:
         told.append(f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone.")
     if not want.history:
-        told.append("No history was kept: only the outcome was asked.")
+        told.append("No history and no list of impacts was kept: only the outcome was asked.")
     if solution.overturn_time_s is not None:
         told.append("The run ends when the statue has overturned.")
     return tuple(told)

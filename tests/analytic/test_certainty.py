@@ -112,3 +112,17 @@ def test_numbers_that_cannot_be_run_are_refused(change: dict[str, float], senten
         simulate(STATUE, Rest(), **({"duration_s": 1.0} | ON_PEDESTAL | change))  # type: ignore[arg-type]
     with pytest.raises(AnalyticInputError, match="mass_kg"):
         Block.rectangle(width_m=0.1, height_m=1.0, mass_kg=-1.0)
+
+
+def test_without_a_history_one_further_run_is_the_check_and_the_numbers_are_the_same() -> None:
+    motion = Harmonic(0.429 * GRAVITY, 4.5)
+    options = {"accuracy_rad": 1e-6, "base_accuracy_rad": 1e-6, "duration_s": 3.0, **ON_PEDESTAL}
+    whole = certify(STATUE, motion, skip_energy=False, **options)  # type: ignore[arg-type]
+    short = certify(STATUE, motion, dt_s=None, skip_energy=False, **options)  # type: ignore[arg-type]
+    assert short.solution.events == ()
+    assert short.outcome_is_sure == whole.outcome_is_sure
+    for name in ("outcome", "end_s", "peak_theta_rad", "peak_time_s", "peak_slip_m", "final_slip_m", "validity"):
+        assert getattr(short.solution, name) == getattr(whole.solution, name), name
+    assert short.solution.work.impacts == len(whole.solution.impacts)
+    exact = simulate(STATUE, motion, accuracy_rad=1e-15, duration_s=3.0, dt_s=None, **ON_PEDESTAL)  # type: ignore[arg-type]
+    assert abs(short.solution.peak_theta_rad - exact.peak_theta_rad) <= short.uncertainty_rad
