@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -24,6 +25,9 @@ REST_LEAN_RAD: Final = 0.2
 FLAT_RAD: Final = 1e-9
 """A lean below this is none: rounding of the hull's normals."""
 
+KEPT: Final = 8
+"""Statues whose vertices are remembered: each rung of a climb and each amplitude of a search takes the same."""
+
 
 @dataclass(frozen=True, eq=False)
 class Rest:
@@ -34,6 +38,7 @@ class Rest:
     found: bool
 
 
+@lru_cache(maxsize=KEPT)
 def touchable(statue: Statue, lean_rad: float = OVERTURN_RAD) -> Array:
     """Vertices (k, 3), statue frame, that a level support can touch while the statue leans up to `lean_rad` in any direction.
 
@@ -62,6 +67,7 @@ def hull_vertices(statue: Statue) -> Array:
     return np.asarray(vertices[np.sort(hull.vertices)])
 
 
+@lru_cache(maxsize=KEPT)
 def rest(statue: Statue) -> Rest:
     """The pose on the facet, nearest to upright, over which the centroid stands; upright when no such facet is found."""
     vertices, hull = _hull(statue)
