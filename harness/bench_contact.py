@@ -72,7 +72,7 @@ def accuracy_rows(names: Sequence[str], steps_s: Sequence[float]) -> Iterator[di
                 continue
             for dt in steps_s:
                 runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt), Want()) for scene in scenes]
-                errors = [_apart(a, b) for a, b in zip(runs, exact, strict=True)]
+                errors = [apart(a, b) for a, b in zip(runs, exact, strict=True)]
                 yield {
                     "engine": name,
                     "kind": kind,
@@ -83,7 +83,8 @@ def accuracy_rows(names: Sequence[str], steps_s: Sequence[float]) -> Iterator[di
                 }
 
 
-def _apart(run: Run, exact: Run) -> tuple[float, float]:
+def apart(run: Run, exact: Run) -> tuple[float, float]:
+    """Largest differences of rotation, rad, and slip, m, while both runs last; nan where a history is missing."""
     if run.history is None or exact.history is None:
         return float("nan"), float("nan")
     times = exact.history.t_s[exact.history.t_s <= min(run.end_s, exact.end_s)]
