@@ -22,6 +22,10 @@ PEAK_RAD: Final = 1e-9
 ENERGY_SHARE: Final = 1e-9
 """Rates on both sides of an impact are extrapolated exactly on parabolic arcs: rounding alone."""
 
+ENGINE_SHARE: Final = 2e-3
+"""Rates of an engine's history are extrapolated by lines over two samples: under 3 Hz they bend by θ⃛dt² ≈ 1e-4 rad/s, which is
+some 5e-4 of the share at 0.4 rad/s; a step of 1 ms errs by as much again. A sample inside an impact costs 1e-2 and more."""
+
 WORK_PAIR_SAMPLES: Final = 10_001
 """A history of 10 s at 1 kHz, the size that the speed target names."""
 

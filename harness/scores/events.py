@@ -60,7 +60,10 @@ def excursions(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursion
     if first.size == 0:
         return NO_EXCURSIONS
     uplift = _crossing(t, theta, first, sign * threshold_rad)
-    impact, before, after = _impacts(t, theta, rate, last)
+    impact = _impacts(t, theta, rate, last)
+    # From the side before: samples of the excursion itself but its first, which the impact before it may still hold.
+    before = _extrapolated(t, rate, impact, last, -1, last - first)
+    after = _after(t, rate, impact, np.append(last[1:], t.size - 1))
     peak = sign * np.maximum.reduceat(np.abs(theta), first)
     # Samples between two excursions are below the threshold, so they never hold the maximum.
     end = np.where(np.isfinite(impact), impact, t[last])
@@ -86,29 +89,43 @@ def _crossing(t: Array, theta: Array, first: NDArray[np.intp], level: Array) -> 
     return np.asarray(t[previous] + np.clip(share, 0.0, 1.0) * (t[first] - t[previous]))
 
 
-def _impacts(t: Array, theta: Array, rate: Array, last: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-    """Time of θ = 0 after sample `last`, and the rates on both sides.
+def _impacts(t: Array, theta: Array, rate: Array, last: NDArray[np.intp]) -> Array:
+    """Time of θ = 0 after sample `last`; NaN where the history ends before it.
 
-    The impact jumps between two samples, so each side is extrapolated by its own parabola: θ + θ̇τ + θ̈τ²/2 = 0 with θ̈
-    from the last two samples before, and the rate after from the first two samples after.
+    The velocity jumps between two samples, so the side before is extrapolated by its own parabola: θ + θ̇τ + θ̈τ²/2 = 0 with
+    θ̈ from the last two samples before.
     """
-    n = t.size
-    inside = last + 1 < n
-    i = np.minimum(last, n - 1)
-    step = t[np.minimum(i + 1, n - 1)] - t[i]
-    accel = _slope(t, rate, np.maximum(i - 1, 0), i)
-    wait = _root(theta[i], rate[i], accel)
+    inside = last + 1 < t.size
+    i = np.minimum(last, t.size - 1)
+    step = t[np.minimum(i + 1, t.size - 1)] - t[i]
+    wait = _root(theta[i], rate[i], _slope(t, rate, np.maximum(i - 1, 0), i))
     # Sinking to rest below the threshold takes a few samples: allow the fall from there.
-    crossed = theta[np.minimum(i + 1, n - 1)] * np.sign(theta[i]) <= 0.0
+    crossed = theta[np.minimum(i + 1, t.size - 1)] * np.sign(theta[i]) <= 0.0
     longest = np.where(crossed, step, 3.0 * step + np.abs(theta[i]) / np.maximum(np.abs(rate[i]), 1e-12))
-    wait = np.minimum(wait, longest)
-    impact = np.where(inside, t[i] + wait, np.nan)
-    before = np.where(inside, rate[i] + accel * wait, np.nan)
-    k = np.minimum(np.searchsorted(t, impact, side="right"), n - 1)
-    k = np.where(np.isfinite(impact), k, n - 1)
-    slope = _slope(t, rate, k, np.minimum(k + 1, n - 1))
-    after = np.where(inside, rate[k] - slope * np.maximum(t[k] - impact, 0.0), np.nan)
-    return impact, before, after
+    return np.where(inside, t[i] + np.minimum(wait, longest), np.nan)
+
+
+def _after(t: Array, rate: Array, impact: Array, until: NDArray[np.intp]) -> Array:
+    """The rate just after each impact, shape (k,), from samples up to index `until`, the last of the next excursion.
+
+    A contact engine's impact takes one to three of its own steps, so the sample beside it may lie inside the impact: it is left
+    out wherever there is another.
+    """
+    beside = np.minimum(np.searchsorted(t, np.where(np.isfinite(impact), impact, t[-1]), side="right"), t.size - 1)
+    return _extrapolated(t, rate, impact, np.minimum(beside + 1, until), 1, until - beside)
+
+
+def _extrapolated(
+    t: Array, rate: Array, to_s: Array, start: NDArray[np.intp], towards: int, count: NDArray[np.intp]
+) -> Array:
+    """The rate at `to_s` by the line through sample `start` and the next one away from it, where `count` allows two.
+
+    A line, though a parabola would be nearer where θ̈ changes: a contact engine loses its contact for single steps, and three
+    samples magnify what that leaves in the rate fivefold.
+    """
+    i = np.clip(start, 0, t.size - 1)
+    j = np.where(count >= 2, np.clip(start + towards, 0, t.size - 1), i)
+    return np.asarray(rate[i] + _slope(t, rate, np.minimum(i, j), np.maximum(i, j)) * (to_s - t[i]))
 
 
 def _slope(t: Array, rate: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.run import simulate
 from harness.scene import Statue
 from harness.scores import energy, events
 from tests import doubles
-from tests.budgets_compare import ENERGY_SHARE, IMPACT_S, PEAK_RAD, UPLIFT_S
+from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, UPLIFT_S
+from tests.scenes_for_tests import paestum
 
 ARCS = doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5)
 
@@ -53,6 +55,31 @@ def test_energy_share_lost_is_one_minus_the_ratio_squared() -> None:
     # The last arc's landing ends in rest: all is lost.
     assert lost[:-1] == pytest.approx(1.0 - 0.81, abs=ENERGY_SHARE)
     assert lost[-1] == pytest.approx(1.0, abs=ENERGY_SHARE)
+
+
+def test_a_sample_inside_the_impact_leaves_its_energy_alone() -> None:
+    """A contact engine takes a step or more over an impact: the first sample after it may still be half way."""
+    clean = doubles.rocking(ratio=0.9)
+    beside = np.searchsorted(clean.t_s, [end for _, end, _, _ in ARCS[:-1]], side="right")
+    rate = clean.theta_rate_rad_s.copy()
+    rate[beside] = 0.5 * (rate[beside - 1] + rate[beside])
+    lost = energy.share_lost(events.excursions(replace(clean, theta_rate_rad_s=rate)), None)
+    assert lost[:-1] == pytest.approx(1.0 - 0.81, abs=ENERGY_SHARE)
+
+
+@pytest.mark.parametrize(("engine", "dt_s"), [("analytic", None), ("pymunk", 1e-3), ("pymunk", 2e-4)])
+def test_every_impact_of_every_engine_takes_the_share_of_angular_momentum(engine: str, dt_s: float | None) -> None:
+    """With the floor held the share is 1 − J_c²/(J_l J_r) on either side (docs/model.md, section 3), whatever the rate."""
+    shaken = paestum(0.429, 3.0, pedestal=False, duration_s=2.2)
+    inertia, statue = energy.RockingInertia.of(shaken.statue), shaken.statue
+    across = statue.centroid_height_m**2 - statue.corner_left_m * statue.corner_right_m
+    crossed = statue.inertia_kg_m2 + statue.mass_kg * across
+    run = simulate(shaken, engine, dt_s=dt_s)
+    assert run.history is not None
+    lost = energy.share_lost(events.excursions(run.history), inertia)
+    assert np.isfinite(lost).sum() >= 4
+    known = 1.0 - crossed**2 / (inertia.left_kg_m2 * inertia.right_kg_m2)
+    assert lost[np.isfinite(lost)] == pytest.approx(known, abs=ENGINE_SHARE)
 
 
 def test_energy_of_an_unsymmetric_statue_counts_each_corner_s_inertia() -> None:
