@@ -15,7 +15,7 @@ How to add an engine
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar, Final
 
@@ -74,10 +74,15 @@ class Settings:
 
 @dataclass(frozen=True)
 class Want:
-    """What is asked of a run: the history or only the outcome; which skips are on."""
+    """What is asked of a run: the history or only the outcome; which skips are on.
+
+    `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
+    so. An engine may go on to the scene's end all the same.
+    """
 
     history: bool = True
     skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
+    stop: Callable[[float, float], bool] | None = None
 
     def may_skip(self, name: str) -> bool:
         """Whether the named skip is on; raises `KeyError` for an unknown one."""

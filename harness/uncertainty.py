@@ -33,6 +33,8 @@ CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
 FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
+PARTED: Final = 4.0
+"""Two runs that differ by this many times the target have parted for good."""
 LEAST_COMPARED: Final = 200
 """Instants at which two histories are compared at least, however coarse their output."""
 
@@ -58,21 +60,46 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
     """
     if engine.capabilities.certifies:
         return engine.simulate(scene, _first_rung(engine.ladder(scene), accuracy_rad, 1.0)[0], want)
-    watch = replace(want, history=True)
     ladder = engine.ladder(scene)
     runs: list[Run] = []
     spreads: list[Spread] = []
     for settings in _climb(engine, scene, ladder, accuracy_rad):
-        run = engine.simulate(scene, settings, watch)
+        check = _Check(runs, spreads, settings.dt_s, ladder[-1].dt_s, accuracy_rad)
+        run = engine.simulate(scene, settings, replace(want, history=True, stop=check))
         if runs and not run.outcome.failed and not runs[-1].outcome.failed:
             found = spread(runs[-1], run, accuracy_rad / SAFETY)
             spreads.append(replace(found, coarse_dt_s=float(runs[-1].settings["dt_s"])))
+        if check.stopped:
+            return _stated(runs, run, spreads, accuracy_rad, want)
         runs.append(run)
         if run.outcome.failed:
             continue
         if _agreed(spreads) or (spreads and _hopeless(spreads, run.end_s, ladder[-1].dt_s)):
             break
-    return _stated(runs, spreads, accuracy_rad, want)
+    return _stated(runs, None, spreads, accuracy_rad, want)
+
+
+class _Check:
+    """Ends a run that has parted from the one before it, once no finer one is expected to bring the two together to the end."""
+
+    def __init__(
+        self, runs: list[Run], spreads: list[Spread], dt_s: float, finest_dt_s: float, accuracy_rad: float
+    ) -> None:
+        self.before = runs[-1] if runs and not runs[-1].outcome.failed else None
+        self.spreads, self.dt_s, self.finest_dt_s, self.accuracy_rad = spreads, dt_s, finest_dt_s, accuracy_rad
+        self.parted_s = math.inf
+        self.stopped = False
+
+    def __call__(self, t_s: float, theta_rad: float) -> bool:
+        if self.before is None or self.before.history is None or not self.spreads or t_s > self.before.end_s:
+            return False
+        apart = abs(float(self.before.history.at(t_s)) - theta_rad)
+        if apart > self.accuracy_rad / SAFETY:
+            self.parted_s = min(self.parted_s, t_s)
+        if apart > PARTED * self.accuracy_rad:
+            now = Spread(0.0, self.parted_s, False, float(self.before.settings["dt_s"]))
+            self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s)
+        return self.stopped
 
 
 def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
@@ -139,10 +166,12 @@ def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
     return possible < end_s - last.until_s
 
 
-def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, want: Want) -> Run:
+def _stated(runs: list[Run], stopped: Run | None, spreads: list[Spread], accuracy_rad: float, want: Want) -> Run:
+    """The finest run that was not ended early, with what the spread to its neighbour says of it."""
     best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
-    work = {**best.work, "runs": len(runs), "steps_of_all_runs": sum(run.steps for run in runs)}
-    best = replace(best, work=work, wall_s=sum(run.wall_s for run in runs))
+    all_runs = runs if stopped is None else [*runs, stopped]
+    work = {**best.work, "runs": len(all_runs), "steps_of_all_runs": sum(run.steps for run in all_runs)}
+    best = replace(best, work=work, wall_s=sum(run.wall_s for run in all_runs))
     if not want.history and want.may_skip("no_history"):
         best = replace(best, history=None)
     if best.outcome.failed or not spreads:
@@ -160,6 +189,6 @@ def _stated(runs: list[Run], spreads: list[Spread], accuracy_rad: float, want: W
         uncertainty,
         last.until_s,
         f"the target of {accuracy_rad:g} rad is met until {last.until_s:.4g} s of {best.end_s:.4g} s: from there two "
-        f"settings of this engine part, the finer one with steps of {best.settings['dt_s']:g} s, because impacts and "
-        "slips let small differences grow",
+        f"settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, because impacts and slips let small "
+        "differences grow",
     )

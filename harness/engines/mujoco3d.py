@@ -89,7 +89,7 @@ class Mujoco3D(Engine):
             raise EngineFailure(f"mujoco refused the scene: {error}") from error
         edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
         gravity = frame.apparent_gravity(scene, edges)
-        states, work = _march(mujoco, model, scene, own, gravity)
+        states, work = _march(mujoco, model, scene, own, gravity, want)
         states = states[: _until_fallen(states)]
         trajectory = _trajectory(scene, own, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
         base = scene.statue.corner_left_m + scene.statue.corner_right_m
@@ -184,7 +184,9 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
         data.qpos[7:14] = [x, 0.0, pedestal.centroid_height_m, 1.0, 0.0, 0.0, 0.0]
 
 
-def _march(mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array) -> tuple[Array, dict[str, int]]:
+def _march(
+    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: Want
+) -> tuple[Array, dict[str, int]]:
     """All steps: rows of positions and velocities, shape (n + 1, nq + nv)."""
     data = mujoco.MjData(model)
     _start(scene, own, data)
@@ -200,10 +202,17 @@ def _march(mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: 
             stuck, again = _follow(mujoco, model, data, scene, friction, rows[k], gravity[k] * own.dt_s, stuck)
             repeated += again
         rows[k + 1, :n], rows[k + 1, n:] = data.qpos, data.qvel
-        if k % BLOCK_STEPS == 0 and fallen(*_axis(data.qpos[3:7])):
+        if k % BLOCK_STEPS == 0 and _may_end(own, want, k + 1, _axis(data.qpos[3:7])):
             rows = rows[: k + 2]
             break
     return rows, {"steps_repeated": repeated}
+
+
+def _may_end(own: MujocoSettings, want: Want, steps: int, axis: tuple[float, float, float]) -> bool:
+    """Whether the statue has overturned, or nobody asks further."""
+    if want.may_skip("stop_at_overturn") and fallen(*axis):
+        return True
+    return want.stop is not None and want.stop(steps * own.dt_s, math.atan2(axis[0], axis[2]))
 
 
 def _axis(turn: Any) -> tuple[float, float, float]:
@@ -213,10 +222,10 @@ def _axis(turn: Any) -> tuple[float, float, float]:
 
 
 def _until_fallen(rows: Array) -> int:
-    """How many rows up to and with the first at which the statue counts as overturned."""
+    """How many rows up to the first at which the statue counts as overturned, and one more: samples lie half a step before."""
     up_z = 1.0 - 2.0 * (rows[:, 4] ** 2 + rows[:, 5] ** 2)
     low = np.flatnonzero(up_z <= math.cos(OVERTURN_RAD / 2.0))
-    return next((int(k) + 1 for k in low if fallen(*_axis(rows[k, 3:7]))), len(rows))
+    return next((min(int(k) + 2, len(rows)) for k in low if fallen(*_axis(rows[k, 3:7]))), len(rows))
 
 
 def _follow(

@@ -49,17 +49,20 @@ class Fake(Engine):
         error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
         theta = TRUTH + error
         outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else Outcome.STANDS
-        history = History(TIMES, theta, 0.35 * np.cos(7.0 * TIMES), 0.0 * TIMES, 0.0 * TIMES)
+        asked = (k for k in range(0, TIMES.size, 10) if want.stop is not None and want.stop(TIMES[k], theta[k]))
+        kept = next(asked, TIMES.size - 1) + 1
+        cosine = 0.35 * np.cos(7.0 * TIMES)
+        history = History(*(values[:kept] for values in (TIMES, theta, cosine, 0.0 * TIMES, 0.0 * TIMES)))
         return Run(
             engine=self.name,
             outcome=outcome,
             history=None if outcome.failed else history,
             settings=settings.as_dict(),
-            steps=round(1.0 / settings.dt_s),
+            steps=round(TIMES[kept - 1] / settings.dt_s),
             wall_s=0.0,
             peak_theta_rad=0.05,
             peak_time_s=0.2,
-            end_s=1.0,
+            end_s=float(TIMES[kept - 1]),
         )
 
 
@@ -92,6 +95,16 @@ def test_a_growing_error_gives_a_horizon() -> None:
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
     run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, Want())
     assert run.work["runs"] <= 4
+
+
+def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
+    run = run_to_accuracy(Fake(growth=60.0), paestum(), 1e-3, Want())
+    assert run.end_s == 1.0
+    assert run.reliable_until_s is not None
+    assert run.reliable_until_s < 0.2
+    whole = round(1.0 / run.settings["dt_s"])
+    assert run.work["runs"] == 3
+    assert run.work["steps_of_all_runs"] < 2.0 * whole
 
 
 def test_a_coarse_rung_that_diverges_is_climbed_over() -> None:

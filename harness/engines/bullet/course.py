@@ -95,6 +95,7 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
         quiet_from=math.ceil(end_s / rung.dt_s) if may_rest else None,
         impose=scene.contact.restitution is not None,
         halt=halt,
+        stop=want.stop,
     )
 
 

@@ -35,6 +35,8 @@ STILL_LEAN_RAD: Final = 1e-4
 """A statue at rest on its base leans less than this from its pose at rest."""
 STILL_M_S: Final = 1e-5
 """Velocity, m/s and rad/s, below which everything counts as still."""
+LOOK_STEPS: Final = 64
+"""Steps between two questions whether the run may end."""
 STILL_CHECK: Final = 64
 STILL_CHECKS: Final = 16
 """A run may end when everything was still at this many checks in a row, `STILL_CHECK` steps apart."""
@@ -45,7 +47,8 @@ class Watch:
     """What the loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
-    run is not ended at rest). `halt` is asked now and then whether the statue would touch what this world leaves out.
+    run is not ended at rest). `halt` is asked now and then whether the statue would touch what this world leaves out, `stop` with
+    time and rotation whether the run may end.
     """
 
     axis: Vector
@@ -53,6 +56,7 @@ class Watch:
     quiet_from: int | None
     impose: bool
     halt: Callable[[Row], bool] | None = None
+    stop: Callable[[float, float], bool] | None = None
 
 
 def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, first: Row, start: int) -> Record:
@@ -61,13 +65,17 @@ def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, firs
     record = Record(len(first), [start * schedule.step_s], array("d", first))
     pull = _greatest_pull(scene)
     bound, kinetic = 2.0 * pull / scene.statue.centroid_height_m, scene.contact.floor_kinetic * scene.gravity_m_s2
-    number, row, was_near, fine_before, still, cut = start, first, False, False, Still(watch), -1
+    number, row, was_near, fine_before, still, cut, look = start, first, False, False, Still(watch), -1, start
     while number < schedule.count:
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and fallen(zx, zy, zz):
             break
         if watch.halt is not None and watch.halt(row):
             break
+        if watch.stop is not None and number >= look:
+            look = number + LOOK_STEPS
+            if watch.stop(record.t_s[-1], math.atan2(zx, zz)):
+                break
         if still.lasts(number, row, zx, zy):
             record.rested = True
             break

@@ -83,6 +83,8 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
                 and abs(native.get_angle(native.body_of(drive.world.statue))) > OVERTURN_RAD
             ):
                 return False
+            if want.stop is not None and want.stop(drive.t_s, -native.get_angle(native.body_of(drive.world.statue))):
+                return False
             still_blocks = still_blocks + 1 if drive.t_s > quiet_after and _still(drive) else 0
             if still_blocks >= STILL_BLOCKS:
                 return k < total

@@ -93,6 +93,17 @@ def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:
     assert whole.outcome is short.outcome
 
 
+def test_a_stopped_run_is_the_beginning_of_the_whole_one(engine: Engine) -> None:
+    on = paestum(0.429, 3.0, duration_s=1.5)
+    whole, stopped = run(engine, on).history, run(engine, on, Want(stop=lambda t_s, theta_rad: t_s > 0.3)).history
+    assert whole is not None
+    assert stopped is not None
+    assert engine.capabilities.certifies or stopped.duration_s < 1.0
+    # The last samples wait for a step beyond them.
+    inside = stopped.t_s < stopped.duration_s - 2.0 * STEP_S
+    np.testing.assert_array_equal(stopped.theta_rad[inside], whole.theta_rad[: stopped.t_s.size][inside])
+
+
 def test_overturning_ends_the_run_and_is_told_by_its_side(engine: Engine) -> None:
     for sign, outcome in ((1.0, Outcome.OVERTURNED_RIGHT), (-1.0, Outcome.OVERTURNED_LEFT)):
         side = 1 if sign > 0.0 else -1
