@@ -20,11 +20,15 @@ OVERTURN_RAD: Final = 1.5
 """Rotation at which a statue counts as overturned."""
 FIRST_EVENTS: Final = 256
 """Rows of the event table at the first try; a run that has more is repeated with enough."""
-FINEST_REST: Final = 1e-12
-"""A rebound lower than the square of the accuracy (or of this) is dropped: what its loss does to the slip goes with its
-rate, thus with the root of its height; below this a rebound is shorter than the clock resolves."""
 LOCAL_SHARE: Final = 1e-2
 """Local error of a step, in the accuracy asked: most steps end at an event, far inside their length, and err much less."""
+FINEST_REST_RAD: Final = 1e-14
+"""A rebound lower than the local error (or than this) is dropped. The momentum that its impacts and the friction between them
+give the pedestal does not depend on when the statue comes to rest, to first order in its rate: what is lost goes with the
+square of the rate, thus with the height."""
+FINEST_ROOT_RAD: Final = 1e-12
+"""Where friction follows M g_e but impacts follow momentum, the friction of impacts is not what the time between them lacks:
+what is lost then goes with the rate, and only a rebound lower than the square of the accuracy (or of this) is dropped."""
 FINEST: Final = 1e-17
 """No local error below rounding is asked."""
 
@@ -75,7 +79,8 @@ def parameters(
     p[at.DYNAMIC] = form.friction_normal == "dynamic"
     p[at.MOMENTUM] = form.pedestal_at_impact == "momentum"
     p[at.TOLERANCE], p[at.ORDER], p[at.STEP_CAP] = tolerance, order_for(tolerance), step_cap_s
-    p[at.REST_ANGLE] = max(accuracy_rad, FINEST_REST) ** 2
+    mixed = form.friction_normal == "static" and form.pedestal_at_impact == "momentum"
+    p[at.REST_ANGLE] = max(accuracy_rad, FINEST_ROOT_RAD) ** 2 if mixed else max(tolerance, FINEST_REST_RAD)
     p[at.GRID_STEP] = 0.0 if dt_s is None else dt_s
     p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip_energy, validity
     p[at.TIME_SCALE] = 1.0 / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
