@@ -131,6 +131,8 @@ def table_of(title: str, scores: Mapping[str, Any]) -> str:
             lines.append(f"  {name:34} {'—' if value is None else value}")
         elif isinstance(value, list):
             lines.append(f"  {name:34} {len(value)} of them (see --json)")
+        elif isinstance(value, Mapping) and "sentence" in value:
+            lines.append(f"  {name:34} {value['sentence']}")
     return "\n".join(lines)
 
 
@@ -238,6 +240,7 @@ def summary(result: Result) -> str:
         lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
+    lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
     return "\n".join(lines)

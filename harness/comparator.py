@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
@@ -9,12 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from harness.errors import InputError, Mistake
-from harness.history import Array, History, Outcome, read_history
+from harness.history import History, Outcome, read_history
 from harness.record import Run
 from harness.scene import Scene
 from harness.scores import energy, events, pointwise
+from harness.scores.beyond import after_horizon
 from harness.scores.grid import Pair, pair
-from harness.scores.matched import after_horizon, event_scores, numerical_uncertainty
+from harness.scores.matched import event_scores, numerical_uncertainty
 from harness.scores.result import Scores
 from harness.verdict import LEVER_M, Judgement, Side, judge, side_of
 
@@ -37,8 +39,9 @@ def compare(
     """Score answer a against answer b, which is the reference.
 
     `scene` gives the energies in J and the lever between rotation and slip; `horizons_s` are the horizons of prediction of
-    each model where they were computed (`harness.horizon`). Raises `InputError` naming the answer when there is nothing to
-    compare, or when the two do not overlap in time.
+    each model where they were computed (`harness.horizon`). Scores of instants reach to the nearer horizon of the two, or to
+    the time up to which a side's numerical error is stated; beyond it distributions are compared. Raises `InputError` naming
+    the answer when there is nothing to compare, or when the two do not overlap in time.
     """
     names = names or (_name(a, "a"), _name(b, "b"))
     _check(a, names[0])
@@ -49,23 +52,30 @@ def compare(
     if history_a is None or history_b is None:
         return _without_histories(a, b, sides, lever, together_rad)
     both = _paired(history_a, history_b, a, b, names)
+    until = min(side.until_s for side in sides)
+    within = both.until(until)
     found = events.excursions(history_a), events.excursions(history_b)
     inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
-    peaks = pointwise.peak(history_a), pointwise.peak(history_b)
-    judgement = judge(*sides, both, peaks, lever)
+    peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
+    longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
     return Scores(
         a=names[0],
         b=names[1],
-        **_pointwise(both, sides, together_rad, max(history_a.duration_s, history_b.duration_s)),
+        compared_from_s=within.start_s,
+        compared_until_s=within.end_s,
+        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
+        horizon_s=_finite(until),
+        **_pointwise(within),
         **_peaks(*peaks),
-        **event_scores(*found, inertia),
-        residual_theta_difference_rad=_residual(a, b, history_a.theta_rad, history_b.theta_rad),
-        residual_slip_difference_m=_residual(a, b, history_a.slip_m, history_b.slip_m),
+        together_until_s=pointwise.together_until_s(both, together_rad),
+        together_tolerance_rad=together_rad,
+        **event_scores(*found, inertia, until),
+        **_residuals(a, b, both, until),
         **_outcomes(a, b),
-        after_horizon=after_horizon(found, min(side.until_s for side in sides), both.end_s),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, lever),
-        **_judged(judgement),
-        iso=_iso(both) if iso else None,
+        after_horizon=after_horizon(found, both, until),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, lever, until),
+        **_judged(judge(*sides, both, peaks, lever)),
+        iso=_iso(within) if iso else None,
     )
 
 
@@ -108,22 +118,16 @@ def _rests(answer: Run | History) -> bool:
     return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
 
 
-def _pointwise(both: Pair, sides: tuple[Side, Side], together_rad: float, longest_s: float) -> dict[str, Any]:
-    until = min(side.until_s for side in sides)
-    reliable = both.until(until) if until < both.end_s else both
-    geers = pointwise.sprague_geers(both)
-    whole = longest_s - both.start_s
+def _finite(time_s: float) -> float | None:
+    return time_s if math.isfinite(time_s) else None
+
+
+def _pointwise(within: Pair) -> dict[str, Any]:
+    geers = pointwise.sprague_geers(within)
     return {
-        "compared_from_s": both.start_s,
-        "compared_until_s": both.end_s,
-        "coverage": (both.end_s - both.start_s) / whole if whole > 0.0 else 1.0,
-        "rms_theta_rad": pointwise.rms_rad(both),
-        "rms_reliable_rad": pointwise.rms_rad(reliable) if until > both.start_s else None,
-        "reliable_until_s": min(until, both.end_s),
-        "largest_difference_rad": float(np.max(np.abs(both.difference_rad))),
-        "rms_slip_m": pointwise.rms_slip_m(both),
-        "together_until_s": pointwise.together_until_s(both, together_rad),
-        "together_tolerance_rad": together_rad,
+        "rms_theta_rad": pointwise.rms_rad(within),
+        "largest_difference_rad": float(np.max(np.abs(within.difference_rad))),
+        "rms_slip_m": pointwise.rms_slip_m(within),
         "magnitude": geers.magnitude,
         "phase": geers.phase,
         "combined": geers.combined,
@@ -141,11 +145,14 @@ def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
     }
 
 
-def _residual(a: Run | History, b: Run | History, values_a: Array, values_b: Array) -> float | None:
-    """Difference of the last values; None when a run did not end standing, for then nothing has come to rest."""
-    if any(isinstance(answer, Run) and answer.outcome is not Outcome.STANDS for answer in (a, b)):
-        return None
-    return float(values_a[-1] - values_b[-1])
+def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> dict[str, Any]:
+    """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
+    stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
+    known = stood and until_s >= both.end_s
+    return {
+        "residual_theta_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
+        "residual_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
+    }
 
 
 def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
@@ -183,13 +190,13 @@ def _without_histories(
     blank: dict[str, Any] = {
         field.name: None
         for field in fields(Scores)
-        if field.name.startswith(("compared", "coverage", "rms", "reliable", "largest", "residual", "after"))
+        if field.name.startswith(("compared", "coverage", "rms", "largest", "residual", "after", "together_until"))
     }
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
         **blank,
-        together_until_s=None,
+        horizon_s=_finite(min(side.until_s for side in sides)),
         together_tolerance_rad=together_rad,
         magnitude=None,
         phase=None,

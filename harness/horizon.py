@@ -53,9 +53,21 @@ class Horizon:
         """The horizon of the problem itself, from the least perturbation: beyond it no two programs need agree."""
         return self.until_s[0]
 
+    @property
+    def sentence(self) -> str:
+        """Until when the rotation can be predicted, for the least and the largest perturbation."""
+        first, last = self.perturbations[0], self.perturbations[-1]
+        text = f"rotation predictable to {self.tolerance_rad:g} rad "
+        if self.until_s[-1] >= self.duration_s:
+            return f"{text}throughout, even if start and motion are known to {last:g} only"
+        text += f"until {self.until_s[-1]:.3g} s if start and motion are known to {last:g}"
+        if self.until_s[0] >= self.duration_s:
+            return f"{text}, throughout if to {first:g}"
+        return f"{text}, until {self.until_s[0]:.3g} s even if to {first:g}"
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return asdict(self) | {"intrinsic_s": self.intrinsic_s}
+        return asdict(self) | {"intrinsic_s": self.intrinsic_s, "sentence": self.sentence}
 
 
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:

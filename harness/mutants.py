@@ -117,7 +117,7 @@ def expose(
             continue
         run = tested(other)
         scores = compare(run, reference, scene=scene)
-        until = scores.reliable_until_s if scores.reliable_until_s is not None else scene.duration_s
+        until = scores.horizon_s if scores.horizon_s is not None else scene.duration_s
         joint = (run.numerical_uncertainty_rad or 0.0) + (reference.numerical_uncertainty_rad or 0.0)
         effect = _effect(exact(other), reference, until)
         findings.append(Finding(name, effect, joint, until, effect > MUST_SHOW * joint, scores.verdict))

@@ -142,7 +142,8 @@ def run_scene(
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
 
-    `horizon` also finds each model's horizon of prediction from its own perturbed starts (some twenty runs of each). `apart` runs
+    A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
+    milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
     `multiprocessing` wants it); the results are the same.
     """
@@ -163,7 +164,7 @@ def run_scene(
                 here[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
         runs = {item.name: here.get(item.name) or waiting[item.name].result() for item in loaded}
     answers = [run for run in runs.values() if not run.outcome.failed]
-    horizons = _horizons(scene, answers, told) if horizon else {}
+    horizons = _horizons(scene, answers, told, every=horizon) if len(answers) > 1 or horizon else {}
     known = {name: found.intrinsic_s for name, found in horizons.items()}
     scores = {
         f"{a.engine}_vs_{b.engine}": compare(
@@ -181,14 +182,18 @@ def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | No
     return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
 
 
-def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None]) -> dict[str, Horizon]:
+def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None], *, every: bool) -> dict[str, Horizon]:
     from harness.horizon import horizon_beside
 
     found = {}
     for run in runs:
-        told(f"{run.engine}, horizon")
+        engine = engines.load(run.engine)
+        if not (every or engine.capabilities.certifies):
+            continue
+        if every:
+            told(f"{run.engine}, horizon")
         try:
-            found[run.engine] = horizon_beside(engines.load(run.engine), scene, run)
+            found[run.engine] = horizon_beside(engine, scene, run)
         except EngineFailure as error:
             told(f"{run.engine} has no horizon: {error}")
     return found

@@ -10,12 +10,12 @@ from reports.numbers import digits, label, plain, split_unit
 SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "together_until_s": ("stay together until [s]", "how long the two rotations stay within the tolerance below"),
     "together_tolerance_rad": ("within [rad]", "the tolerance of “together”"),
-    "reliable_until_s": ("both reliable until [s]", "the earlier of the two models' own horizons"),
-    "rms_reliable_rad": ("root mean square difference up to there [rad]", "over the time in which both are reliable"),
-    "rms_theta_rad": ("root mean square difference, whole run [rad]", "over all common instants"),
-    "largest_difference_rad": ("largest difference [rad]", "over all common instants"),
-    "peak_theta_a_rad": ("largest rotation of the first [rad]", "of the model named first"),
-    "peak_theta_b_rad": ("largest rotation of the second [rad]", "of the model named second"),
+    "horizon_s": ("horizon [s]", "the earlier of the two models' own; scores of instants reach up to there"),
+    "compared_until_s": ("compared instant by instant until [s]", "the horizon, or the end of the shorter run"),
+    "rms_theta_rad": ("root mean square difference [rad]", "over the time compared"),
+    "largest_difference_rad": ("largest difference [rad]", "over the time compared"),
+    "peak_theta_a_rad": ("largest rotation of the first [rad]", "over the time compared"),
+    "peak_theta_b_rad": ("largest rotation of the second [rad]", "over the time compared"),
     "peak_ratio": ("ratio of the largest rotations", "first over second"),
     "peak_time_difference_s": ("their times apart by [s]", "first less second"),
     "uplift_time_differences_s": ("uplifts apart by [s]", "of the uplifts that both models have"),
@@ -36,11 +36,12 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "phase": ("phase error", "Sprague and Geers: 0 is equal"),
     "combined": ("combined error", "Sprague and Geers: root of the sum of both squares"),
     "no_return_time_difference_s": ("times of no return apart by [s]", "where both overturn"),
-    "coverage": ("share of the time compared", "common time over the longer run"),
+    "coverage": ("share of the time compared", "time compared over the longer run"),
+    "after_horizon": ("beyond the horizon", "where only distributions compare"),
 }
 """Words of each score and what it means, in the order of the table."""
 SCORES_LEFT_OUT: Final = frozenset(
-    {"a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s", "compared_until_s"}
+    {"a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"}
 )
 """Keys whose content stands elsewhere on the page."""
 
@@ -87,6 +88,8 @@ def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, 
 
 def _score(scores: Mapping[str, Any], key: str) -> str:
     value, uncertainty = scores.get(key), (scores.get("numerical_uncertainty") or {}).get(key)
+    if isinstance(value, Mapping):
+        return str(value.get("sentence", ""))
     text = plain(value)
     return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
 

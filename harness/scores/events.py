@@ -149,6 +149,15 @@ class Matched:
     alone_a: int
     alone_b: int
 
+    def until(self, time_a: Array, time_b: Array, end_s: float) -> Matched:
+        """Only the pairs whose event in b, and the events alone, that come up to `end_s`; `time_*` are all events' times."""
+        early = time_b[self.index_b] <= end_s
+        alone = [
+            int(np.sum(np.delete(times, index) <= end_s))
+            for times, index in ((time_a, self.index_a), (time_b, self.index_b))
+        ]
+        return Matched(self.index_a[early], self.index_b[early], *alone)
+
 
 def match(time_a: Array, side_a: Side, window_a: Array, time_b: Array, side_b: Side, window_b: Array) -> Matched:
     """Pair events that are each other's nearest on the same side and no further apart than both allow.

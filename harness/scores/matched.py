@@ -1,33 +1,36 @@
-"""Scores of events: matched uplifts and impacts, what numerical errors change in them, excursions beyond the horizon."""
+"""Scores of events: matched uplifts and impacts, and what numerical errors change in them."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from harness import statistics
 from harness.history import Array
 from harness.scores import energy, events
 from harness.verdict import Side
 
 
-def event_scores(a: events.Excursions, b: events.Excursions, inertia: energy.RockingInertia | None) -> dict[str, Any]:
-    """Matched uplifts and impacts of two histories, and the energy that each matched impact takes."""
+def event_scores(
+    a: events.Excursions, b: events.Excursions, inertia: energy.RockingInertia | None, until_s: float = math.inf
+) -> dict[str, Any]:
+    """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
+    events alone, come after `until_s` are left out."""
     rise_a, rise_b = a.from_rest, b.from_rest
-    uplifts = events.match(
-        a.uplift_s[rise_a], a.side[rise_a], a.length_s[rise_a], b.uplift_s[rise_b], b.side[rise_b], b.length_s[rise_b]
-    )
+    up_a, up_b = a.uplift_s[rise_a], b.uplift_s[rise_b]
+    uplifts = events.match(up_a, a.side[rise_a], a.length_s[rise_a], up_b, b.side[rise_b], b.length_s[rise_b])
+    uplifts = uplifts.until(up_a, up_b, until_s)
     down_a, down_b = a.landed, b.landed
     times_a, times_b = a.impact_s[down_a], b.impact_s[down_b]
     # An impact is the same one when it is off by less than half the excursion that it ends.
     impacts = events.match(
         times_a, a.side[down_a], 0.5 * a.length_s[down_a], times_b, b.side[down_b], 0.5 * b.length_s[down_b]
-    )
+    ).until(times_a, times_b, until_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = energy.share_lost(a, inertia)[index_a], energy.share_lost(b, inertia)[index_b]
     return {
-        "uplift_time_differences_s": _list(a.uplift_s[rise_a][uplifts.index_a] - b.uplift_s[rise_b][uplifts.index_b]),
+        "uplift_time_differences_s": _list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
         "uplifts_alone_a": uplifts.alone_a,
         "uplifts_alone_b": uplifts.alone_b,
         "impact_times_a_s": _list(times_a[impacts.index_a]),
@@ -41,22 +44,12 @@ def event_scores(a: events.Excursions, b: events.Excursions, inertia: energy.Roc
     }
 
 
-def after_horizon(
-    found: tuple[events.Excursions, events.Excursions], until_s: float, end_s: float
-) -> dict[str, Any] | None:
-    """Distributions of the excursions' peaks after the horizon; None when the horizon is not passed."""
-    if until_s >= end_s:
-        return None
-    peaks = [np.abs(each.peak_rad[each.uplift_s > until_s]) for each in found]
-    record: dict[str, Any] = {"from_s": until_s, "excursions_a": peaks[0].size, "excursions_b": peaks[1].size}
-    if all(each.size for each in peaks):
-        record["peaks_area_metric_rad"] = statistics.area_metric(*peaks)
-        record["peaks_ks"] = statistics.ks_distance(*peaks)
-    return record
-
-
 def numerical_uncertainty(
-    sides: tuple[Side, Side], peak_b_rad: float, found: tuple[events.Excursions, events.Excursions], lever_m: float
+    sides: tuple[Side, Side],
+    peak_b_rad: float,
+    found: tuple[events.Excursions, events.Excursions],
+    lever_m: float,
+    until_s: float = math.inf,
 ) -> dict[str, Any]:
     """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
 
@@ -64,7 +57,7 @@ def numerical_uncertainty(
     """
     u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
     joint = None if u_a is None or u_b is None else u_a + u_b
-    rates = [np.abs(each.rate_before_rad_s[each.landed]) for each in found]
+    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in found]
     slowest = [float(each.min()) if each.size else None for each in rates]
     times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
     return {

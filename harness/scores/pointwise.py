@@ -43,9 +43,13 @@ def rms_slip_m(pair: Pair) -> float:
     return math.sqrt(pair.integral(d, d) / float(pair.weights_s.sum()))
 
 
-def peak(history: History) -> Peak:
-    """The largest |θ|, signed; between samples it is the Hermite value where the rate, taken as linear, vanishes."""
-    k = int(np.argmax(np.abs(history.theta_rad)))
+def peak(history: History, until_s: float = math.inf) -> Peak:
+    """The largest |θ| up to `until_s`, signed; between samples it is the Hermite value where the rate, taken as linear, vanishes.
+
+    A history that begins later than `until_s` gives its first sample.
+    """
+    count = max(int(np.searchsorted(history.t_s, until_s, side="right")), 1)
+    k = int(np.argmax(np.abs(history.theta_rad[:count])))
     best = Peak(float(history.theta_rad[k]), float(history.t_s[k]))
     rate = history.theta_rate_rad_s
     for i in (k - 1, k):
@@ -54,7 +58,7 @@ def peak(history: History) -> Peak:
         share = rate[i] / (rate[i] - rate[i + 1])
         time = float(history.t_s[i] + share * (history.t_s[i + 1] - history.t_s[i]))
         theta = float(history.at(np.array([time]))[0])
-        if abs(theta) > abs(best.theta_rad):
+        if abs(theta) > abs(best.theta_rad) and time <= until_s:
             best = Peak(theta, time)
     return best
 

@@ -15,10 +15,12 @@ from harness.verdict import Verdict
 class Scores:
     """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
 
-    Times in s, rotations in rad, differences a − b. `impact_*` are over matched impacts, `*_alone_*` count those without a
-    partner. `rms_reliable_rad` is over the time up to `reliable_until_s` in which the numerical uncertainties hold;
-    `numerical_uncertainty` gives, beside each score, what the stated numerical errors of both sides can change in it.
-    `after_horizon` compares distributions beyond that time, where no pointwise score means anything.
+    Times in s, rotations in rad, differences a − b. Every score of instants (differences, peaks, events, magnitude, phase, ISO,
+    residuals) is taken from `compared_from_s` to `compared_until_s`, at most up to `horizon_s`, the earlier of both sides'
+    horizons (None: neither has one); `after_horizon` compares distributions beyond it, where no instant of one can be asked of
+    the other. `impact_*` are over matched impacts, `*_alone_*` count those without a partner; `together_until_s`, outcomes and
+    no-return times are of the whole runs. `numerical_uncertainty` gives, beside each score, what the stated numerical errors
+    of both sides can change in it.
     """
 
     a: str
@@ -26,9 +28,8 @@ class Scores:
     compared_from_s: float | None
     compared_until_s: float | None
     coverage: float | None
+    horizon_s: float | None
     rms_theta_rad: float | None
-    rms_reliable_rad: float | None
-    reliable_until_s: float | None
     largest_difference_rad: float | None
     rms_slip_m: float | None
     peak_theta_a_rad: float

@@ -16,7 +16,6 @@ from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WO
 
 ZERO_WHEN_PERFECT = (
     "rms_theta_rad",
-    "rms_reliable_rad",
     "largest_difference_rad",
     "rms_slip_m",
     "peak_time_difference_s",
@@ -95,22 +94,72 @@ def test_uncertainty_stands_beside_every_score() -> None:
     assert beside["rms_theta_rad"] == pytest.approx(4e-4)
     assert (beside["peak_theta_a_rad"], beside["peak_theta_b_rad"]) == (1e-4, 3e-4)
     assert beside["peak_ratio"] == pytest.approx(4e-3)
-    slowest = min(omega for *_, omega in doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5))
+    slowest = min(omega for _, end, _, omega in doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5) if end <= 4.0)
     assert beside["impact_times_a_s"] == pytest.approx(1e-4 / slowest)
-    assert scores.reliable_until_s == 4.0
+    assert scores.horizon_s == 4.0
 
 
 def test_scores_after_the_horizon_are_distributions() -> None:
     history = doubles.rocking()
     a = doubles.run_of(doubles.scaled(history, 1.2), "a", numerical_uncertainty_rad=1e-4, reliable_until_s=2.0)
     b = doubles.run_of(history, "b", numerical_uncertainty_rad=1e-4, reliable_until_s=2.0)
-    after = compare(a, b).after_horizon
+    scores = compare(a, b)
+    after = scores.after_horizon
     peaks = [omega**2 / 8.0 for begin, _, _, omega in doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5) if begin > 2.0 - 1e-3]
     assert after is not None
     assert after["excursions_b"] == len(peaks)
     # Every value larger by a fifth: the area between the distributions is a fifth of the mean.
-    assert after["peaks_area_metric_rad"] == pytest.approx(0.2 * float(np.mean(peaks)), rel=1e-2)
+    assert after["peaks"]["area_rad"] == pytest.approx(0.2 * float(np.mean(peaks)), rel=1e-2)
+    late = np.abs(history.theta_rad[history.t_s >= 2.0])
+    assert after["rotation"]["area_rad"] == pytest.approx(0.2 * float(late.mean()), rel=1e-2)
+    assert after["largest_a_rad"] == pytest.approx(1.2 * after["largest_b_rad"], rel=1e-6)
+    assert f"{len(peaks)} and {len(peaks)} excursions" in after["sentence"]
     assert compare(history, history).after_horizon is None
+
+
+def test_what_differs_only_beyond_the_horizon_moves_no_score_of_instants() -> None:
+    """A run that goes wild after its horizon scores as perfect up to there; only the distributions tell."""
+    history = doubles.rocking()
+    wild = doubles.parted(history, 4.0, 0.05)
+    known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 4.0}
+    scores = compare(doubles.run_of(wild, "a", **known), doubles.run_of(history, "b", **known))
+    touched = {"residual_theta_difference_rad", "residual_slip_difference_m"}
+    for name in set(ZERO_WHEN_PERFECT) - touched:
+        assert getattr(scores, name) == 0.0, name
+    assert scores.compared_until_s == 4.0
+    assert scores.peak_theta_a_rad == scores.peak_theta_b_rad
+    assert set(scores.impact_time_differences_s) == {0.0}
+    assert max(scores.impact_times_a_s) <= 4.0
+    assert (scores.residual_theta_difference_rad, scores.residual_slip_difference_m) == (None, None)
+    assert scores.verdict is Verdict.HORIZON
+    assert scores.after_horizon is not None
+    assert scores.after_horizon["last_difference_rad"] == pytest.approx(0.05 * 6.0)
+    assert scores.after_horizon["largest_a_rad"] > 0.2
+
+
+def test_a_difference_before_the_horizon_is_not_hidden_by_it() -> None:
+    history = doubles.rocking()
+    known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 4.0}
+    early = doubles.run_of(doubles.parted(history, 3.0, 0.05), "a", **known)
+    scores = compare(early, doubles.run_of(history, "b", **known))
+    assert scores.largest_difference_rad == pytest.approx(0.05, rel=1e-9)
+    assert scores.verdict is Verdict.MODEL
+
+
+def test_many_excursions_after_the_horizon_stand_beside_chance() -> None:
+    """Two samples of one population differ by no more than chance allows; one half as large again by more."""
+    many = doubles.rocking(60.0, ratio=0.995)
+    known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 1.0}
+    same, larger = (
+        compare(doubles.run_of(each, "a", **known), doubles.run_of(many, "b", **known)).after_horizon
+        for each in (doubles.rocking(60.0, ratio=0.995, start_s=0.6), doubles.scaled(many, 1.5))
+    )
+    assert same is not None
+    assert larger is not None
+    assert same["peaks"]["area_rad"] < same["peaks"]["area_by_chance_rad"]
+    assert "no more than chance" in same["sentence"]
+    assert larger["peaks"]["area_rad"] > larger["peaks"]["area_by_chance_rad"]
+    assert "more than chance" in larger["sentence"]
 
 
 def test_outcome_only_runs_are_compared_by_their_peaks() -> None:

@@ -67,6 +67,19 @@ def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation()
     assert [found.until(u) for u in (0.0, 1e-9, 1e-7, 1e-5, 1e-4)] == [6.0, 6.0, 3.0, 3.0, 0.0]
 
 
+@pytest.mark.parametrize(
+    ("until_s", "says"),
+    [
+        ((6.0, 3.0), "until 3 s if start and motion are known to 1e-05, until 6 s even if to 1e-09"),
+        ((10.0, 3.0), "until 3 s if start and motion are known to 1e-05, throughout if to 1e-09"),
+        ((10.0, 10.0), "throughout, even if start and motion are known to 1e-05 only"),
+    ],
+)
+def test_a_horizon_says_what_it_takes_to_predict(until_s: tuple[float, float], says: str) -> None:
+    found = Horizon(TOLERANCE, 10.0, (1e-9, 1e-5), until_s, GROWTH, ("stands",), 0)
+    assert found.sentence == f"rotation predictable to 0.01 rad {says}"
+
+
 def test_perturbations_touch_start_and_motion_by_their_size() -> None:
     lean, thrown, stronger, weaker = perturbed(SCENE, 1e-3)
     assert lean.initial.theta_rad == 1e-3
@@ -102,3 +115,18 @@ def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
     for each in found.horizons.values():
         assert list(each.until_s) == sorted(each.until_s, reverse=True)
     assert found.as_dict()["horizons"]["analytic"]["intrinsic_s"] == found.horizons["analytic"].intrinsic_s
+
+
+def test_the_compiled_model_s_horizon_is_found_unasked() -> None:
+    """It costs some twenty runs of milliseconds; with one answer alone there is nothing to compare and nothing is found."""
+    from harness.run import run_scene
+
+    shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
+    found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3)
+    assert set(found.horizons) == {"analytic"}
+    scores = found.scores["analytic_vs_pymunk"]
+    assert scores.horizon_s is not None
+    assert scores.horizon_s <= found.horizons["analytic"].intrinsic_s
+    assert scores.compared_until_s is not None
+    assert scores.compared_until_s <= scores.horizon_s
+    assert run_scene(shaken, ["analytic"]).horizons == {}
