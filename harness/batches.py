@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from typing import Any, Protocol, TypeVar
 
-from harness.executors import Crash
+from harness.executors import Crash, Pool
 from harness.history import Outcome
 from harness.record import Run
 from harness.run import failed
@@ -23,22 +23,46 @@ class Job(Protocol):
 J = TypeVar("J", bound=Job)
 
 
-def batches(jobs: Sequence[J], sizes: Mapping[str, int], otherwise: int) -> list[tuple[J, ...]]:
-    """Jobs in the order given, by engine into what a worker takes at a time (`otherwise`: an engine not in `sizes`)."""
-    groups: dict[str, list[J]] = defaultdict(list)
-    for job in jobs:
-        groups[job.engine].append(job)
-    found = []
-    for name, members in groups.items():
+def batches(jobs: Iterable[J], sizes: Mapping[str, int], otherwise: int) -> Iterator[tuple[J, ...]]:
+    """Jobs in the order given, neighbours of one engine in what a worker takes at a time (`otherwise`: not in `sizes`)."""
+    for name, members in groupby(jobs, key=lambda job: job.engine):
         size = sizes.get(name, otherwise)
-        found += [tuple(members[i : i + size]) for i in range(0, len(members), size)]
-    return found
+        batch: list[J] = []
+        for job in members:
+            batch.append(job)
+            if len(batch) == size:
+                yield tuple(batch)
+                batch = []
+        if batch:
+            yield tuple(batch)
 
 
-def runs_of(batch: Sequence[Job], results: Sequence[Run] | BaseException) -> Sequence[Run]:
-    """A batch's runs; a dead process is a failure of each of them, any other exception is raised."""
-    if isinstance(results, Crash):
-        return [failed(job.engine, Outcome.CRASHED, f"the engine's process died: {results}") for job in batch]
-    if isinstance(results, BaseException):
-        raise results
-    return results
+def run_batches(
+    pool: Pool,
+    work: Callable[[tuple[J, ...]], Any],
+    tasks: Iterable[tuple[J, ...]],
+    done: Callable[[tuple[J, ...], Any], None],
+) -> None:
+    """Run batches; one whose process died is run again job by job, so that a crash is charged to its own job only.
+
+    `done(batch, result)` hears of each batch once, as it finishes: the result, or the `Crash` of a batch of one job. Any other
+    exception of the work is raised.
+    """
+    again: list[tuple[J, ...]] = []
+
+    def told(batch: tuple[J, ...], result: Any | BaseException) -> None:
+        if isinstance(result, Crash) and len(batch) > 1:
+            again.extend((job,) for job in batch)
+        elif isinstance(result, BaseException) and not isinstance(result, Crash):
+            raise result
+        else:
+            done(batch, result)
+
+    pool.run(work, tasks, told)
+    if again:
+        pool.run(work, again, told)
+
+
+def crashed(batch: Sequence[Job], crash: Crash) -> list[Run]:
+    """The runs of a batch whose process died: each says so."""
+    return [failed(job.engine, Outcome.CRASHED, f"the engine's process died: {crash}") for job in batch]

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import connection
 from typing import Any, Final, Protocol
 
 from harness.errors import InputError, Mistake
 
 AHEAD: Final = 3
 """Tasks handed out per worker at a time: enough that none waits, few enough that a crash leaves few suspects."""
+
+Work = Callable[[Any], Any]
+Done = Callable[[Any, Any | BaseException], None]
 
 
 class Crash(Exception):
@@ -26,84 +32,106 @@ class Pool(Protocol):
     def workers(self) -> int:
         """How many tasks run at once."""
 
-    def run(
-        self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any | BaseException], None]
-    ) -> None:
-        """Run `work` on each task, telling `done(task, result or Crash)` as each finishes, in any order."""
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+        """Run `work` on each task, telling `done(task, result or Crash)` as each finishes, in any order.
+
+        Tasks are taken from the iterable as workers become free: a million of them are never all there at once.
+        """
+
+    def close(self) -> None:
+        """Give the workers back."""
 
 
 class LocalPool:
-    """Processes on this machine; a crash loses only its own task."""
+    """Processes on this machine, started once; a crash loses only its own task."""
 
     def __init__(self, jobs: int | None = None) -> None:
         self._jobs = jobs or os.cpu_count() or 1
+        self._executor: ProcessPoolExecutor | None = None
+        self._not_ours: list[int | None] = []
 
     @property
     def workers(self) -> int:
         """How many processes."""
         return self._jobs
 
-    def run(
-        self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any | BaseException], None]
-    ) -> None:
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
         """See `Pool.run`; one task or one job still runs in a process of its own."""
-        left = list(tasks)
-        while left:
-            suspects = _through(self._executor, work, left, done, self._jobs)
-            finished_or_suspect = len(left) - suspects.remaining
+        waiting = iter(tasks)
+        while suspects := self._through(work, waiting, done):
             # Every suspect again, alone: the guilty one is then known, the others are computed.
-            for task in suspects.tasks:
-                alone = _through(lambda: self._executor(1), work, [task], done, 1)
-                if alone.tasks:
+            for task in suspects:
+                if self._through(work, iter([task]), done):
                     done(task, Crash("the process died"))
-            left = left[finished_or_suspect:]
 
-    def _executor(self, jobs: int | None = None) -> Executor:
-        # A fresh interpreter per worker: nothing that the parent did can reach a run.
-        return ProcessPoolExecutor(jobs or self._jobs, mp_context=multiprocessing.get_context("spawn"))
+    def close(self) -> None:
+        """End the processes, which have nothing left to do."""
+        executor, self._executor = self._executor, None
+        if executor is not None:
+            executor.shutdown(wait=True, cancel_futures=True)
 
-
-class _Suspects:
-    """Tasks that were under way when a process died, and how many had not been handed out."""
-
-    def __init__(self, tasks: Sequence[Any], remaining: int) -> None:
-        self.tasks = tasks
-        self.remaining = remaining
-
-
-def _through(
-    executor: Callable[[], Executor],
-    work: Callable[[Any], Any],
-    tasks: Sequence[Any],
-    done: Callable[[Any, Any | BaseException], None],
-    workers: int,
-) -> _Suspects:
-    """Hand tasks out in order, a few ahead, until all are done or a process dies."""
-    waiting: Iterator[Any] = iter(tasks)
-    handed = 0
-    under_way: dict[Future[Any], Any] = {}
-    with executor() as pool:
+    def _through(self, work: Work, waiting: Iterator[Any], done: Done) -> list[Any]:
+        """Hand tasks out in order, a few ahead, until all are done (then nothing is left) or a process dies (the suspects)."""
+        under_way: dict[Future[Any], Any] = {}
         try:
             while True:
-                for task in waiting:
-                    under_way[pool.submit(work, task)] = task
-                    handed += 1
-                    if len(under_way) >= AHEAD * workers:
+                while len(under_way) < AHEAD * self._jobs:
+                    task = next(waiting, under_way)
+                    if task is under_way:
                         break
+                    under_way[self._submit(work, task)] = task
                 if not under_way:
-                    return _Suspects([], 0)
+                    return []
                 ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
                 for future in ready:
                     result = future.result()
                     done(under_way.pop(future), result)
         except BrokenProcessPool:
+            self.close()
             finished = [f for f in under_way if f.done() and not f.cancelled() and f.exception() is None]
             for future in finished:
                 done(under_way.pop(future), future.result())
-            return _Suspects(list(under_way.values()), len(tasks) - handed)
+            return list(under_way.values())
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            # Interrupted, or a task's own exception: nobody waits for what is under way.
+            self._kill()
             raise
+
+    def _submit(self, work: Work, task: Any) -> Future[Any]:
+        if self._executor is None:
+            # A fresh interpreter per worker: nothing that the parent did can reach a run.
+            self._not_ours = [process.pid for process in multiprocessing.active_children()]
+            context = multiprocessing.get_context("spawn")
+            self._executor = ProcessPoolExecutor(self._jobs, mp_context=context, initializer=_live_with_parent)
+        try:
+            return self._executor.submit(work, task)
+        except BrokenProcessPool:
+            # It died between two tasks, with none of them to blame.
+            self.close()
+            return self._submit(work, task)
+
+    def _kill(self) -> None:
+        executor, self._executor = self._executor, None
+        if executor is None:
+            return
+        executor.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            if process.pid not in self._not_ours:
+                process.terminate()
+        executor.shutdown(wait=True)
+
+
+def _live_with_parent() -> None:
+    """In a worker: leave interrupts to the parent, and end when it is gone, however it went."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)
 
 
 class DaskPool:
@@ -126,21 +154,31 @@ class DaskPool:
         """Threads of all workers of the cluster."""
         return max(sum(int(count) for count in self._client.nthreads().values()), 1)
 
-    def run(
-        self, work: Callable[[Any], Any], tasks: Sequence[Any], done: Callable[[Any, Any | BaseException], None]
-    ) -> None:
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
         """See `Pool.run`; a worker that dies has its tasks moved by the scheduler, a task that kills workers is a `Crash`."""
         from distributed import KilledWorker, as_completed
 
-        futures = {}
-        for number, task in enumerate(tasks):
-            # pure=False: each task is itself, though two may look alike; retries are the scheduler's own.
-            futures[self._client.submit(work, task, pure=False, priority=-number)] = task
-        for future in as_completed(list(futures)):
+        waiting = enumerate(tasks)
+        under_way: dict[Any, Any] = {}
+        ready = as_completed()
+        while True:
+            while len(under_way) < AHEAD * self.workers:
+                number, task = next(waiting, (-1, None))
+                if number < 0:
+                    break
+                # pure=False: each task is itself, though two may look alike; retries are the scheduler's own.
+                future = self._client.submit(work, task, pure=False, priority=-number)
+                under_way[future] = task
+                ready.add(future)
+            if not under_way:
+                return
+            future = next(ready)
+            task = under_way.pop(future)
             try:
-                done(futures[future], future.result())
+                result = future.result()
             except KilledWorker as error:
-                done(futures[future], Crash(str(error)))
+                result = Crash(str(error))
+            done(task, result)
 
     def close(self) -> None:
         """Leave the cluster as it was."""

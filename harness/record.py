@@ -89,8 +89,17 @@ class Run:
         return {name: to_plain(value) for name, value in plain.items()}
 
 
+_PLAIN: Final = frozenset({str, int, bool, type(None)})
+
+
 def to_plain(value: Any) -> Any:
     """Turn numpy scalars, arrays, tuples and mappings into what JSON holds; a number that is not finite becomes None."""
+    kind = type(value)
+    # Nearly all values of a record are one of these, and a study asks a million times.
+    if kind is float:
+        return value if math.isfinite(value) else None
+    if kind in _PLAIN:
+        return value
     if isinstance(value, Mapping):
         return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, frozenset, set)):

@@ -43,6 +43,40 @@ class Row:
     record: Mapping[str, Any]
 
 
+@dataclass(frozen=True)
+class Packed:
+    """One result as the store takes it: its row, the seconds that it took, and its history as column names and bytes."""
+
+    columns: tuple[Any, ...]
+    seconds: float
+    history: tuple[str, bytes] | None
+
+
+def packed(key: str, run: Run, histories: bool = False) -> Packed:
+    """Pack a finished run: what costs time is done where it ran, and the store only writes."""
+    plain = run.as_dict()
+    # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
+    seconds = plain.pop("wall_s")
+    columns = (
+        key,
+        run.engine,
+        run.outcome.value,
+        run.peak_theta_rad,
+        run.no_return_time_s,
+        run.overturn_time_s,
+        run.peak_slip_m,
+        run.numerical_uncertainty_rad,
+        run.reliable_until_s,
+        json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":")),
+    )
+    history = None
+    if histories and run.history is not None:
+        table = run.history.columns()
+        data = zlib.compress(np.column_stack(list(table.values())).astype("<f8").tobytes(), 1)
+        history = ",".join(table), data
+    return Packed(columns, seconds, history)
+
+
 class Store:
     """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
 
@@ -74,38 +108,26 @@ class Store:
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """Which of the keys have a result."""
-        wanted = set(keys)
+        return self.keys().intersection(keys)
+
+    def keys(self) -> set[str]:
+        """All keys that have a result."""
         with self._told("read"):
-            return {key for (key,) in self._db.execute("SELECT key FROM run") if key in wanted}
+            return {key for (key,) in self._db.execute("SELECT key FROM run")}
 
     def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
         """Store finished runs, each in a transaction of its own; a key that is there already is kept as it is."""
         for key, run in results:
-            with self._told("written"), self._transaction():
-                self._put(key, run, histories)
+            self.add([packed(key, run, histories)])
 
-    def _put(self, key: str, run: Run, histories: bool) -> None:
-        plain = run.as_dict()
-        # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
-        seconds = plain.pop("wall_s")
-        values = (
-            key,
-            run.engine,
-            run.outcome.value,
-            run.peak_theta_rad,
-            run.no_return_time_s,
-            run.overturn_time_s,
-            run.peak_slip_m,
-            run.numerical_uncertainty_rad,
-            run.reliable_until_s,
-            json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":")),
-        )
-        self._db.execute("INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?)", values)
-        self._db.execute("INSERT OR IGNORE INTO timing VALUES (?,?)", (key, seconds))
-        if histories and run.history is not None:
-            columns = run.history.columns()
-            data = zlib.compress(np.column_stack(list(columns.values())).astype("<f8").tobytes(), 1)
-            self._db.execute("INSERT OR IGNORE INTO history VALUES (?,?,?)", (key, ",".join(columns), data))
+    def add(self, results: Sequence[Packed]) -> None:
+        """Store packed results in one transaction; a key that is there already is kept as it is."""
+        kept = [(item.columns[0], *item.history) for item in results if item.history is not None]
+        with self._told("written"), self._transaction():
+            self._db.executemany("INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?)", [r.columns for r in results])
+            seconds = [(item.columns[0], item.seconds) for item in results]
+            self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?)", seconds)
+            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?)", kept)
 
     def get(self, key: str) -> Row | None:
         """The stored result of a key, or None."""
@@ -133,12 +155,12 @@ class Store:
             extra = {name: values for name, values in columns.items() if name not in COLUMNS}
             return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
 
-    def write_plan(self, study: str, rows: Sequence[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
+    def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
-        plain = [
+        plain = (
             (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
             for n, engine, key, why, what in rows
-        ]
+        )
         with self._told("written"), self._transaction():
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -103,6 +104,16 @@ class StudyFile(Table):
     )
     ask: Ask = Ask()
     claims: Literal["paper"] | None = None
+
+    @property
+    def points(self) -> int:
+        """Combinations of what varies, samples included."""
+        return math.prod(len(item.values) if item.values else item.count or 1 for item in self.vary) * self.samples
+
+    @property
+    def runs(self) -> int:
+        """Runs of all variants by all their engines, were each asked every case."""
+        return self.points * sum(len(set(variant.engines)) for variant in self.variant)
 
     @model_validator(mode="after")
     def _whole(self) -> StudyFile:

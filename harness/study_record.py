@@ -55,7 +55,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "scene": describe(scene),
         "notes": scene.notes,
         "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
-        "summary": {**vars(summary), "sentence": str(summary)},
+        "summary": summary.as_dict(),
         "seconds": seconds,
         "engine_seconds": _seconds(rows, store),
         "rows": [_shown(row) for row in rows],

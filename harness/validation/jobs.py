@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines, record
-from harness.batches import batches, runs_of
+from harness.batches import batches, crashed, run_batches
 from harness.engine import Want
 from harness.errors import InputError, Mistake
-from harness.executors import Pool
+from harness.executors import Crash, Pool
 from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.store import Store
@@ -99,16 +99,17 @@ def compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int, 
     left = [job for key, job in distinct.items() if key not in known]
     finished = 0
 
-    def done(batch: Sequence[Job], results: Sequence[Run] | BaseException) -> None:
+    def done(batch: Sequence[Job], results: list[Run] | Crash) -> None:
         nonlocal finished
-        for job, run in zip(batch, runs_of(batch, results), strict=True):
+        runs = crashed(batch, results) if isinstance(results, Crash) else results
+        for job, run in zip(batch, runs, strict=True):
             store.put([(job.key, run)], histories=job.history)
         finished += len(batch)
         told(finished, len(left))
 
     if left:
         told(0, len(left))
-        pool.run(work, batches(left, BATCH, otherwise=2), done)
+        run_batches(pool, work, batches(left, BATCH, otherwise=2), done)
     return len(left)
 
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.executors import Crash, LocalPool
+from harness.executors import AHEAD, Crash, LocalPool
 
 CRASH = "__import__('os')._exit(3)"
 
@@ -40,3 +46,52 @@ def test_a_dead_process_costs_only_its_own_task() -> None:
 def test_a_task_of_its_own_exception_is_not_hidden() -> None:
     with pytest.raises(ZeroDivisionError):
         results(["1 / 0"], 1)
+
+
+def test_tasks_are_taken_as_workers_become_free() -> None:
+    taken: list[int] = []
+    ahead: list[int] = []
+
+    def tasks() -> Iterator[str]:
+        for i in range(40):
+            taken.append(i)
+            yield f"{i} + 0"
+
+    finished: list[str] = []
+
+    def done(task: str, result: Any) -> None:
+        finished.append(task)
+        ahead.append(len(taken) - len(finished))
+
+    pool = LocalPool(2)
+    pool.run(eval, tasks(), done)
+    pool.close()
+    assert len(finished) == 40
+    assert max(ahead) <= AHEAD * 2
+
+
+def test_processes_are_started_once() -> None:
+    pool = LocalPool(1)
+    seen: set[Any] = set()
+    for _ in range(3):
+        pool.run(eval, ["__import__('os').getpid()"] * 4, lambda task, pid: seen.add(pid))
+    pool.close()
+    assert len(seen) == 1
+
+
+def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path; from harness.executors import LocalPool\n"
+        "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
+        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", '1'], told)\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
+    subprocess.run([sys.executable, script, tmp_path / "pid"], check=False, env=environment)
+    pid = int((tmp_path / "pid").read_text())
+    for _ in range(200):
+        if not Path(f"/proc/{pid}").exists() or "zombie" in Path(f"/proc/{pid}/status").read_text():
+            return
+        time.sleep(0.02)
+    pytest.fail("the worker lives on")
