@@ -2,39 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from analytic._jit import jit
-from analytic.borrowed import borrow
-from analytic.kernel import run_borrowed
-from analytic.layout import (
-    MAX_ORDER,
-    N_COUNT,
-    N_DISCRETE,
-    N_EVENT,
-    N_RESULT,
-    N_ROWS,
-    N_STATE,
-    OUTCOME,
-    Floats,
-    Ints,
-    T,
-    Task,
-)
+from analytic.kernel import run_one
+from analytic.layout import N_MEMORY, OUTCOME, Floats, Ints, Runs, T
 
 
 @jit
 def run_rows(
+    runs: Runs,
     p: Floats,
-    x: Floats,
-    z: Floats,
-    facet_rad: Floats,
-    fx: Floats,
-    fz: Floats,
-    tx: Floats,
-    sx: Floats,
-    tz: Floats,
-    sz: Floats,
+    f: Floats,
+    address: Ints,
+    stride: Ints,
+    length: Ints,
     start: int,
     stop: int,
     outcomes: Ints,
@@ -42,32 +22,16 @@ def run_rows(
     results: Floats,
     counts: Ints,
 ) -> None:
-    """Run the rows start to stop − 1 of the parameters p, the base x, z, facet_rad and the motions fx, fz; records are shared."""
-    w, s, r = np.zeros((N_ROWS, MAX_ORDER + 2)), np.zeros(N_STATE), np.zeros(N_RESULT)
-    q, c = np.zeros(N_DISCRETE, dtype=np.int64), np.zeros(N_COUNT, dtype=np.int64)
-    grid, events = np.zeros((0, 4)), np.zeros((0, N_EVENT))
+    """Run the rows start to stop − 1 of the parameters p and the motions f in the one task of runs.
+
+    Row i's arrays stand at address + i stride, and have length items.
+    """
+    task = runs[0]
     for i in range(start, stop):
-        run_borrowed(
-            Task(
-                borrow(p)[i],
-                borrow(x)[i],
-                borrow(z)[i],
-                borrow(facet_rad)[i],
-                borrow(fx)[i],
-                borrow(fz)[i],
-                borrow(tx),
-                borrow(sx),
-                borrow(tz),
-                borrow(sz),
-                borrow(w),
-                borrow(s),
-                borrow(q),
-                borrow(r),
-                borrow(c),
-                borrow(grid),
-                borrow(events),
-            )
-        )
-        outcomes[i], ends[i] = q[OUTCOME], s[T]
-        results[i, :] = r
-        counts[i, :] = c
+        task.p[:], task.f[:, :] = p[i], f[i]
+        for k in range(N_MEMORY):
+            task.address[k], task.length[k] = address[k] + i * stride[k], length[k]
+        run_one(task)
+        outcomes[i], ends[i] = task.q[OUTCOME], task.s[T]
+        results[i, :] = task.r
+        counts[i, :] = task.c

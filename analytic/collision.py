@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analytic._jit import jit
+from analytic.borrowed import peek
 from analytic.impact import both_corners, impact, kinetic
 from analytic.layout import (
     AX,
@@ -10,6 +11,7 @@ from analytic.layout import (
     ENERGY_GAINED,
     ENERGY_LOST,
     FACET,
+    FACET_RAD,
     GE,
     HAS_BASE,
     IMPACT,
@@ -38,7 +40,7 @@ from analytic.validity import note_impact
 @jit
 def _rebound(task: Task, facet: int, omega: float, rate: float) -> float:
     """Height in rad of the rebound that starts at omega, by the smaller of the moments that hold the statue down; −1 if none."""
-    load(task, 0)
+    load(task)
     gravity, accel = task.w[GE, 0], task.w[AX, 0]
     if task.p[HAS_BASE] > 0.0 and rate != 0.0:
         accel = -(task.p[MU_KINETIC] * gravity) if rate > 0.0 else task.p[MU_KINETIC] * gravity
@@ -74,7 +76,7 @@ def land(task: Task, facet: int, residual: float) -> None:
         p[MU_KINETIC],
         p[HAS_BASE] > 0.0,
     )
-    s[S_TH], q[FACET] = task.facet_rad[facet], facet
+    s[S_TH], q[FACET] = peek(task.address[FACET_RAD], facet), facet
     if after != 0.0:
         rebound = _rebound(task, facet, after, moved)
         if 0.0 <= rebound < p[REST_ANGLE]:

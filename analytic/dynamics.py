@@ -14,16 +14,22 @@ J θ̈ = m (g_e X − A Z).
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from analytic._jit import jit
+from analytic.borrowed import peek
 from analytic.layout import (
     ABS,
     ACC,
     AX,
     BASE_MASS,
+    BASE_X,
+    BASE_Z,
     CENTROID,
+    DEGREE,
     DET,
     DYNAMIC,
+    FACET_RAD,
     FLOOR,
     GE,
     INERTIA,
@@ -32,6 +38,7 @@ from analytic.layout import (
     MU_KINETIC,
     NORMAL,
     OM,
+    PIVOT,
     PIVOT_H,
     PIVOT_V,
     PX,
@@ -42,6 +49,7 @@ from analytic.layout import (
     TIME_SCALE,
     TOLERANCE,
     W2,
+    WANT_VALIDITY,
     XW,
     ZW,
     ZX,
@@ -50,14 +58,26 @@ from analytic.layout import (
     Task,
 )
 
+AIM: Final = 1.25
+"""Steps towards an event end beyond its first guess by this factor, so that the event lies inside."""
+
+
+@jit
+def vertex(task: Task, k: int) -> tuple[float, float]:
+    """Where vertex k stands: x from below the centroid, and the centroid's height above it, m."""
+    return peek(task.address[BASE_X], k), task.p[CENTROID] - peek(task.address[BASE_Z], k)
+
 
 @jit
 def place(task: Task, theta: float, pivot: int) -> float:
     """Write X and Z of the pivot at rotation theta into the workspace; return the statue's inertia about it, kg m²."""
-    x, z = task.x[pivot], task.p[CENTROID] - task.z[pivot]
-    sine, cosine = math.sin(theta), math.cos(theta)
-    task.w[PX, 0] = z * sine - x * cosine
-    task.w[PZ, 0] = x * sine + z * cosine
+    x, z = vertex(task, pivot)
+    if theta == 0.0:
+        task.w[PX, 0], task.w[PZ, 0] = -x, z
+    else:
+        sine, cosine = math.sin(theta), math.cos(theta)
+        task.w[PX, 0] = z * sine - x * cosine
+        task.w[PZ, 0] = x * sine + z * cosine
     return float(task.p[INERTIA] + task.p[MASS] * (x * x + z * z))
 
 
@@ -73,6 +93,30 @@ def _advance(w: Floats, i: int, sx: float, sz: float, acc: float) -> None:
 
 
 @jit
+def _fall(gap: float, speed: float, pull: float) -> float:
+    """When gap + speed t + pull t²/2, a gap from 0 on, closes; infinite if it does not."""
+    left = speed * speed - 2.0 * pull * gap
+    if left < 0.0 or (speed >= 0.0 and pull >= 0.0):
+        return math.inf
+    root = math.sqrt(left)
+    time = (speed + root) / -pull if speed >= 0.0 else 2.0 * gap / (root - speed)
+    return time if time > 0.0 else math.inf
+
+
+@jit
+def _aim(task: Task, h: float) -> float:
+    """The step, at most h, that ends a little after the landing foreseen from the first terms."""
+    w, pivot = task.w, task.q[PIVOT]
+    if pivot > 0:
+        gap = w[TH, 0] - peek(task.address[FACET_RAD], pivot - 1)
+        h = min(h, AIM * _fall(gap, w[OM, 0], w[OM, 1]))
+    if pivot < task.length[FACET_RAD]:
+        gap = peek(task.address[FACET_RAD], pivot) - w[TH, 0]
+        h = min(h, AIM * _fall(gap, -w[OM, 0], -w[OM, 1]))
+    return h
+
+
+@jit
 def _last_products(w: Floats, n: int) -> None:
     sx, sz = 0.0, 0.0
     for k in range(n + 1):
@@ -82,8 +126,9 @@ def _last_products(w: Floats, n: int) -> None:
 
 
 @jit
-def rock_stuck(w: Floats, n: int, m_over_j: float, deg_x: int, deg_z: int, h: float, tol: float) -> int:
-    """Rocking on a support that follows the floor; returns the order reached, n or less where h needs less."""
+def rock_stuck(task: Task, n: int, m_over_j: float, h: float, tol: float) -> tuple[int, float]:
+    """Rocking on a support that follows the floor; returns the order reached, n or less, and the step, h or less."""
+    w, deg_x, deg_z = task.w, task.q[DEGREE], task.q[DEGREE + 1]
     power, small = 1.0, 0
     for i in range(n):
         sx, sz, moment = 0.0, 0.0, 0.0
@@ -95,9 +140,12 @@ def rock_stuck(w: Floats, n: int, m_over_j: float, deg_x: int, deg_z: int, h: fl
         for k in range(min(i, deg_x) + 1):
             moment -= w[AX, k] * w[PZ, i - k]
         _advance(w, i, sx, sz, m_over_j * moment)
+        if i == 0 and tol > 0.0:
+            h = _aim(task, h)
         power *= h
-        small = small + 1 if abs(w[OM, i + 1]) * power <= tol else 0
-        if small >= 2 and i >= 3 + max(deg_x, deg_z):
+        pushed = m_over_j * (abs(w[AX, i] * w[PZ, 0]) + abs(w[GE, i] * w[PX, 0])) * INVERSE[i + 1]
+        small = small + 1 if max(abs(w[OM, i + 1]), pushed) * power <= tol else 0
+        if small >= 2 and i >= 3:
             n = i + 1
             break
     _last_products(w, n)
@@ -106,24 +154,15 @@ def rock_stuck(w: Floats, n: int, m_over_j: float, deg_x: int, deg_z: int, h: fl
         w[ABS, k] = w[AX, k]
         if k > 0:
             w[SLIP, k] = 0.0
-    return n
+    return n, h
 
 
 @jit
 def rock_slide(
-    w: Floats,
-    n: int,
-    m: float,
-    m_total: float,
-    j: float,
-    kappa: float,
-    kappa_n: float,
-    deg_z: int,
-    h: float,
-    tol: float,
-    length_m: float,
-) -> int:
-    """Rocking on a sliding pedestal; returns the order reached, n or less where h needs less."""
+    task: Task, n: int, m: float, m_total: float, j: float, kappa: float, kappa_n: float, h: float, tol: float
+) -> tuple[int, float]:
+    """Rocking on a sliding pedestal; returns as ``rock_stuck``."""
+    w, deg_z, length_m = task.w, task.q[DEGREE + 1], task.p[CENTROID]
     ratio = m / m_total
     power, small, per_det = 1.0, 0, 0.0
     for i in range(n):
@@ -151,18 +190,23 @@ def rock_slide(
         w[ACC, i] = (m * weight - (m * ratio) * centrifugal - implicit) * per_det
         _slide_coefficient(w, i, ratio, kappa, kappa_n, sx, sz)
         _advance(w, i, sx, sz, w[ACC, i])
+        if i == 1 and tol > 0.0:
+            h = _aim(task, h)
+            halting = w[RATE, 0] * w[RATE, 1] < 0.0
+            h = min(h, AIM * abs(w[RATE, 0] / w[RATE, 1])) if halting else h
+            power = h
         # θ̇ does not feel the floor while the pedestal slides; u̇ does, and may need more terms
         settled = abs(w[RATE, i]) * power <= tol * length_m
         power *= h
         small = small + 1 if settled and abs(w[OM, i + 1]) * power <= tol else 0
-        if small >= 2 and i >= 5:
+        if small >= 2 and i >= 4:
             n = i + 1
             break
     _last_products(w, n)
     _slide_coefficient(w, n, ratio, kappa, kappa_n, w[XW, n], w[ZW, n])
     for i in range(n):
         w[ABS, i] = -(kappa * w[GE, i]) - ratio * (i + 1) * (w[ZW, i + 1] - kappa_n * w[XW, i + 1])
-    return n
+    return n, h
 
 
 @jit
@@ -190,10 +234,10 @@ def at_rest(w: Floats, n: int, slide: int, kappa: float) -> None:
 
 
 @jit
-def expand(task: Task, pivot: int, slide: int, n: int, deg_x: int, deg_z: int, h: float) -> int:
+def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, float]:
     """Taylor coefficients of the motion and the forces in one joint state from the first column of the workspace.
 
-    AX and GE must be filled to order n with their degrees deg_x, deg_z. Returns the order reached (forces: one less).
+    AX and GE must be loaded. Returns the order reached (forces: one less) and the step, h or less, that was aimed at an event.
     """
     p, w = task.p, task.w
     m, m_total = p[MASS], p[MASS] + p[BASE_MASS]
@@ -204,19 +248,21 @@ def expand(task: Task, pivot: int, slide: int, n: int, deg_x: int, deg_z: int, h
     else:
         j = place(task, w[TH, 0], pivot)
         if slide == 0:
-            n = rock_stuck(w, n, m / j, deg_x, deg_z, h, tol)
+            n, h = rock_stuck(task, n, m / j, h, tol)
         else:
-            kappa_n = kappa * p[DYNAMIC]
-            n = rock_slide(w, n, m, m_total, j, kappa, kappa_n, deg_z, h, tol, p[CENTROID])
-    _forces(w, n, m, p[BASE_MASS])
-    return n
+            n, h = rock_slide(task, n, m, m_total, j, kappa, kappa * p[DYNAMIC], h, tol)
+    _forces(task, n, m, slide == 0 or p[WANT_VALIDITY] > 0.0)
+    return n, h
 
 
 @jit
-def _forces(w: Floats, n: int, m: float, base: float) -> None:
-    """H, V at the pivot and F, N at the floor to order n − 1."""
+def _forces(task: Task, n: int, m: float, all_of_them: bool) -> None:
+    """V at the pivot and N at the floor to order n − 1; H and F too where they are wanted."""
+    w, base = task.w, task.p[BASE_MASS]
     for i in range(n):
         w[PIVOT_V, i] = m * (w[GE, i] - (i + 1) * w[XW, i + 1])
-        w[PIVOT_H, i] = m * (w[ABS, i] + (i + 1) * w[ZW, i + 1])
         w[NORMAL, i] = w[PIVOT_V, i] + base * w[GE, i]
-        w[FLOOR, i] = w[PIVOT_H, i] + base * w[ABS, i]
+    if all_of_them:
+        for i in range(n):
+            w[PIVOT_H, i] = m * (w[ABS, i] + (i + 1) * w[ZW, i + 1])
+            w[FLOOR, i] = w[PIVOT_H, i] + base * w[ABS, i]

@@ -6,13 +6,14 @@ import math
 from typing import Final
 
 from analytic._jit import jit
-from analytic.dynamics import place
+from analytic.borrowed import peek
+from analytic.dynamics import place, vertex
 from analytic.impact import impact
 from analytic.layout import (
     BASE_MASS,
     BY_ENERGY,
-    CENTROID,
     DYNAMIC,
+    FACET_RAD,
     GRAVITY,
     HAS_BASE,
     INERTIA,
@@ -68,7 +69,7 @@ def _sticks(task: Task, j: float, energy: float, reach: float, lowest: float, ra
 def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
     """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate."""
     p = task.p
-    x, z = task.x[pivot], p[CENTROID] - task.z[pivot]
+    x, z = vertex(task, pivot)
     weight = p[MASS] * p[GRAVITY] * math.sqrt(x * x + z * z)
     balance, wall = side * math.atan2(x, z), (p[WALL_ROTATION] if p[WALL_SIDE] == side else math.inf)
     top = weight if wall >= balance else weight * math.cos(wall - balance)
@@ -113,13 +114,14 @@ def _landing(task: Task, pivot: int, facet: int, speed: float) -> tuple[int, flo
 def _follow(task: Task) -> int:
     """Outcome of the free rocking from the present state, UNKNOWN where energy alone does not decide."""
     p, w = task.p, task.w
-    m, g, last = p[MASS], p[GRAVITY], task.x.size - 1
+    m, g, last = p[MASS], p[GRAVITY], task.length[FACET_RAD]
     theta, omega, pivot = task.s[S_TH], task.s[S_OM], task.q[PIVOT]
     for _ in range(MAX_IMPACTS):
         j = place(task, theta, pivot)
         energy = 0.5 * j * omega * omega + m * g * w[PZ, 0]
         side = 1 if (omega > 0.0 or (omega == 0.0 and w[PX, 0] > 0.0)) else -1
-        radius = math.sqrt(task.x[pivot] ** 2 + (p[CENTROID] - task.z[pivot]) ** 2)
+        x, z = vertex(task, pivot)
+        radius = math.sqrt(x * x + z * z)
         outer = pivot == last if side > 0 else pivot == 0
         if outer:
             reach, lowest = max(abs(w[PX, 0]), p[MU_STATIC] * p[HAS_BASE] * radius), w[PZ, 0]
@@ -139,7 +141,7 @@ def _follow(task: Task) -> int:
         pivot, omega, held = _landing(task, pivot, facet, speed)
         if not held:
             return UNKNOWN
-        theta = task.facet_rad[facet]
+        theta = peek(task.address[FACET_RAD], facet)
         xr, _, _ = corner(task, facet, 1)
         xl, _, _ = corner(task, facet, -1)
         if xr < 0.0 < xl and 0.5 * j * omega * omega <= SPENT * m * g * radius:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from analytic._jit import jit
+from analytic.borrowed import peek
 from analytic.layout import (
     AT_LIMIT,
     AT_WALL,
+    DEGREE,
     DET,
+    DYNAMIC,
     EVENT,
+    FACET_RAD,
     FLIGHT,
+    FLOOR,
     FRESH,
     GE,
     HALT,
     HAS_BASE,
     IMPACT,
+    MU_STATIC,
     NO_EVENT,
     NO_SOLUTION,
     NORMAL,
@@ -64,70 +70,121 @@ def _level(task: Task, row: int, n: int, sign: float, level: float) -> None:
 
 
 @jit
-def _rotation(task: Task, n: int, best: Found) -> Found:
+def _clear(task: Task, row: int, sign: float, level: float, rest: float) -> bool:
+    """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
+    start, first = sign * (task.w[row, 0] - level), sign * task.w[row, 1] * task.w[POWER, 1]
+    return bool(start + min(first, 0.0) > rest)
+
+
+@jit
+def _rests(task: Task, n: int) -> tuple[float, float, float, float, float]:
+    """How far the terms from the second on can carry θ, V, N, and F and 0 (stuck) or u̇ and the determinant (sliding)."""
+    w = task.w
+    row, other = (FLOOR, NORMAL) if task.q[SLIDE] == 0 else (RATE, DET)
+    theta, pivot, normal, third, fourth = abs(w[TH, n]) * w[POWER, n], 0.0, 0.0, 0.0, 0.0
+    if row == RATE:
+        third = abs(w[RATE, n]) * w[POWER, n]
+    for k in range(2, n):
+        power = w[POWER, k]
+        theta += abs(w[TH, k]) * power
+        pivot += abs(w[PIVOT_V, k]) * power
+        normal += abs(w[NORMAL, k]) * power
+        third += abs(w[row, k]) * power
+        fourth += abs(w[other, k]) * power
+    return theta, pivot, normal, third, fourth
+
+
+@jit
+def _rotation(task: Task, n: int, rest: float, best: Found) -> Found:
     """Impact on the facets at either side of the pivot, and the overturning limit."""
-    pivot, w = task.q[PIVOT], task.w
-    last = task.x.size - 1
+    pivot, w, last = task.q[PIVOT], task.w, task.length[FACET_RAD]
     for side in (-1, 1):
         j = pivot if side > 0 else pivot - 1
         if 0 <= j < last:
-            _level(task, TH, n, -side, task.facet_rad[j])
+            angle = peek(task.address[FACET_RAD], j)
+            if _clear(task, TH, -side, angle, rest):
+                continue
+            _level(task, TH, n, -side, angle)
             lo = 0
             if w[EVENT, 0] == 0.0:
                 lo = 1 if w[OM, 0] != 0.0 else 1 + omega_zeros(task, n)
             best = _search(task, n, lo, IMPACT, j, best)
-        else:
+        elif not _clear(task, TH, -side, side * task.p[OVERTURN], rest):
             _level(task, TH, n, -side, side * task.p[OVERTURN])
             best = _search(task, n, 0, AT_LIMIT, side, best)
     return best
 
 
 @jit
-def _contact(task: Task, n: int, best: Found) -> Found:
+def _contact(task: Task, n: int, rests: tuple[float, float, float, float, float], best: Found) -> Found:
     """Loss of contact and the friction paradox; a statue that already falls may leave its corner without ending the run."""
     q = task.q
     if q[PIVOT] < 0:
-        _level(task, GE, n, 1.0, 0.0)
-        return _search(task, n, 0, FLIGHT, 0, best)
-    if not falling(task):
+        if task.q[DEGREE + 1] > 0 or task.w[GE, 0] <= 0.0:
+            _level(task, GE, n, 1.0, 0.0)
+            return _search(task, n, 0, FLIGHT, 0, best)
+        return best
+    if not _clear(task, PIVOT_V, 1.0, 0.0, rests[1]) and not falling(task):
         _level(task, PIVOT_V, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, FLIGHT, 0, best)
-    if task.p[HAS_BASE] > 0.0:
+    if task.p[HAS_BASE] > 0.0 and not _clear(task, NORMAL, 1.0, 0.0, rests[2]):
         _level(task, NORMAL, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, FLIGHT, 1, best)
-    if q[SLIDE] != 0:
+    if q[SLIDE] != 0 and not _clear(task, DET, 1.0, 0.0, rests[4]):
         _level(task, DET, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, NO_SOLUTION, 0, best)
     return best
 
 
 @jit
-def first_event(task: Task, n: int) -> Found:
-    """The first event within the step whose coefficients and powers of length stand in the workspace."""
-    q, w = task.q, task.w
-    best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
-    fresh = q[FRESH] == 1
-    time_s = task.p[TIME_SCALE]
-    if q[PIVOT] < 0:
-        for side in (1, -1):
-            scale = lift_margin(task, side, n - 1)
-            lo = leading(w, EVENT, n - 1, scale, time_s) if fresh else 0
-            best = _search(task, n - 1, lo, UPLIFT, side, best)
-    else:
-        best = _rotation(task, n, best)
-    if task.p[HAS_BASE] > 0.0:
-        if q[SLIDE] == 0:
-            for side in (1, -1):
-                scale = stick_margin(task, side, n - 1)
-                lo = leading(w, EVENT, n - 1, scale, time_s) if fresh else 0
-                best = _search(task, n - 1, lo, SLIP_EVENT, side, best)
-        else:
+def _uplift(task: Task, n: int, best: Found) -> Found:
+    """Uplift of the resting statue to either side."""
+    for side in (1, -1):
+        scale = lift_margin(task, side, n - 1)
+        lo = leading(task.w, EVENT, n - 1, scale, task.p[TIME_SCALE]) if task.q[FRESH] == 1 else 0
+        best = _search(task, n - 1, lo, UPLIFT, side, best)
+    return best
+
+
+@jit
+def _friction(task: Task, n: int, rests: tuple[float, float, float, float, float], best: Found) -> Found:
+    """Start of the stuck pedestal to either side, or halt of the sliding one."""
+    q, w, p = task.q, task.w, task.p
+    if q[SLIDE] != 0:
+        if not _clear(task, RATE, q[SLIDE], 0.0, rests[3]):
             lo = rate_zeros(task, n) if w[RATE, 0] == 0.0 else 0
             _level(task, RATE, n, q[SLIDE], 0.0)
             best = _search(task, n, lo, HALT, q[SLIDE], best)
-    best = _contact(task, n, best)
+        return best
+    rest = 1.0e300 if p[DYNAMIC] == 0.0 or q[PIVOT] < 0 else p[MU_STATIC] * rests[2] + rests[3]
+    least = p[MU_STATIC] * (w[NORMAL, 0] - abs(w[NORMAL, 1]) * w[POWER, 1]) - rest
+    if least > abs(w[FLOOR, 0]) + abs(w[FLOOR, 1]) * w[POWER, 1]:
+        return best
+    for side in (1, -1):
+        scale = stick_margin(task, side, n - 1)
+        lo = leading(w, EVENT, n - 1, scale, p[TIME_SCALE]) if q[FRESH] == 1 else 0
+        best = _search(task, n - 1, lo, SLIP_EVENT, side, best)
+    return best
+
+
+@jit
+def first_event(task: Task, n: int) -> Found:
+    """The first event within the step whose coefficients and powers of length stand in the workspace."""
+    q = task.q
+    best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
+    rests = (0.0, 0.0, 0.0, 0.0, 0.0)
+    if q[PIVOT] < 0:
+        best = _uplift(task, n, best)
+    else:
+        rests = _rests(task, n)
+        best = _rotation(task, n, rests[0], best)
+    if task.p[HAS_BASE] > 0.0:
+        if q[PIVOT] < 0 and q[SLIDE] != 0:
+            rests = (0.0, 0.0, 0.0, 1.0e300, 0.0)
+        best = _friction(task, n, rests, best)
+    best = _contact(task, n, rests, best)
     side = int(task.p[WALL_SIDE])
-    if side != 0 and q[PIVOT] >= 0:
+    if side != 0 and q[PIVOT] >= 0 and not _clear(task, TH, -side, side * task.p[WALL_ROTATION], rests[0]):
         _level(task, TH, n, -side, side * task.p[WALL_ROTATION])
         best = _search(task, n, 0, AT_WALL, side, best)
     return best

@@ -12,27 +12,40 @@ from typing import Final
 import numpy as np
 
 from analytic._jit import jit
+from analytic.borrowed import peek
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.layout import (
+    ALONG_X,
+    ALONG_Z,
     AMPLITUDE,
     COSINE,
+    DURATION,
     END,
     HARMONIC,
     INVERSE,
     KIND,
+    LIMIT,
+    MAX_ORDER,
     N_FORCING,
     NONE,
     OMEGA,
+    ORDER,
+    OVER,
     PHASE,
     RAMP,
     RECTANGULAR,
     RICKER,
     SAMPLED,
+    SAMPLES,
     SCALE,
+    SEG,
     SINE,
     START,
+    TIMES,
     Floats,
+    T,
+    Task,
 )
 
 _PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
@@ -63,52 +76,76 @@ def encode(motion: Excitation) -> tuple[Floats, Floats, Floats]:
 
 
 @jit
-def break_at(f: Floats, t: Floats, seg: int) -> float:
-    """Time of break number seg, s; infinite after the last."""
-    kind = int(f[KIND])
+def break_at(task: Task, axis: int) -> float:
+    """Time of the motion's next break, s; infinite after the last."""
+    kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
     if kind == SAMPLED:
-        return float(t[seg]) if seg < t.size else math.inf
+        return peek(task.address[TIMES + axis], seg) if seg < task.length[TIMES + axis] else math.inf
     if kind == HARMONIC:
-        return float(f[RAMP]) if seg == 0 and f[RAMP] > 0.0 else math.inf
+        return float(task.f[axis, RAMP]) if seg == 0 and task.f[axis, RAMP] > 0.0 else math.inf
     if kind == NONE or seg > 1:
         return math.inf
-    return float(f[START] if seg == 0 else f[END])
+    return float(task.f[axis, START] if seg == 0 else task.f[axis, END])
 
 
 @jit
-def is_jump(f: Floats, t: Floats, seg: int) -> bool:
-    """Whether a itself may jump at the break after which seg breaks are passed."""
-    kind = int(f[KIND])
-    return kind != HARMONIC and (kind != SAMPLED or seg == 1 or seg == t.size)
+def is_jump(task: Task, axis: int) -> bool:
+    """Whether a itself may jump at the break that was passed last."""
+    kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
+    return bool(kind != HARMONIC and (kind != SAMPLED or seg == 1 or seg == task.length[TIMES + axis]))
 
 
 @jit
-def is_over(f: Floats, t: Floats, seg: int) -> bool:
-    """Whether the motion is exactly zero from break seg on."""
-    kind = int(f[KIND])
+def is_over(task: Task, axis: int) -> bool:
+    """Whether the motion is exactly zero from now on."""
+    kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
     if kind == SAMPLED:
-        return seg >= t.size
-    return kind == NONE or (kind != HARMONIC and seg >= 2)
+        return bool(seg >= task.length[TIMES + axis])
+    return bool(kind == NONE or (kind != HARMONIC and seg >= 2))
 
 
 @jit
-def sampled_at(f: Floats, t: Floats, a: Floats, seg: int, time: float) -> float:
-    """A record's acceleration at a time within segment seg; the sample itself at its own time."""
-    if seg < 1 or seg >= t.size:
-        return 0.0
-    since = time - t[seg - 1]
-    return float(f[SCALE] * (a[seg - 1] + (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1]) * since))
+def look_ahead(task: Task) -> None:
+    """Note how far the motions are smooth, and whether both are over."""
+    task.s[LIMIT] = min(break_at(task, ALONG_X), break_at(task, ALONG_Z), task.p[DURATION])
+    task.q[OVER] = 1 if is_over(task, ALONG_X) and is_over(task, ALONG_Z) else 0
 
 
 @jit
-def _oscillation(w: Floats, row: int, n: int, amplitude: float, omega: float, sine: float, cosine: float) -> None:
+def sampled(task: Task, axis: int) -> tuple[float, float, float]:
+    """Time and acceleration of the sample that the record has passed last, and the slope to the next; zero outside."""
+    seg = task.q[SEG + axis]
+    if seg < 1 or seg >= task.length[TIMES + axis]:
+        return 0.0, 0.0, 0.0
+    times, samples, scale = task.address[TIMES + axis], task.address[SAMPLES + axis], task.f[axis, SCALE]
+    start, first = peek(times, seg - 1), peek(samples, seg - 1)
+    slope = scale * (peek(samples, seg) - first) / (peek(times, seg) - start)
+    return start, scale * first, slope
+
+
+@jit
+def sampled_at(task: Task, axis: int, time: float) -> float:
+    """A record's acceleration at a time within its present segment; the sample itself at its own time."""
+    start, first, slope = sampled(task, axis)
+    return first + slope * (time - start)
+
+
+@jit
+def prepare(task: Task, axis: int) -> None:
+    """Write what the coefficients of a sine need at every step."""
+    power = task.f[axis, AMPLITUDE]
+    for k in range(MAX_ORDER + 2):
+        task.wave[axis, k] = power
+        power *= task.f[axis, OMEGA] * INVERSE[k + 1]
+
+
+@jit
+def _oscillation(task: Task, axis: int, row: int, n: int, sine: float, cosine: float) -> None:
     """amplitude sin(ωτ + φ) with sine = sin φ, cosine = cos φ."""
-    power = amplitude
-    for k in range(n + 1):
-        turn = k % 4
-        part = sine if turn % 2 == 0 else cosine
-        w[row, k] = power * part if turn < 2 else -(power * part)
-        power *= omega * INVERSE[k + 1]
+    w, wave = task.w, task.wave
+    for k in range(0, n + 1, 2):
+        w[row, k], w[row, k + 1] = wave[axis, k] * sine, wave[axis, k + 1] * cosine
+        sine, cosine = -sine, -cosine
 
 
 @jit
@@ -122,33 +159,37 @@ def _ricker(w: Floats, row: int, n: int, amplitude: float, omega: float, xi: flo
 
 
 @jit
-def coefficients(f: Floats, t: Floats, a: Floats, seg: int, time: float, w: Floats, row: int, n: int) -> int:
-    """Write the Taylor coefficients w[row, 0..n] of the acceleration about time, within segment seg; return the degree."""
-    kind = int(f[KIND])
-    for k in range(n + 1):
-        w[row, k] = 0.0
+def coefficients(task: Task, axis: int, row: int) -> int:
+    """Write the Taylor coefficients of the acceleration about the present into the row of the workspace; return the degree.
+
+    Beyond the degree the row is zero: records and rectangles never write there, and a pulse clears it.
+    """
+    f, w, time = task.f, task.w, task.s[T]
+    kind, seg, n = int(f[axis, KIND]), task.q[SEG + axis], int(task.p[ORDER])
     if kind == SAMPLED:
-        if seg < 1 or seg >= t.size:
-            return 0
-        w[row, 0] = sampled_at(f, t, a, seg, time)
-        w[row, 1] = f[SCALE] * (a[seg] - a[seg - 1]) / (t[seg] - t[seg - 1])
+        start, first, slope = sampled(task, axis)
+        w[row, 0], w[row, 1] = first + slope * (time - start), slope
         return 1
-    if kind == NONE or (kind != HARMONIC and seg != 1):
+    if kind == NONE:
+        w[row, 0] = 0.0
+        return 0
+    if kind != HARMONIC and seg != 1:
+        w[row, :] = 0.0
         return 0
     if kind == RECTANGULAR:
-        w[row, 0] = f[AMPLITUDE]
+        w[row, 0] = f[axis, AMPLITUDE]
         return 0
-    since = time - f[START]
+    since = time - f[axis, START]
     if kind == RICKER:
-        _ricker(w, row, n, f[AMPLITUDE], f[OMEGA], since - 0.5 * (f[END] - f[START]))
+        _ricker(w, row, n, f[axis, AMPLITUDE], f[axis, OMEGA], since - 0.5 * (f[axis, END] - f[axis, START]))
         return n
-    angle = f[OMEGA] * since + f[PHASE]
+    angle = f[axis, OMEGA] * since + f[axis, PHASE]
+    sine, cosine = math.sin(angle), math.cos(angle)
     if kind == COSINE:
-        _oscillation(w, row, n, f[AMPLITUDE], f[OMEGA], math.cos(angle), -math.sin(angle))
-        return n
-    _oscillation(w, row, n, f[AMPLITUDE], f[OMEGA], math.sin(angle), math.cos(angle))
-    if kind == HARMONIC and seg == 0 and f[RAMP] > 0.0:
+        sine, cosine = cosine, -sine
+    _oscillation(task, axis, row, n, sine, cosine)
+    if kind == HARMONIC and seg == 0 and f[axis, RAMP] > 0.0:
         for k in range(n, 0, -1):
-            w[row, k] = (w[row, k] * since + w[row, k - 1]) / f[RAMP]
-        w[row, 0] = w[row, 0] * since / f[RAMP]
+            w[row, k] = (w[row, k] * since + w[row, k - 1]) / f[axis, RAMP]
+        w[row, 0] = w[row, 0] * since / f[axis, RAMP]
     return n

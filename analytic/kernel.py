@@ -6,13 +6,14 @@ import math
 from typing import Final
 
 from analytic._jit import jit
-from analytic.borrowed import borrow
 from analytic.collision import land
 from analytic.dynamics import expand
 from analytic.energy import decide
 from analytic.events import first_event
-from analytic.forcing import break_at, is_jump, is_over
+from analytic.forcing import break_at, is_jump, look_ahead
 from analytic.layout import (
+    ALONG_X,
+    ALONG_Z,
     AT_LIMIT,
     AT_WALL,
     AX,
@@ -20,7 +21,9 @@ from analytic.layout import (
     BREAK,
     CENTROID,
     COEFFICIENTS,
+    DEGREE,
     DURATION,
+    FACET_RAD,
     FINISH,
     FLIGHT,
     FRESH,
@@ -31,11 +34,14 @@ from analytic.layout import (
     IMPACT,
     INVERSE,
     LIFT_OFF,
+    LIMIT,
+    LOADED,
     NO_EVENT,
     NO_SOLUTION,
     OM,
     ORDER,
     OUTCOME,
+    OVER,
     OVERTURN_TIME,
     OVERTURNED_LEFT,
     OVERTURNED_RIGHT,
@@ -47,30 +53,26 @@ from analytic.layout import (
     RESIDUAL,
     RUNNING,
     S_OM,
-    S_TH,
-    S_U,
     S_V,
-    SEG_X,
-    SEG_Z,
+    SEG,
     SKIP_ENERGY,
     SKIP_QUIET,
     SLIDE,
-    SLIP,
     STALLED,
     STANDS,
     STEP_CAP,
     STEPS,
     TANGENTS,
-    TH,
     TIME_SCALE,
     TOLERANCE,
     TOUCHES_WALL,
     UNDECIDED,
     WANT_VALIDITY,
+    Runs,
     T,
     Task,
 )
-from analytic.polynomial import TANGENT_LEVEL, value
+from analytic.polynomial import TANGENT_LEVEL
 from analytic.quiet import quiet
 from analytic.start import begin
 from analytic.states import load
@@ -105,10 +107,10 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
     """Coefficients of the step that starts now: their order, and the length for which they hold, at most h."""
     q, w = task.q, task.w
     n = int(task.p[ORDER])
-    deg_x, deg_z = load(task, n)
-    if q[PIVOT] < 0 and max(deg_x, deg_z) <= 1:
+    load(task)
+    if q[PIVOT] < 0 and max(q[DEGREE], q[DEGREE + 1]) <= 1:
         n = 3
-    reached = expand(task, q[PIVOT], q[SLIDE], n, deg_x, deg_z, h)
+    reached, h = expand(task, q[PIVOT], q[SLIDE], n, h)
     if reached == int(task.p[ORDER]):
         h = _length(task, reached, h)
     task.c[STEPS] += 1
@@ -118,14 +120,6 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
         w[POWER, k] = power
         power *= h
     return reached, h
-
-
-@jit
-def _move(task: Task, n: int, tau: float) -> None:
-    """Set the state to the step's polynomials at tau."""
-    s, w = task.s, task.w
-    s[S_TH], s[S_OM] = value(w, TH, n, tau), value(w, OM, n, tau)
-    s[S_U], s[S_V] = value(w, SLIP, n, tau), value(w, RATE, n, tau)
 
 
 @jit
@@ -157,14 +151,13 @@ def _handle(task: Task, kind: int, side: int, residual: float) -> None:
 @jit
 def _pass_breaks(task: Task) -> bool:
     """Count the breaks reached; whether an acceleration may have jumped at one of them."""
-    q, time = task.q, task.s[T]
     jump = False
-    while break_at(task.fx, task.tx, q[SEG_X]) <= time:
-        q[SEG_X] += 1
-        jump = jump or is_jump(task.fx, task.tx, q[SEG_X])
-    while break_at(task.fz, task.tz, q[SEG_Z]) <= time:
-        q[SEG_Z] += 1
-        jump = jump or is_jump(task.fz, task.tz, q[SEG_Z])
+    for axis in (ALONG_X, ALONG_Z):
+        while break_at(task, axis) <= task.s[T]:
+            task.q[SEG + axis] += 1
+            jump = jump or is_jump(task, axis)
+    task.q[LOADED] = 0
+    look_ahead(task)
     return jump
 
 
@@ -175,11 +168,11 @@ def _finish(task: Task) -> None:
     q[OUTCOME] = STANDS
     if q[PIVOT] < 0:
         return
-    if is_over(task.fx, task.tx, q[SEG_X]) and is_over(task.fz, task.tz, q[SEG_Z]) and decide(task):
+    if q[OVER] == 1 and decide(task):
         return
-    load(task, 1)
-    expand(task, q[PIVOT], q[SLIDE], 1, 0, 0, math.inf)
-    leans_right = q[PIVOT] == task.x.size - 1 and w[PX, 0] > 0.0
+    load(task)
+    expand(task, q[PIVOT], q[SLIDE], 1, math.inf)
+    leans_right = q[PIVOT] == task.length[FACET_RAD] and w[PX, 0] > 0.0
     leans_left = q[PIVOT] == 0 and w[PX, 0] < 0.0
     if leans_right or leans_left:
         q[OUTCOME] = UNDECIDED
@@ -189,7 +182,7 @@ def _finish(task: Task) -> None:
 def _step(task: Task) -> None:
     """One step, cut at its first event."""
     s, q, p, c = task.s, task.q, task.p, task.c
-    limit = min(break_at(task.fx, task.tx, q[SEG_X]), break_at(task.fz, task.tz, q[SEG_Z]), p[DURATION])
+    limit = s[LIMIT]
     room = limit - s[T]
     n, h = _expand_step(task, min(room, p[STEP_CAP]))
     x, kind, side, level, residual = first_event(task, n)
@@ -201,9 +194,8 @@ def _step(task: Task) -> None:
     if p[WANT_VALIDITY] > 0.0:
         note_step(task, n, tau)
     c[STALLED] = c[STALLED] + 1 if until <= s[T] else 0
-    _move(task, n, tau)
     s[T] = until
-    q[FRESH] = 0
+    q[FRESH], q[LOADED] = 0, 0
     if kind != NO_EVENT:
         _handle(task, kind, side, residual)
     if q[OUTCOME] == RUNNING and s[T] >= limit and _pass_breaks(task):
@@ -214,8 +206,8 @@ def _step(task: Task) -> None:
 
 
 @jit
-def run_borrowed(task: Task) -> None:
-    """Run from the start to an ending on borrowed arrays."""
+def run_one(task: Task) -> None:
+    """Run from the start to an ending; everything is written into the task and the arrays whose addresses it holds."""
     s, q, p = task.s, task.q, task.p
     begin(task)
     _pass_breaks(task)
@@ -223,13 +215,8 @@ def run_borrowed(task: Task) -> None:
     while q[OUTCOME] == RUNNING:
         if p[SKIP_QUIET] > 0.0 and q[PIVOT] < 0 and q[SLIDE] == 0:
             quiet(task)
-        if (
-            p[SKIP_ENERGY] > 0.0
-            and p[GRID_STEP] == 0.0
-            and is_over(task.fx, task.tx, q[SEG_X])
-            and is_over(task.fz, task.tz, q[SEG_Z])
-            and decide(task)
-        ):
+            look_ahead(task)
+        if p[SKIP_ENERGY] > 0.0 and p[GRID_STEP] == 0.0 and q[OVER] == 1 and decide(task):
             return
         if s[T] < p[DURATION]:
             _step(task)
@@ -239,26 +226,6 @@ def run_borrowed(task: Task) -> None:
 
 
 @jit
-def run(task: Task) -> None:
-    """Run from the start to an ending; everything is written into the task, whose arrays the caller keeps."""
-    run_borrowed(
-        Task(
-            borrow(task.p),
-            borrow(task.x),
-            borrow(task.z),
-            borrow(task.facet_rad),
-            borrow(task.fx),
-            borrow(task.fz),
-            borrow(task.tx),
-            borrow(task.sx),
-            borrow(task.tz),
-            borrow(task.sz),
-            borrow(task.w),
-            borrow(task.s),
-            borrow(task.q),
-            borrow(task.r),
-            borrow(task.c),
-            borrow(task.grid),
-            borrow(task.events),
-        )
-    )
+def run(runs: Runs) -> None:
+    """Run the one task of an array of RUN; the caller keeps the arrays whose addresses stand in it."""
+    run_one(runs[0])

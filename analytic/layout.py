@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Runs = NDArray[np.void]
+"""An array of RUN."""
 
 MAX_ORDER: Final = 26
 """Highest order of a Taylor step."""
@@ -98,18 +100,34 @@ S_TH: Final = 1
 S_OM: Final = 2
 S_U: Final = 3
 S_V: Final = 4
-N_STATE: Final = 5
+LIMIT: Final = 5  # the next break of a motion, or the duration, s
+N_STATE: Final = 6
 
 PIVOT: Final = 0  # vertex rocked about; -1 at rest
 FACET: Final = 1  # facet rested on (or last landed on)
 SLIDE: Final = 2  # sign of the pedestal's velocity; 0 stuck
-SEG_X: Final = 3
-SEG_Z: Final = 4
+SEG: Final = 3  # breaks passed, of each motion
 FRESH: Final = 5  # 1 in the first step after the joint state was chosen
 GRID: Final = 6  # next output sample
 OUTCOME: Final = 7
-ROCK_SIDE: Final = 8
-N_DISCRETE: Final = 9
+LOADED: Final = 8  # 1 if AX and GE hold the floor's coefficients about T
+DEGREE: Final = 9  # their degrees
+OVER: Final = 11  # 1 once both motions are over
+N_DISCRETE: Final = 12
+
+# The floor's two directions.
+ALONG_X: Final = 0
+ALONG_Z: Final = 1
+
+# The caller's arrays: address and number of items.
+BASE_X: Final = 0  # base vertices from left to right, statue's frame
+BASE_Z: Final = 1
+FACET_RAD: Final = 2  # rotation at which facet j (vertex j to j + 1) lies on the support
+TIMES: Final = 3  # of each motion's samples
+SAMPLES: Final = 5
+HISTORY: Final = 7  # rows of four: θ, θ̇, u, u̇
+TABLE: Final = 8  # of the events
+N_MEMORY: Final = 9
 
 # Outcomes.
 RUNNING: Final = 0
@@ -195,23 +213,63 @@ GAVE_UP: Final = 12
 N_COUNT: Final = 13
 
 
-class Task(NamedTuple):
-    """All that one run reads and writes."""
+RUN: Final = np.dtype(
+    [
+        ("p", np.float64, N_PARAMETERS),
+        ("f", np.float64, (2, N_FORCING)),
+        ("wave", np.float64, (2, MAX_ORDER + 2)),
+        ("s", np.float64, N_STATE),
+        ("r", np.float64, N_RESULT),
+        ("w", np.float64, (N_ROWS, MAX_ORDER + 2)),
+        ("q", np.int64, N_DISCRETE),
+        ("c", np.int64, N_COUNT),
+        ("address", np.int64, N_MEMORY),
+        ("length", np.int64, N_MEMORY),
+    ],
+    align=True,
+)
+"""All that one run reads and writes, in one piece: the compiled code passes its address on."""
 
-    p: Floats
-    x: Floats  # base vertices from left to right, statue's frame
-    z: Floats
-    facet_rad: Floats  # rotation at which facet j (vertex j to j + 1) lies on the support
-    fx: Floats
-    fz: Floats
-    tx: Floats
-    sx: Floats
-    tz: Floats
-    sz: Floats
-    w: Floats
-    s: Floats
-    q: Ints
-    r: Floats
-    c: Ints
-    grid: Floats
-    events: Floats
+
+class Task(Protocol):
+    """One record of RUN, as the compiled code sees it."""
+
+    @property
+    def p(self) -> Floats:
+        """Parameters."""
+
+    @property
+    def f(self) -> Floats:
+        """The two motions."""
+
+    @property
+    def wave(self) -> Floats:
+        """Amplitude ω^k/k! of the two motions, where they are sines."""
+
+    @property
+    def s(self) -> Floats:
+        """State."""
+
+    @property
+    def r(self) -> Floats:
+        """Results."""
+
+    @property
+    def w(self) -> Floats:
+        """Taylor coefficients."""
+
+    @property
+    def q(self) -> Ints:
+        """Discrete state."""
+
+    @property
+    def c(self) -> Ints:
+        """Counts."""
+
+    @property
+    def address(self) -> Ints:
+        """Where the caller's arrays stand."""
+
+    @property
+    def length(self) -> Ints:
+        """How many items they have."""

@@ -11,6 +11,8 @@ NO_ROOT: Final = 2.0
 """Returned where the polynomial keeps its sign on [0, 1]."""
 DEEPEST: Final = 40
 """Bisections after which an interval counts as a point: 2⁻⁴⁰ of a step is below 1e-12 of any step's length."""
+CONVERGED: Final = 1e-9
+"""Newton's step, in the bracket's width, whose square is below rounding: the slope there is at least the bend times the width."""
 TANGENT_LEVEL: Final = 12
 """An interval this small left undecided means that the function came within 2⁻²⁷ of its curvature to zero."""
 
@@ -42,20 +44,24 @@ def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
 
 
 @jit
-def _refine(w: Floats, row: int, lo: int, n: int, a: float, b: float) -> float:
-    """The one root of a monotone polynomial that is positive at a and not at b: Newton's steps kept inside the bracket."""
-    fa, fb = _stripped(w, row, lo, n, a), _stripped(w, row, lo, n, b)
-    x = a + (b - a) * fa / (fa - fb) if fa > fb else b
+def _refine(w: Floats, row: int, lo: int, n: int, a: float, b: float, fa: float, fb: float) -> float:
+    """The one root of a monotone polynomial that is fa > 0 at a and fb ≤ 0 at b: Newton's steps kept inside the bracket."""
+    width = b - a
+    x = a + width * fa / (fa - fb) if fa > fb else b
     for _ in range(60):
-        f = _stripped(w, row, lo, n, x)
+        f, d = float(w[row, n]), 0.0
+        for k in range(n - 1, lo - 1, -1):
+            d = d * x + f
+            f = f * x + w[row, k]
         if f > 0.0:
             a = x
         else:
             b = x
-        d = slope(w, row, lo, n, x)
         new = x - f / d if d != 0.0 else 0.5 * (a + b)
         if not (a <= new <= b):
             new = 0.5 * (a + b)
+        elif abs(new - x) <= CONVERGED * width:
+            return new
         if abs(new - x) <= 1e-16 * b:
             return new
         x = new
@@ -91,7 +97,7 @@ def first_root(w: Floats, row: int, lo: int, n: int) -> tuple[float, int]:
         clear = f_right > 0.0 and min(f_left, f_right) > 0.125 * bend * width * width
         if not clear and abs(slope(w, row, lo, n, left + 0.5 * width)) >= 0.5 * bend * width:
             if f_right <= 0.0:
-                return _refine(w, row, lo, n, left, right), level
+                return _refine(w, row, lo, n, left, right, f_left, f_right), level
             clear = True
         if not clear and level < DEEPEST:
             level, i, width = level + 1, 2 * i, 0.5 * width

@@ -5,8 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 from analytic._jit import jit
+from analytic.borrowed import peek, poke
 from analytic.forcing import break_at, is_jump, is_over, sampled_at
 from analytic.layout import (
+    ALONG_X,
+    ALONG_Z,
     AMPLITUDE,
     BASE_MASS,
     DURATION,
@@ -15,21 +18,22 @@ from analytic.layout import (
     GRID,
     GRID_STEP,
     HAS_BASE,
+    HISTORY,
     KIND,
+    LOADED,
     MASS,
     MU_STATIC,
     NONE,
     PEAK_SLIP,
     QUIET_SAMPLES,
-    S_OM,
     S_TH,
     S_U,
-    S_V,
     SAMPLED,
+    SAMPLES,
     SCALE,
-    SEG_X,
-    SEG_Z,
+    SEG,
     SKIPPED_S,
+    TIMES,
     WANT_VALIDITY,
     T,
     Task,
@@ -63,32 +67,23 @@ def hold(task: Task, until: float) -> None:
     s, q = task.s, task.q
     dt = task.p[GRID_STEP]
     if dt > 0.0:
-        while q[GRID] < task.grid.shape[0] and q[GRID] * dt < until:
-            task.grid[q[GRID], 0], task.grid[q[GRID], 1] = s[S_TH], s[S_OM]
-            task.grid[q[GRID], 2], task.grid[q[GRID], 3] = s[S_U], s[S_V]
+        while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
+            for k in range(4):
+                poke(task.address[HISTORY], 4 * q[GRID] + k, s[S_TH + k])
             q[GRID] += 1
     task.r[PEAK_SLIP] = max(task.r[PEAK_SLIP], abs(s[S_U]))
     task.r[SKIPPED_S] += until - s[T]
     s[T] = until
+    q[LOADED] = 0
 
 
 @jit
-def _left(task: Task, along_x: bool, time: float, own: bool) -> float:
+def _left(task: Task, axis: int, time: float, own: bool) -> float:
     """The acceleration just before time, which is the motion's own next break if own."""
-    f, t = (task.fx, task.tx) if along_x else (task.fz, task.tz)
-    a = task.sx if along_x else task.sz
-    seg = task.q[SEG_X] if along_x else task.q[SEG_Z]
-    if seg < 1 or seg >= t.size:
-        return 0.0
-    return float(f[SCALE] * a[seg]) if own else sampled_at(f, t, a, seg, time)
-
-
-@jit
-def _right(task: Task, along_x: bool, time: float) -> float:
-    """The acceleration just after time, the motion's break there being passed."""
-    f, t = (task.fx, task.tx) if along_x else (task.fz, task.tz)
-    a = task.sx if along_x else task.sz
-    return sampled_at(f, t, a, task.q[SEG_X] if along_x else task.q[SEG_Z], time)
+    seg = task.q[SEG + axis]
+    if own and 1 <= seg < task.length[TIMES + axis]:
+        return float(task.f[axis, SCALE] * peek(task.address[SAMPLES + axis], seg))
+    return sampled_at(task, axis, time)
 
 
 @jit
@@ -97,23 +92,21 @@ def _look_through(task: Task) -> None:
     q, p = task.q, task.p
     g = p[GRAVITY]
     while True:
-        bx, bz = break_at(task.fx, task.tx, q[SEG_X]), break_at(task.fz, task.tz, q[SEG_Z])
+        bx, bz = break_at(task, ALONG_X), break_at(task, ALONG_Z)
         until = min(bx, bz, p[DURATION])
-        ax, az = _left(task, True, until, bx == until), _left(task, False, until, bz == until)
+        ax, az = _left(task, ALONG_X, until, bx == until), _left(task, ALONG_Z, until, bz == until)
         if not stays(task, ax, g + az, 0.0):
             return
         if until >= p[DURATION]:
             hold(task, p[DURATION])
             return
-        q[SEG_X] += 1 if bx == until else 0
-        q[SEG_Z] += 1 if bz == until else 0
-        jump = (bx == until and is_jump(task.fx, task.tx, q[SEG_X])) or (
-            bz == until and is_jump(task.fz, task.tz, q[SEG_Z])
-        )
-        after_x, after_z = _right(task, True, until), _right(task, False, until)
+        q[SEG + ALONG_X] += 1 if bx == until else 0
+        q[SEG + ALONG_Z] += 1 if bz == until else 0
+        jump = (bx == until and is_jump(task, ALONG_X)) or (bz == until and is_jump(task, ALONG_Z))
+        after_x, after_z = sampled_at(task, ALONG_X, until), sampled_at(task, ALONG_Z, until)
         if jump and not stays(task, after_x, g + after_z, 0.0):
-            q[SEG_X] -= 1 if bx == until else 0
-            q[SEG_Z] -= 1 if bz == until else 0
+            q[SEG + ALONG_X] -= 1 if bx == until else 0
+            q[SEG + ALONG_Z] -= 1 if bz == until else 0
             return
         hold(task, until)
         task.c[QUIET_SAMPLES] += 1
@@ -125,16 +118,16 @@ def _look_through(task: Task) -> None:
 @jit
 def quiet(task: Task) -> None:
     """Skip what is left of a rest in which no limit can be reached (docs/model.md, section 2)."""
-    p, q = task.p, task.q
-    over_x, over_z = is_over(task.fx, task.tx, q[SEG_X]), is_over(task.fz, task.tz, q[SEG_Z])
+    p = task.p
+    over_x, over_z = is_over(task, ALONG_X), is_over(task, ALONG_Z)
     if over_x and over_z:
         hold(task, p[DURATION])
         return
-    kind_x, kind_z = int(task.fx[KIND]), int(task.fz[KIND])
+    kind_x, kind_z = int(task.f[ALONG_X, KIND]), int(task.f[ALONG_Z, KIND])
     if (over_x or kind_x == SAMPLED) and (over_z or kind_z == SAMPLED):
         _look_through(task)
         return
-    swing_x = 0.0 if kind_x == NONE else abs(task.fx[AMPLITUDE])
-    swing_z = 0.0 if kind_z == NONE else abs(task.fz[AMPLITUDE])
+    swing_x = 0.0 if kind_x == NONE else abs(task.f[ALONG_X, AMPLITUDE])
+    swing_z = 0.0 if kind_z == NONE else abs(task.f[ALONG_Z, AMPLITUDE])
     if p[WANT_VALIDITY] == 0.0 and stays(task, 0.0, p[GRAVITY] - swing_z, swing_x):
         hold(task, p[DURATION])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,20 @@ from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution,
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
 """Sentence of each of the kernel's codes for a limit passed."""
+
+
+class Finished(NamedTuple):
+    """A task and the arrays that it writes; arrays keeps alive those that it holds by their address."""
+
+    runs: at.Runs
+    arrays: tuple[at.Floats, ...]
+    p: at.Floats
+    s: at.Floats
+    q: at.Ints
+    r: at.Floats
+    c: at.Ints
+    grid: at.Floats
+    events: at.Floats
 
 
 def _optional(value: float) -> float | None:
@@ -38,7 +52,7 @@ def _event(row: at.Floats) -> Event:
     )
 
 
-def _history(task: at.Task) -> tuple[at.Floats, at.Floats]:
+def _history(task: Finished) -> tuple[at.Floats, at.Floats]:
     """Times (n,) and states (n, 4) on the grid up to the end, and at the end itself."""
     if task.p[at.GRID_STEP] == 0.0:
         return np.empty(0), np.empty((0, 4))
@@ -50,7 +64,7 @@ def _history(task: at.Task) -> tuple[at.Floats, at.Floats]:
     return np.append(t, end), np.vstack([states, task.s[at.S_TH : at.S_V + 1]])
 
 
-def _validity(task: at.Task) -> Validity | None:
+def _validity(task: Finished) -> Validity | None:
     r = task.r
     if task.p[at.WANT_VALIDITY] == 0.0:
         return None
@@ -67,7 +81,7 @@ def _validity(task: at.Task) -> Validity | None:
     )
 
 
-def _work(task: at.Task) -> Work:
+def _work(task: Finished) -> Work:
     c = task.c
     return Work(
         steps=int(c[at.STEPS]),
@@ -80,7 +94,7 @@ def _work(task: at.Task) -> Work:
     )
 
 
-def _doubts(task: at.Task) -> Doubts:
+def _doubts(task: Finished) -> Doubts:
     c = task.c
     return Doubts(
         ambiguous_states=int(c[at.TIES]),
@@ -92,7 +106,7 @@ def _doubts(task: at.Task) -> Doubts:
     )
 
 
-def read(task: at.Task) -> Solution:
+def read(task: Finished) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
     r, s = task.r, task.s
     outcome = OUTCOMES[int(task.q[at.OUTCOME])]

@@ -13,7 +13,7 @@ from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Rest
 from analytic.forcing import encode
 from analytic.kernel import run
-from analytic.results import read
+from analytic.results import Finished, read
 from analytic.solution import Solution
 
 OVERTURN_RAD: Final = 1.5
@@ -94,32 +94,19 @@ def parameters(
     return p
 
 
-def task_for(block: Block, p: at.Floats, motion_x: Excitation, motion_z: Excitation, event_rows: int) -> at.Task:
+def prepare(block: Block, p: at.Floats, motion_x: Excitation, motion_z: Excitation, event_rows: int) -> Finished:
     """Everything that one run reads and writes, freshly allocated."""
-    fx, tx, sx = encode(motion_x)
-    fz, tz, sz = encode(motion_z)
-    x, z, facets = block.arrays
+    motions = encode(motion_x), encode(motion_z)
     dt = p[at.GRID_STEP]
     samples = math.floor(p[at.DURATION] / dt * (1.0 + 1e-12)) + 1 if dt > 0.0 else 0
-    return at.Task(
-        p,
-        x,
-        z,
-        facets,
-        fx,
-        fz,
-        tx,
-        sx,
-        tz,
-        sz,
-        np.zeros((at.N_ROWS, at.MAX_ORDER + 2)),
-        np.zeros(at.N_STATE),
-        np.zeros(at.N_DISCRETE, dtype=np.int64),
-        np.zeros(at.N_RESULT),
-        np.zeros(at.N_COUNT, dtype=np.int64),
-        np.zeros((samples, 4)),
-        np.zeros((event_rows, at.N_EVENT)),
-    )
+    grid, events = np.zeros((samples, 4)), np.zeros((event_rows, at.N_EVENT))
+    runs = np.zeros(1, at.RUN)
+    task = runs[0]
+    task["p"], task["f"][0], task["f"][1] = p, motions[0][0], motions[1][0]
+    arrays = (*block.arrays, motions[0][1], motions[1][1], motions[0][2], motions[1][2], grid, events)
+    task["address"] = [array.ctypes.data for array in arrays]
+    task["length"] = [len(array) for array in arrays]
+    return Finished(runs, arrays, p, task["s"], task["q"], task["r"], task["c"], grid, events)
 
 
 def simulate(
@@ -175,9 +162,9 @@ def simulate(
         validity=validity,
     )
     motion_z = motion_z if motion_z is not None else Rest()
-    task = task_for(block, p, motion_x, motion_z, FIRST_EVENTS if events else 0)
-    run(task)
+    task = prepare(block, p, motion_x, motion_z, FIRST_EVENTS if events else 0)
+    run(task.runs)
     if events and task.c[at.EVENTS] > FIRST_EVENTS:
-        task = task_for(block, p, motion_x, motion_z, int(task.c[at.EVENTS]))
-        run(task)
+        task = prepare(block, p, motion_x, motion_z, int(task.c[at.EVENTS]))
+        run(task.runs)
     return read(task)

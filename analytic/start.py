@@ -5,8 +5,15 @@ from __future__ import annotations
 import math
 
 from analytic._jit import jit
+from analytic.borrowed import peek
+from analytic.forcing import prepare
 from analytic.layout import (
+    ALONG_X,
+    ALONG_Z,
+    AX,
     FACET,
+    FACET_RAD,
+    GE,
     LEAST_N,
     LEAST_V,
     LEFT_TIME,
@@ -28,10 +35,10 @@ from analytic.layout import (
 @jit
 def _support(task: Task, theta: float, omega: float) -> tuple[int, int]:
     """Pivot (−1 on a facet at rest) and facet of a statue that starts at theta with omega."""
-    last = task.x.size - 1
+    last = task.length[FACET_RAD]
     pivot = 0
     for j in range(last):
-        angle = task.facet_rad[j]
+        angle = peek(task.address[FACET_RAD], j)
         if theta == angle:
             if omega == 0.0:
                 return -1, j
@@ -44,15 +51,15 @@ def _support(task: Task, theta: float, omega: float) -> tuple[int, int]:
 @jit
 def begin(task: Task) -> None:
     """Clear the results and set the initial state: u = u' = 0, side = sgn θ, else sgn θ'."""
-    for values in (task.s, task.r):
-        values[:] = 0.0
-    for counts in (task.q, task.c):
-        counts[:] = 0
     p, s, q, r = task.p, task.s, task.q, task.r
+    s[:], r[:] = 0.0, 0.0
+    q[:], task.c[:] = 0, 0
+    task.w[AX, :], task.w[GE, :] = 0.0, 0.0
+    prepare(task, ALONG_X)
+    prepare(task, ALONG_Z)
     s[S_TH], s[S_OM] = p[THETA0], p[OMEGA0]
     q[PIVOT], q[FACET] = _support(task, p[THETA0], p[OMEGA0])
     r[PEAK] = p[THETA0]
-    for i in (LEAST_V, LEAST_N, TIP_MARGIN, TIP_MARGIN_IMPACT, OUTCOME_MARGIN):
-        r[i] = math.inf
-    for i in (OVERTURN_TIME, NO_RETURN, LEFT_TIME):
-        r[i] = math.nan
+    r[LEAST_V], r[LEAST_N], r[OUTCOME_MARGIN] = math.inf, math.inf, math.inf
+    r[TIP_MARGIN], r[TIP_MARGIN_IMPACT] = math.inf, math.inf
+    r[OVERTURN_TIME], r[NO_RETURN], r[LEFT_TIME] = math.nan, math.nan, math.nan

@@ -10,17 +10,22 @@ import math
 from typing import Final
 
 from analytic._jit import jit
-from analytic.dynamics import expand
+from analytic.borrowed import peek
+from analytic.dynamics import expand, vertex
 from analytic.forcing import coefficients
 from analytic.layout import (
     ABS,
+    ALONG_X,
+    ALONG_Z,
     AX,
     BASE_MASS,
     CENTROID,
+    DEGREE,
     DET,
     DYNAMIC,
     EVENT,
     FACET,
+    FACET_RAD,
     FLOOR,
     FRESH,
     GE,
@@ -28,6 +33,7 @@ from analytic.layout import (
     HAS_BASE,
     INERTIA,
     LIFT_OFF,
+    LOADED,
     MASS,
     MU_STATIC,
     NORMAL,
@@ -41,13 +47,11 @@ from analytic.layout import (
     S_TH,
     S_U,
     S_V,
-    SEG_X,
-    SEG_Z,
     SLIDE,
     SLIP,
+    TABLE,
     TH,
     TIME_SCALE,
-    T,
     Task,
 )
 from analytic.polynomial import leading
@@ -56,24 +60,28 @@ WEIGHTLESS: Final = 1e-9
 """Share of gravity below which nothing is held down: both uplift conditions are then met at once."""
 LOW_ORDER: Final = 6
 """Order to which a candidate's accelerations are compared with zero."""
+UNSURE: Final = -1
+"""All terms so far are zero."""
 
 
 @jit
-def load(task: Task, n: int) -> tuple[int, int]:
-    """Fill the first column of the workspace and the floor's accelerations to order n; return their degrees."""
+def load(task: Task) -> None:
+    """Fill the first column of the workspace, and the floor's accelerations unless they stand there."""
     w, s, q = task.w, task.s, task.q
     w[TH, 0], w[OM, 0], w[SLIP, 0], w[RATE, 0] = s[S_TH], s[S_OM], s[S_U], s[S_V]
-    deg_x = coefficients(task.fx, task.tx, task.sx, q[SEG_X], s[T], w, AX, n)
-    deg_z = coefficients(task.fz, task.tz, task.sz, q[SEG_Z], s[T], w, GE, n)
-    w[GE, 0] += task.p[GRAVITY]
-    return deg_x, deg_z
+    if q[LOADED] == 0:
+        q[DEGREE] = coefficients(task, ALONG_X, AX)
+        q[DEGREE + 1] = coefficients(task, ALONG_Z, GE)
+        w[GE, 0] += task.p[GRAVITY]
+        q[LOADED] = 1
 
 
 @jit
 def corner(task: Task, facet: int, side: int) -> tuple[float, float, float]:
     """X and Z of the facet's corner on that side, resting on the facet, and the statue's inertia about it."""
     k = facet + 1 if side > 0 else facet
-    x, z, angle = task.x[k], task.p[CENTROID] - task.z[k], task.facet_rad[facet]
+    x, z = vertex(task, k)
+    angle = peek(task.address[FACET_RAD], facet)
     j = task.p[INERTIA] + task.p[MASS] * (x * x + z * z)
     if angle == 0.0:
         return -x, z, j
@@ -120,47 +128,66 @@ def rate_zeros(task: Task, n: int) -> int:
 def falling(task: Task) -> bool:
     """Whether the statue leans beyond its balance point and moves away: losing its corner then ends no run."""
     pivot, w = task.q[PIVOT], task.w
-    right = pivot == task.x.size - 1 and w[PX, 0] > 0.0 and w[OM, 0] > 0.0
+    right = pivot == task.length[FACET_RAD] and w[PX, 0] > 0.0 and w[OM, 0] > 0.0
     return bool(right or (pivot == 0 and w[PX, 0] < 0.0 and w[OM, 0] < 0.0))
 
 
 @jit
-def _holds(task: Task, scale: float, n: int) -> bool:
+def _holds(task: Task, scale: float, n: int) -> int:
+    """1 if the margin in the EVENT row is positive or zero for ever, 0 if not, UNSURE if that takes more than n terms."""
     lead = leading(task.w, EVENT, n, scale, task.p[TIME_SCALE])
-    return lead > n or task.w[EVENT, lead] > 0.0
+    if lead > n:
+        return 1 if n == LOW_ORDER - 1 else UNSURE
+    return 1 if task.w[EVENT, lead] > 0.0 else 0
+
+
+@jit
+def _moves(task: Task, row: int, lead: int, n: int, sign: int) -> int:
+    """1 if the rate in the row grows to that side, 0 if not, UNSURE if that takes more than n terms."""
+    if lead > n:
+        return 0 if n == LOW_ORDER else UNSURE
+    return 1 if task.w[row, lead] * sign >= 0.0 else 0
+
+
+@jit
+def _keeps(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool, n: int) -> int:
+    """1 if the accelerations of the expanded joint state keep its signs, 0 if not, UNSURE if that takes more than n terms."""
+    if rock_free and pivot >= 0:
+        kept = _moves(task, OM, omega_zeros(task, n), n, 1 if pivot > task.q[FACET] else -1)
+        if kept != 1:
+            return kept
+    if slide_free and slide != 0:
+        kept = _moves(task, RATE, rate_zeros(task, n), n, slide)
+        if kept != 1:
+            return kept
+    for side in (1, -1):
+        if rock_free and pivot < 0:
+            kept = _holds(task, lift_margin(task, side, n - 1), n - 1)
+            if kept != 1:
+                return kept
+        if slide_free and slide == 0:
+            kept = _holds(task, stick_margin(task, side, n - 1), n - 1)
+            if kept != 1:
+                return kept
+    return 1
 
 
 @jit
 def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool) -> int:
-    """1 feasible, 0 not, or the ending that the state would be (LIFT_OFF, PARADOX)."""
-    w, n = task.w, LOW_ORDER
-    deg_x, deg_z = load(task, n)
-    expand(task, pivot, slide, n, deg_x, deg_z, math.inf)
-    if pivot >= 0 and slide != 0 and w[DET, 0] <= 0.0:
-        return PARADOX
-    if w[GE, 0] <= WEIGHTLESS * task.p[GRAVITY] or (task.p[HAS_BASE] > 0.0 and w[NORMAL, 0] <= 0.0):
-        return LIFT_OFF
-    if w[PIVOT_V, 0] <= 0.0 and (rock_free or not falling(task)):
-        return LIFT_OFF
-    if rock_free:
-        if pivot < 0:
-            for side in (1, -1):
-                if not _holds(task, lift_margin(task, side, n - 1), n - 1):
-                    return 0
-        else:
-            side = 1 if pivot > task.q[FACET] else -1
-            lead = omega_zeros(task, n)
-            if lead > n or w[OM, lead] * side < 0.0:
-                return 0
-    if slide_free:
-        if slide == 0:
-            for side in (1, -1):
-                if not _holds(task, stick_margin(task, side, n - 1), n - 1):
-                    return 0
-        else:
-            lead = rate_zeros(task, n)
-            if lead > n or w[RATE, lead] * slide < 0.0:
-                return 0
+    """1 feasible, 0 not, or the ending that the state would be (LIFT_OFF, PARADOX); more terms only where the first are zero."""
+    w = task.w
+    for n in (1, LOW_ORDER):
+        load(task)
+        expand(task, pivot, slide, n, math.inf)
+        if pivot >= 0 and slide != 0 and w[DET, 0] <= 0.0:
+            return PARADOX
+        if w[GE, 0] <= WEIGHTLESS * task.p[GRAVITY] or (task.p[HAS_BASE] > 0.0 and w[NORMAL, 0] <= 0.0):
+            return LIFT_OFF
+        if w[PIVOT_V, 0] <= 0.0 and (rock_free or not falling(task)):
+            return LIFT_OFF
+        kept = _keeps(task, pivot, slide, rock_free, slide_free, n)
+        if kept != UNSURE:
+            return kept
     return 1
 
 
@@ -170,7 +197,7 @@ def choose(task: Task, rock_free: bool) -> tuple[int, int]:
     0 or the run's ending."""
     q = task.q
     slide_free = task.p[HAS_BASE] > 0.0 and task.s[S_V] == 0.0
-    load(task, LOW_ORDER)
+    load(task)
     lead = -1 if task.w[AX, 0] > 0.0 else 1
     found, ending = 0, 0
     pivot_found, slide_found = q[PIVOT], q[SLIDE]
@@ -187,7 +214,7 @@ def choose(task: Task, rock_free: bool) -> tuple[int, int]:
                 found += 1
                 if found == 1:
                     pivot_found, slide_found = pivot, slide
-                if task.events.shape[0] == 0:
+                if task.length[TABLE] == 0:
                     q[PIVOT], q[SLIDE], q[FRESH] = pivot, slide, 1
                     return found, 0
             elif verdict != 0:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, final
+from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -136,6 +136,17 @@ def ensemble(
 _KEPT: Final = {"peak": at.PEAK, "slip": at.PEAK_SLIP, "overturn": at.OVERTURN_TIME, "no_return": at.NO_RETURN}
 
 
+class Rows(NamedTuple):
+    """What the compiled code reads; held keeps alive the arrays that it knows by their address."""
+
+    p: NDArray[np.float64]
+    f: NDArray[np.float64]
+    address: NDArray[np.int64]
+    stride: NDArray[np.int64]
+    length: NDArray[np.int64]
+    held: tuple[NDArray[np.float64], ...]
+
+
 def _rows(
     block: Block,
     motion_x: Excitation,
@@ -144,15 +155,15 @@ def _rows(
     duration_s: float,
     accuracy_rad: float,
     scene: Mapping[str, Any],
-) -> tuple[NDArray[np.float64], ...]:
-    """The kernel's arrays: parameters, base, facets, motions row by row, and the shared records."""
+) -> Rows:
+    """The kernel's arrays: parameters, motions and base row by row, and the shared records."""
     size = next(iter(sweep.values())).size
     p = np.tile(_parameters(block, duration_s, accuracy_rad, scene), (size, 1))
     fx, tx, sx = encode(motion_x)
     fz, tz, sz = encode(motion_z)
-    fxs, fzs = np.tile(fx, (size, 1)), np.tile(fz, (size, 1))
+    f = np.tile(np.stack([fx, fz]), (size, 1, 1))
     points = np.asarray(block.profile_m, dtype=np.float64)
-    x, z, facets = (np.tile(row, (size, 1)) for row in (points[:, 0], points[:, 1], block.facets_rad()))
+    x, z, facets = (np.tile(row, (size, 1)) for row in block.arrays)
     for name, values in sweep.items():
         if name in _PARAMETERS:
             p[:, _PARAMETERS[name]] = values
@@ -161,11 +172,15 @@ def _rows(
                 raise AnalyticInputError(f"sweep: {name} belongs to a block of two corners.")
             x[:, 0 if name == "corner_left_m" else 1] = -values if name == "corner_left_m" else values
         else:
-            _vary_motion(name, values, fxs, fzs)
-    _check(p, x, fxs)
+            _vary_motion(name, values, f[:, 0], f[:, 1])
+    _check(p, x, f[:, 0])
     if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", *_BASE}:
         p[:, at.TIME_SCALE] = _time_scale(p, x, z)
-    return p, x, z, facets, fxs, fzs, tx, sx, tz, sz
+    rows, shared, nothing = (x, z, facets), (tx, tz, sx, sz), np.empty(0)
+    held = (*rows, *shared, nothing, nothing)
+    stride = np.array([row.strides[0] if k < len(rows) else 0 for k, row in enumerate(held)])
+    length = np.array([row.shape[-1] for row in held])
+    return Rows(p, f, np.array([row.ctypes.data for row in held]), stride, length, held)
 
 
 def _parameters(block: Block, duration_s: float, accuracy_rad: float, scene: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -255,9 +270,8 @@ def _work(arrays: Any, out: Any, size: int, threads: int, progress: Progress | b
     _run_pieces(arrays, out, pieces, threads, lambda done: told(done, size))
 
 
-def _one_piece(arrays: tuple[Any, ...], out: tuple[Any, ...], start: int, stop: int) -> None:
-    rows: Callable[..., None] = run_rows
-    rows(*arrays, start, stop, *out)
+def _one_piece(rows: Rows, out: tuple[Any, ...], start: int, stop: int) -> None:
+    run_rows(np.zeros(1, at.RUN), rows.p, rows.f, rows.address, rows.stride, rows.length, start, stop, *out)
 
 
 def _silent(done: int, total: int) -> None:

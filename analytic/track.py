@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analytic._jit import jit
+from analytic.borrowed import poke
 from analytic.layout import (
     BREAK,
     E_ENERGY,
@@ -22,12 +23,15 @@ from analytic.layout import (
     EVENT,
     EVENTS,
     FACET,
+    FACET_RAD,
     FLIGHT,
     FRESH,
     GRID,
     GRID_STEP,
     HAS_BASE,
+    HISTORY,
     LIFT_OFF,
+    N_EVENT,
     NO_RETURN,
     NO_SOLUTION,
     OM,
@@ -44,6 +48,7 @@ from analytic.layout import (
     S_V,
     SLIDE,
     SLIP,
+    TABLE,
     TH,
     TIES,
     T,
@@ -71,27 +76,49 @@ def _peak(task: Task, theta: float, time: float) -> None:
 
 
 @jit
+def move(task: Task, n: int, tau: float) -> float:
+    """Set the state to the step's polynomials at tau; return X there."""
+    s, w = task.s, task.w
+    theta, omega, slip, rate, reach = w[TH, n], w[OM, n], w[SLIP, n], w[RATE, n], w[PX, n]
+    for k in range(n - 1, -1, -1):
+        theta, omega = theta * tau + w[TH, k], omega * tau + w[OM, k]
+        slip, rate = slip * tau + w[SLIP, k], rate * tau + w[RATE, k]
+        reach = reach * tau + w[PX, k]
+    s[S_TH], s[S_OM], s[S_U], s[S_V] = theta, omega, slip, rate
+    return float(reach)
+
+
+@jit
+def _fill(task: Task, n: int, until: float) -> None:
+    """Write the output samples before until."""
+    w, q, dt = task.w, task.q, task.p[GRID_STEP]
+    while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
+        at, row = max(q[GRID] * dt - task.s[T], 0.0), 4 * q[GRID]
+        poke(task.address[HISTORY], row, value(w, TH, n, at))
+        poke(task.address[HISTORY], row + 1, value(w, OM, n, at))
+        poke(task.address[HISTORY], row + 2, value(w, SLIP, n, at))
+        poke(task.address[HISTORY], row + 3, value(w, RATE, n, at))
+        q[GRID] += 1
+
+
+@jit
 def follow(task: Task, n: int, tau: float, until: float) -> None:
-    """Keep what is wanted of a step of length tau that ends at until."""
+    """Move the state to the end of a step of length tau, at until, and keep what is wanted of it; the clock stays."""
     w, s, q, r = task.w, task.s, task.q, task.r
-    dt = task.p[GRID_STEP]
-    if dt > 0.0:
-        while q[GRID] < task.grid.shape[0] and q[GRID] * dt < until:
-            at = max(q[GRID] * dt - s[T], 0.0)
-            task.grid[q[GRID], 0], task.grid[q[GRID], 1] = value(w, TH, n, at), value(w, OM, n, at)
-            task.grid[q[GRID], 2], task.grid[q[GRID], 3] = value(w, SLIP, n, at), value(w, RATE, n, at)
-            q[GRID] += 1
-    r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(value(w, SLIP, n, tau)))
+    if task.p[GRID_STEP] > 0.0:
+        _fill(task, n, until)
+    across = move(task, n, tau)
+    r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(s[S_U]))
     if q[PIVOT] < 0:
         return
-    omega, theta = value(w, OM, n, tau), value(w, TH, n, tau)
+    theta, omega = s[S_TH], s[S_OM]
     reach = max(abs(w[TH, 0]), abs(theta)) + tau * max(abs(w[OM, 0]), abs(omega))
     if w[OM, 0] * omega < 0.0 and reach > abs(r[PEAK]):
         at = _crossing(task, OM, n, tau, 1.0 if w[OM, 0] > 0.0 else -1.0)
         _peak(task, value(w, TH, n, at), s[T] + at)
     _peak(task, theta, until)
-    side = 1 if q[PIVOT] == task.x.size - 1 else (-1 if q[PIVOT] == 0 else 0)
-    if side != 0 and w[PX, 0] * side < 0.0 and value(w, PX, n, tau) * side >= 0.0:
+    side = 1 if q[PIVOT] == task.length[FACET_RAD] else (-1 if q[PIVOT] == 0 else 0)
+    if side != 0 and w[PX, 0] * side < 0.0 and across * side >= 0.0:
         r[NO_RETURN] = s[T] + _crossing(task, PX, n, tau, -side)
 
 
@@ -100,13 +127,23 @@ def record(task: Task, kind: int, omega: float, rate: float, energy: float, tied
     """Write one row of the event table, if it still has room: omega and rate are those before the event."""
     s, q, i = task.s, task.q, task.c[EVENTS]
     task.c[EVENTS] += 1
-    if i >= task.events.shape[0]:
+    if i >= task.length[TABLE]:
         return
-    row = task.events[i]
-    row[E_TIME], row[E_KIND], row[E_PIVOT], row[E_FACET], row[E_SLIDE] = s[T], kind, q[PIVOT], q[FACET], q[SLIDE]
-    row[E_THETA], row[E_OMEGA_BEFORE], row[E_OMEGA_AFTER] = s[S_TH], omega, s[S_OM]
-    row[E_SLIP], row[E_RATE_BEFORE], row[E_RATE_AFTER] = s[S_U], rate, s[S_V]
-    row[E_ENERGY], row[E_TIED], row[E_RESIDUAL] = energy, tied, residual
+    table, i = task.address[TABLE], i * N_EVENT
+    poke(table, i + E_TIME, s[T])
+    poke(table, i + E_KIND, float(kind))
+    poke(table, i + E_PIVOT, float(q[PIVOT]))
+    poke(table, i + E_FACET, float(q[FACET]))
+    poke(table, i + E_SLIDE, float(q[SLIDE]))
+    poke(table, i + E_THETA, s[S_TH])
+    poke(table, i + E_OMEGA_BEFORE, omega)
+    poke(table, i + E_OMEGA_AFTER, s[S_OM])
+    poke(table, i + E_SLIP, s[S_U])
+    poke(table, i + E_RATE_BEFORE, rate)
+    poke(table, i + E_RATE_AFTER, s[S_V])
+    poke(table, i + E_ENERGY, energy)
+    poke(table, i + E_TIED, float(tied))
+    poke(table, i + E_RESIDUAL, residual)
 
 
 @jit

@@ -6,12 +6,15 @@ import math
 from typing import Final
 
 from analytic._jit import jit
+from analytic.borrowed import peek
 from analytic.layout import (
     ABS,
     BASE_CENTRE,
     BASE_HEIGHT,
     BASE_MASS,
     BASE_WIDTH,
+    BASE_X,
+    BASE_Z,
     BY_FLIGHT,
     BY_PIVOT_SLIP,
     BY_TIPPING,
@@ -72,7 +75,7 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
 def note_rest(task: Task, time: float, accel: float, gravity: float) -> None:
     """Forces on a statue at rest on a support of absolute acceleration accel, m/s², under effective gravity, m/s²."""
     p = task.p
-    height = p[CENTROID] - task.z[task.q[FACET]]
+    height = p[CENTROID] - peek(task.address[BASE_Z], task.q[FACET])
     contact = -(accel * height) / gravity - p[BASE_CENTRE] if gravity > 0.0 else 0.0
     m = p[MASS]
     _note(task, time, m * accel, m * gravity, (m + p[BASE_MASS]) * gravity, contact, accel)
@@ -90,7 +93,7 @@ def note_step(task: Task, n: int, tau: float) -> None:
         if pivot < 0:
             note_rest(task, time, accel, v / task.p[MASS])
         else:
-            contact = task.x[pivot] - task.p[BASE_CENTRE]
+            contact = peek(task.address[BASE_X], pivot) - task.p[BASE_CENTRE]
             _note(task, time, value(w, PIVOT_H, n - 1, at), v, value(w, NORMAL, n - 1, at), contact, accel)
 
 
@@ -104,7 +107,7 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
     if abs(horizontal) > p[STATUE_FRICTION] * vertical:
         _left(task, task.s[T], BY_PIVOT_SLIP)
     if p[HAS_BASE] > 0.0:
-        height, contact = p[BASE_HEIGHT], task.x[pivot] - p[BASE_CENTRE]
+        height, contact = p[BASE_HEIGHT], peek(task.address[BASE_X], pivot) - p[BASE_CENTRE]
         moment = contact * vertical - height * horizontal - 0.5 * height * p[BASE_MASS] * rate_change
         margin = 0.5 * p[BASE_WIDTH] - abs(moment / vertical)
         r[TIP_MARGIN_IMPACT] = min(r[TIP_MARGIN_IMPACT], margin)
