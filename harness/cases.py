@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -42,10 +41,15 @@ class Base:
 
     path: Path
     content: Mapping[str, Any]
+    _statues: load.Statues = field(default_factory=dict, compare=False, repr=False)
+
+    def __reduce__(self) -> tuple[type[Base], tuple[Path, Mapping[str, Any]]]:
+        """Sent to a worker as it was read, without the statues that were resolved here."""
+        return Base, (self.path, self.content)
 
     def scene(self, setting: Mapping[str, Any]) -> Scene:
         """The base scene with some keys set. Raises `InputError` that names the keys."""
-        content = copy.deepcopy(dict(self.content))
+        content = _copied(self.content)
         for key, value in setting.items():
             put(content, key, value)
         where = f"{self.path} with {', '.join(f'{key} = {value}' for key, value in setting.items()) or 'nothing set'}"
@@ -53,15 +57,23 @@ class Base:
             model = SceneFile.model_validate(content)
         except ValidationError as error:
             raise InputError(mistakes_of(error, SceneFile, where)) from error
-        return load.resolve(model, self.path, content)
+        return load.resolve(model, self.path, content, self._statues)
 
 
 def base_of(study: StudyFile, path: Path) -> Base:
     """The study's base scene, checked. Raises `InputError`."""
-    scene_path = path.parent / study.scene
-    text = scene_file.read(scene_path)
-    _, content = scene_file.parse(text, str(scene_path))
-    return Base(scene_path, content)
+    return base_of_scene(path.parent / study.scene)
+
+
+def base_of_scene(path: Path) -> Base:
+    """A scene file as the base of cases, checked. Raises `InputError`."""
+    _, content = scene_file.parse(scene_file.read(path), str(path))
+    return Base(path, content)
+
+
+def _copied(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The table with tables of its own, the values in them shared: enough for setting keys."""
+    return {key: _copied(value) if isinstance(value, dict) else value for key, value in table.items()}
 
 
 def put(content: dict[str, Any], key: str, value: Any) -> None:

@@ -115,12 +115,22 @@ def feet(vertices_m: Array, tolerance_m: float) -> Array:
     return np.array(outline[np.argsort(np.arctan2(outline[:, 1], outline[:, 0]), kind="stable")])
 
 
+def sides(polygon_m: Array) -> tuple[Array, Array]:
+    """Lengths (k,) of a counter-clockwise convex polygon's sides (k, 2 or 3) and the azimuths (k,), degrees, that they face."""
+    side = np.roll(polygon_m[:, :2], -1, axis=0) - polygon_m[:, :2]
+    return np.linalg.norm(side, axis=1), np.rad2deg(np.arctan2(-side[:, 0], side[:, 1])) % 360.0
+
+
+def _distances(polygon_m: Array) -> tuple[Array, Array]:
+    """Outward normals (k, 2) of the sides and their distances (k,) from the origin, negative where it lies outside."""
+    azimuth = np.deg2rad(sides(polygon_m)[1])
+    outward = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    return outward, np.asarray((outward * polygon_m[:, :2]).sum(axis=1))
+
+
 def margin_m(polygon_m: Array) -> float:
-    """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative
-    outside."""
-    here, there = polygon_m[:, :2], np.roll(polygon_m[:, :2], -1, axis=0)
-    side = there - here
-    return float(((here[:, 0] * side[:, 1] - here[:, 1] * side[:, 0]) / np.linalg.norm(side, axis=1)).min())
+    """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative outside."""
+    return float(_distances(polygon_m)[1].min())
 
 
 def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
@@ -128,6 +138,19 @@ def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
     distance."""
     azimuth = np.deg2rad(np.atleast_1d(np.asarray(azimuth_deg, dtype=np.float64)))
     return np.asarray((polygon_m[:, :2] @ np.vstack([np.cos(azimuth), np.sin(azimuth)])).max(axis=0))
+
+
+def reach_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
+    """Distance (n,) from the origin to the polygon's outline along each azimuth: where a level push lifts the body off.
+
+    It is less than `corner_m` wherever the outline is met obliquely: there the body begins to turn about a side that a planar
+    model at that azimuth does not have.
+    """
+    outward, distance = _distances(polygon_m)
+    azimuth = np.deg2rad(np.atleast_1d(np.asarray(azimuth_deg, dtype=np.float64)))
+    towards = outward @ np.vstack([np.cos(azimuth), np.sin(azimuth)])
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.where(towards > 1e-12, distance[:, None] / towards, np.inf).min(axis=0))
 
 
 def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg: ArrayLike) -> Array:
@@ -142,11 +165,7 @@ def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg
 
 def weakest_azimuth_deg(polygon_m: Array) -> float:
     """Direction across the side of the polygon nearest the centroid's vertical: where the least slenderness lies."""
-    here, there = polygon_m[:, :2], np.roll(polygon_m[:, :2], -1, axis=0)
-    side = there - here
-    distance = (here[:, 0] * side[:, 1] - here[:, 1] * side[:, 0]) / np.linalg.norm(side, axis=1)
-    nearest = side[int(np.argmin(distance))]
-    return float(np.rad2deg(np.arctan2(-nearest[0], nearest[1])) % 360.0)
+    return float(sides(polygon_m)[1][int(np.argmin(_distances(polygon_m)[1]))])
 
 
 def planar(polygon_m: Array, centroid_height_m: float, inertia_kg_m2: Array, azimuth_deg: float) -> Planar:

@@ -1,6 +1,6 @@
 """MuJoCo (optional extra): a third opinion in three dimensions, with soft contact.
 
-The statue stands on small spheres at its footprint's vertices, as in pybullet; nothing else of it touches. MuJoCo's contact is a
+The statue stands on small spheres at its base's vertices that can touch; nothing else of it does. MuJoCo's contact is a
 spring and damper whose time constant is tied to the step, so that it hardens with it. Velocities are changed first, positions
 follow with the new ones: positions lead by half a step, and both are second order when they are read so.
 """
@@ -136,7 +136,8 @@ def _xml(scene: Scene, own: MujocoSettings) -> str:
     inertia = " ".join(f"{value:.17g}" for value in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]))
     feet, pairs = [], []
     support = "floor" if pedestal is None else "pedestal"
-    for k, (x, y, z) in enumerate(statue.footprint_m):
+    touching = statue.footprint_m if statue.solid is None else statue.solid.feet_m
+    for k, (x, y, z) in enumerate(touching):
         place = f"{x:.17g} {y:.17g} {z - h + FOOT_M:.17g}"
         feet.append(f'<geom name="foot{k}" type="sphere" size="{FOOT_M}" pos="{place}" contype="0" conaffinity="0"/>')
         pairs.append(_pair(f"foot{k}", support, scene.contact.statue, stiff))

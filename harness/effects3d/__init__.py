@@ -1,0 +1,31 @@
+"""What the third dimension changes: overturning amplitude by direction in 3D beside the planar models, and what moves it.
+
+Azimuths are directions in the statue's own frame, counter-clockwise from x seen from above: the direction along which the
+floor shakes. The statue is turned, not the floor: shaking stays along x, so every planar model sees its own section.
+"""
+
+from harness.effects3d.conditions import BASELINE, CONDITIONS, Condition, amplified, changed_scene, turned, with_solid
+from harness.effects3d.departure import Departure, departure, tilt_along
+from harness.effects3d.file import asked
+from harness.effects3d.search import Amplitude, Search, find, start_factor
+from harness.effects3d.study import Summary, run_effects
+
+__all__ = [
+    "BASELINE",
+    "CONDITIONS",
+    "Amplitude",
+    "Condition",
+    "Departure",
+    "Search",
+    "Summary",
+    "amplified",
+    "asked",
+    "changed_scene",
+    "departure",
+    "find",
+    "run_effects",
+    "start_factor",
+    "tilt_along",
+    "turned",
+    "with_solid",
+]

@@ -1,0 +1,90 @@
+"""The file of an effects study: a scene, its directions, who answers, and what is compared."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from harness.effects3d.conditions import BASELINE, CONDITIONS
+from harness.effects3d.search import Search
+from harness.errors import InputError, Mistake
+from harness.mistakes import Contradiction, mistakes_of
+from harness.scene_file import Table, read
+from harness.study_file import EngineName
+
+KIND = "effects3d"
+SOLID = ("pybullet", "mujoco")
+"""Engines that compute in three dimensions."""
+
+
+class SearchTable(Table):
+    """`[search]`: the peaks tried, up to `most_g`; to which share they are found; the contact engines' step."""
+
+    most_g: Annotated[float, Field(gt=0.0, le=5.0)] = Search.most_g
+    resolution: Annotated[float, Field(ge=1e-4, le=0.1)] = Search.resolution
+    dt_s: Annotated[float, Field(ge=1e-5, le=1e-2)] = Search.dt_s
+
+
+class EffectsFile(Table):
+    """A whole file of `kind = "effects3d"`.
+
+    Directions are `directions` equal parts of the circle; conditions are asked at every `every`-th of them. `samples` statues
+    with errors in h, b and J are drawn at each of those for the band around the planar model.
+    """
+
+    kind: Literal["effects3d"]
+    title: Annotated[str, Field(min_length=1)]
+    scene: Annotated[str, Field(min_length=1)]
+    directions: Annotated[int, Field(ge=4, le=360)] = 24
+    every: Annotated[int, Field(ge=1, le=90)] = 2
+    engines: Annotated[list[EngineName], Field(min_length=1)]
+    conditions: list[str] = Field(default_factory=lambda: [name for name in CONDITIONS if name != BASELINE])
+    samples: Annotated[int, Field(ge=0, le=10_000)] = 200
+    share: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.95
+    seed: Annotated[int, Field(ge=0)] = 0
+    search: SearchTable = SearchTable()
+
+    @model_validator(mode="after")
+    def _whole(self) -> EffectsFile:
+        unknown = [name for name in self.conditions if name not in CONDITIONS or name == BASELINE]
+        if unknown:
+            names = ", ".join(name for name in CONDITIONS if name != BASELINE)
+            raise Contradiction("conditions", f"names out of {names}", repr(unknown[0]))
+        if not any(name in SOLID for name in self.engines):
+            raise Contradiction("engines", f"one that computes in 3D ({' or '.join(SOLID)})", ", ".join(self.engines))
+        if len(set(self.engines)) != len(self.engines):
+            raise Contradiction("engines", "each engine once", ", ".join(self.engines))
+        if self.directions % self.every:
+            raise Contradiction("every", f"a divisor of directions = {self.directions}", str(self.every))
+        return self
+
+    def azimuths_deg(self, every: int = 1) -> list[float]:
+        """The directions, or every n-th of them."""
+        return [360.0 * k / self.directions for k in range(0, self.directions, every)]
+
+    def wanted(self) -> Search:
+        """The search that the file asks for."""
+        return Search(most_g=self.search.most_g, resolution=self.search.resolution, dt_s=self.search.dt_s)
+
+
+def asked(path: Path) -> bool:
+    """Whether a study file is one of this kind; a file that cannot be read is left to whoever reads it whole."""
+    try:
+        content: Any = tomllib.loads(read(path))
+    except (tomllib.TOMLDecodeError, RecursionError, InputError):
+        return False
+    return bool(content.get("kind") == KIND)
+
+
+def load_effects(path: Path) -> EffectsFile:
+    """Read and validate an effects file. Raises `InputError` with every mistake."""
+    text = read(path)
+    try:
+        return EffectsFile.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
+    except ValidationError as error:
+        raise InputError(mistakes_of(error, EffectsFile, str(path), text)) from error

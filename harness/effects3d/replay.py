@@ -1,0 +1,61 @@
+"""One case of an effects study run with histories, to be watched: where 3D leaves the plane most."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from harness.effects3d.conditions import BASELINE, amplified, changed_scene
+from harness.effects3d.search import peak_g
+from harness.run import run_scene, write_result
+from harness.scene import Scene
+
+PLANAR: Final = "analytic"
+
+
+def write_replay(found: Mapping[str, Any], scene: Scene, folder: Path) -> dict[str, Any] | None:
+    """Run the direction whose motion turns most about the vertical, at its overturning amplitude, into `folder`; say what it is.
+
+    None when no 3D engine overturned the statue at any direction.
+    """
+    if not found["departures"]:
+        return None
+    chosen = max(found["departures"], key=lambda row: abs(row["yaw_rad"]))
+    azimuth, engine = chosen["azimuth_deg"], chosen["engine"]
+    peak = next(
+        row["peak_g"]
+        for row in found["rows"]
+        if (row["condition"], row["engine"], row["azimuth_deg"]) == (BASELINE, engine, azimuth)
+    )
+    turned = changed_scene(scene, BASELINE, azimuth)
+    shaken = amplified(turned, peak / peak_g(turned))
+    shaken = shaken.but(title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
+    dt_s = float(found["study"]["search"]["dt_s"])
+    result = run_scene(shaken, [PLANAR, engine], dt_s=dt_s)
+    write_result(result, folder)
+    return {
+        "azimuth_deg": azimuth,
+        "engine": engine,
+        "peak_g": peak,
+        "outcomes": {name: run.outcome.value for name, run in result.runs.items()},
+        "folder": folder.name,
+        "command": _command(scene, azimuth, peak, engine, dt_s),
+    }
+
+
+def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:
+    """The command that runs the same case by itself; empty where the motion has no single key for its size."""
+    given: Mapping[str, Any] = scene.given
+    motion = given.get("motion", {}).get("x", {})
+    keys = {"pulse": "amplitude_g", "harmonic": "amplitude_g", "record": "scale"}
+    key = keys.get(str(motion.get("kind")))
+    if key is None or scene.source is None:
+        return ""
+    value = peak if key == "amplitude_g" else float(motion.get("scale", 1.0)) * peak / peak_g(scene)
+    turn = float(given["statue"]["mesh"].get("azimuth_deg", 0.0)) - azimuth_deg
+    still = "".join(f" --set motion.{axis}=none" for axis in "yz" if axis in given["motion"])
+    return (
+        f"rockcheck run {scene.source.name} -e {PLANAR} -e {engine} --dt {dt_s:g} --set statue.mesh.azimuth_deg={turn:g}"
+        f" --set motion.x.{key}={value:.6g}{still}"
+    )

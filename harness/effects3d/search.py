@@ -1,0 +1,175 @@
+"""The least amplitude that overturns: looked for on a grid and halved, or followed from a neighbouring case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
+from harness.engine import Want
+from harness.history import Outcome
+from harness.plan import limit_of_rest_m_s2
+from harness.record import Run
+from harness.run import simulate
+from harness.scene import Scene
+from meshes.footprint import reach_m
+
+STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}
+"""Ratio of the grid's neighbouring amplitudes for each engine: finer where a run costs less."""
+BEGIN_SHARE: Final = 0.95
+"""The grid begins at this share of the amplitude below which nothing can move."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Where overturning is looked for: peaks of the floor up to `most_g`, to `resolution` (relative), at steps of `dt_s`.
+
+    Overturning is not monotonic in amplitude: what is found is the least of a grid that overturns, bracketed below.
+    """
+
+    most_g: float = 1.2
+    resolution: float = 0.002
+    dt_s: float = 1e-3
+    steps: Mapping[str, float] = field(default_factory=lambda: dict(STEPS))
+
+
+@dataclass(frozen=True)
+class Found:
+    """A crossing: the amplitude that overturns (None: none up to the most tried), the largest tried below it that stands."""
+
+    above: float | None
+    below: float
+    outcome: str
+    runs: int
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """The least peak acceleration of the floor, g, at which an engine's statue overturns under a condition at an azimuth."""
+
+    condition: str
+    azimuth_deg: float
+    engine: str
+    peak_g: float | None
+    stands_at_g: float
+    outcome: str
+    runs: int
+
+
+class Trials:
+    """Asks whether a factor overturns, each factor once, and counts."""
+
+    def __init__(self, outcome_at: Callable[[float], str | None]) -> None:
+        self._outcome_at = outcome_at
+        self._known: dict[float, str | None] = {}
+
+    @property
+    def runs(self) -> int:
+        """Factors asked so far."""
+        return len(self._known)
+
+    def outcome(self, factor: float) -> str | None:
+        """How it overturns, None when it does not."""
+        if factor not in self._known:
+            self._known[factor] = self._outcome_at(factor)
+        return self._known[factor]
+
+    def halve(self, below: float, above: float, resolution: float) -> Found:
+        """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
+        while below > 0.0 and above / below > 1.0 + resolution:
+            middle = math.sqrt(above * below)
+            if self.outcome(middle) is None:
+                below = middle
+            else:
+                above = middle
+        return Found(above, below, self.outcome(above) or "", self.runs)
+
+
+def first_crossing(
+    outcome_at: Callable[[float], str | None], least: float, most: float, step: float, resolution: float
+) -> Found:
+    """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
+    trials, below = Trials(outcome_at), 0.0
+    count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
+    for factor in np.geomspace(least, most, count + 1).tolist():
+        if trials.outcome(factor) is not None:
+            return trials.halve(below, factor, resolution)
+        below = factor
+    return Found(None, below, "", trials.runs)
+
+
+def nearest_crossing(
+    outcome_at: Callable[[float], str | None], near: float, least: float, most: float, resolution: float
+) -> Found:
+    """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
+    trials, stride = Trials(outcome_at), 1.0 + 4.0 * resolution
+    above, below = None, 0.0
+    if trials.outcome(near) is not None:
+        above = near
+        while below == 0.0 and above > least:
+            lower = max(above / stride, least)
+            stride *= stride
+            if trials.outcome(lower) is None:
+                below = lower
+            else:
+                above = lower
+        return trials.halve(below, above, resolution)
+    below = near
+    while below < most:
+        higher = min(below * stride, most)
+        stride *= stride
+        if trials.outcome(higher) is not None:
+            return trials.halve(below, higher, resolution)
+        below = higher
+    return Found(None, below, "", trials.runs)
+
+
+def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
+    """One run; contact engines at the given step, the analytic model at its default accuracy."""
+    want = Want(history=history)
+    return simulate(scene, engine, want=want) if engine == "analytic" else simulate(scene, engine, dt_s=dt_s, want=want)
+
+
+def peak_g(scene: Scene) -> float:
+    """Peak of the floor's acceleration along x as a share of gravity."""
+    return scene.shake.x.peak_m_s2 / scene.gravity_m_s2
+
+
+def start_factor(scene: Scene) -> float:
+    """Factor on the motion below which nothing moves in any model.
+
+    A level push along x lifts a rigid body once h a/g leaves the footprint in that direction; it slips at μ g.
+    """
+    solid = solid_of(scene)
+    reach = float(np.min(reach_m(solid.footprint_m, [0.0, 180.0])))
+    limit = min(limit_of_rest_m_s2(scene), scene.gravity_m_s2 * reach / solid.centroid_height_m)
+    vertical = scene.shake.z.peak_m_s2 / scene.shake.x.peak_m_s2
+    across = math.hypot(1.0, scene.shake.y.peak_m_s2 / scene.shake.x.peak_m_s2)
+    # A vertical peak taken off gravity: limit (1 − f z/g) = f x.
+    factor = limit / (across * scene.shake.x.peak_m_s2)
+    return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.shake.x.peak_m_s2 / scene.gravity_m_s2)
+
+
+def find(
+    scene: Scene, condition: str, azimuth_deg: float, engine: str, search: Search, near_g: float | None = None
+) -> Amplitude:
+    """The least overturning amplitude; with `near_g` the one next to it, which costs a few runs. Raises `InputError`."""
+    changed = changed_scene(scene, condition, azimuth_deg)
+    unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
+
+    def outcome_at(factor: float) -> str | None:
+        found = run_once(amplified(changed, factor), engine, dt_s).outcome
+        return found.value if Outcome(found).overturned else None
+
+    least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
+    if near_g is None:
+        step = search.steps.get(engine, max(STEPS.values()))
+        found = first_crossing(outcome_at, least, most, step, search.resolution)
+    else:
+        found = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
+    above = None if found.above is None else found.above * unit
+    return Amplitude(condition, float(azimuth_deg), engine, above, found.below * unit, found.outcome, found.runs)
