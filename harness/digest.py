@@ -7,12 +7,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from analytic.excitation import Rest
 from harness.engine import Capabilities
-from harness.scene import Contact, Form, Scene, Shake
+from harness.scene import Contact, Form, Scene, Shake, Statue
 
 NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid"})
 
@@ -20,8 +21,12 @@ NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid"})
 def scene_digest(scene: Scene, capabilities: Capabilities) -> str:
     """SHA-256 of the scene as an engine of these capabilities sees it; equal digests are the same run by physics."""
     state = hashlib.sha256()
-    for part in _parts("scene", relevant(scene, capabilities)):
-        state.update(part)
+    seen = relevant(scene, capabilities)
+    for item in fields(seen):
+        if item.name == "statue":
+            state.update(_statue_bytes(seen.statue))
+        elif item.name not in NOT_PHYSICS:
+            state.update(b"".join(_parts(item.name, getattr(seen, item.name))))
     solid = scene.statue.solid
     if solid is not None and capabilities.uses_mesh:
         state.update(solid.digest.encode())
@@ -45,8 +50,27 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
         contact = replace(contact, statue=1.0)
     if capabilities.dimensions == 2:
         shake = Shake(shake.x, Rest(), shake.z)
-        statue = replace(statue, depth_m=1.0, footprint_m=np.zeros((0, 3)), inertia_tensor_kg_m2=np.zeros((3, 3)))
+        statue = _planar(statue)
     return scene.but(form=form, contact=contact, shake=shake, statue=statue)
+
+
+def _planar(statue: Statue) -> Statue:
+    """The statue without its third dimension; the same object for the same statue, which thousands of scenes may share."""
+    if statue not in _PLANAR:
+        _PLANAR[statue] = replace(
+            statue, depth_m=1.0, footprint_m=np.zeros((0, 3)), inertia_tensor_kg_m2=np.zeros((3, 3))
+        )
+    return _PLANAR[statue]
+
+
+def _statue_bytes(statue: Statue) -> bytes:
+    if statue not in _BYTES:
+        _BYTES[statue] = b"".join(_parts("statue", statue))
+    return _BYTES[statue]
+
+
+_PLANAR: Final[WeakKeyDictionary[Statue, Statue]] = WeakKeyDictionary()
+_BYTES: Final[WeakKeyDictionary[Statue, bytes]] = WeakKeyDictionary()
 
 
 def _parts(name: str, value: Any) -> Iterator[bytes]:

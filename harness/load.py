@@ -40,14 +40,23 @@ def load_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     return resolve(model, path, content)
 
 
-def resolve(model: SceneFile, path: Path, content: dict[str, object] | None = None) -> Scene:
-    """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`."""
+Statues = dict[str, tuple["Statue", Sequence[str]]]
+"""Statues by the text of their table, each with its notes."""
+
+
+def resolve(
+    model: SceneFile, path: Path, content: dict[str, object] | None = None, statues: Statues | None = None
+) -> Scene:
+    """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
+
+    `statues` keeps those of earlier scenes of the same folder: thousands of scenes of one study share one.
+    """
     notes: list[str] = []
     mistakes: list[Mistake] = []
     shake = _shake(model, path, mistakes, notes)
     statue = None
     try:
-        statue = _statue(model.statue, path, notes)
+        statue = _statue_once(model.statue, path, notes, statues)
     except InputError as error:
         mistakes.extend(error.mistakes)
     if mistakes or statue is None:
@@ -120,6 +129,18 @@ def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedest
         got = f"one from {low:.4g} to {high:.4g} m under {under}"
         raise InputError(Mistake(str(path), "pedestal.width_m", wanted, got))
     return pedestal
+
+
+def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Statues | None) -> Statue:
+    if statues is None:
+        return _statue(table, path, notes)
+    text = table.model_dump_json()
+    if text not in statues:
+        told: list[str] = []
+        statues[text] = _statue(table, path, told), told
+    statue, said = statues[text]
+    notes.extend(said)
+    return statue
 
 
 def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
