@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 import zipfile
+from collections.abc import Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,24 +18,21 @@ from markupsafe import Markup
 from numpy.typing import ArrayLike
 
 from harness.record import to_plain
+from reports.still import still
 
 TEMPLATES: Final = Path(__file__).with_name("templates")
+CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap", "scatterpolar"})
+"""The kinds of chart on all pages; the pages' chart library holds no others."""
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
 
 
-def _package_folder(name: str) -> Path:
+def package_folder(name: str) -> Path:
+    """The folder of an installed package, which is not imported. Raises `ModuleNotFoundError`."""
     spec = find_spec(name)
     if spec is None or not spec.submodule_search_locations:
         raise ModuleNotFoundError(f"{name} is not installed: install the requirements of the lock file")
     return Path(next(iter(spec.submodule_search_locations)))
-
-
-@cache
-def plotly_js() -> str:
-    """The chart library of the plotly wheel, packed."""
-    path = _package_folder("plotly") / "package_data" / "plotly.min.js"
-    return pack_text(path.read_text(encoding="utf-8"))
 
 
 @cache
@@ -43,7 +41,7 @@ def three_js() -> str:
 
     Raises `LookupError` when the wheel's viewer no longer has the shape that is known here.
     """
-    archive = _package_folder("trimesh") / "resources" / "templates" / "viewer.zip"
+    archive = package_folder("trimesh") / "resources" / "templates" / "viewer.zip"
     with zipfile.ZipFile(archive) as viewer:
         page = viewer.read("viewer.html.template").decode("utf-8")
     start, end = page.find("<script>"), page.find(VIEWER_OWN_CODE)
@@ -69,6 +67,14 @@ def json_for_script(value: Any) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
 
 
+def chart_json(figure: Mapping[str, Any]) -> Markup:
+    """A chart's figure as JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
+    unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
+    if unknown:
+        raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
+    return json_for_script(figure)
+
+
 @cache
 def environment() -> Environment:
     """The templates, everything in them escaped, a missing value an error."""
@@ -79,7 +85,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.filters["script_json"] = json_for_script
+    found.filters |= {"script_json": json_for_script, "chart_json": chart_json, "still": still}
     return found
 
 

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from harness.record import write_text
 from reports.assets import environment, source_text
+from reports.chart_library import chart_library
 from reports.source import read_record
 
 REPORT_NAME: Final = "report.html"
@@ -30,7 +31,12 @@ def write_report(folder: Path) -> Path:
     text = (
         environment()
         .get_template(f"{record['kind']}.html.j2")
-        .render(build(folder, record), css=source_text("page.css"), script=source_text("page.js"))
+        .render(
+            build(folder, record),
+            css=source_text("page.css"),
+            script=source_text("page.js"),
+            chart_library=chart_library(),
+        )
     )
     path = folder / REPORT_NAME
     write_text(path, text)

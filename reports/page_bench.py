@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from reports.assets import plotly_js
 from reports.numbers import digits, heading, unit
 from reports.palette import HAIRLINE, INK, MUTED, look
 from reports.words import Verdict
@@ -55,7 +54,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
-        "plotly_js": plotly_js(),
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from harness.history import Outcome
 from harness.record import PATTERN_NAMES
-from reports.assets import plotly_js, source_text, three_js
+from reports.assets import source_text, three_js
 from reports.chart_histories import histories_figure
 from reports.glossary import score_rows, validity_rows
 from reports.museum import of_run
@@ -85,7 +85,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
-        "plotly_js": plotly_js(),
     }
 
 

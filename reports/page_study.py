@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from reports.assets import plotly_js, source_text
+from reports.assets import source_text
 from reports.design_figures import design_figures
 from reports.museum import of_study
 from reports.numbers import heading, label, listed, plain, short, unit
@@ -69,7 +69,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
-        "plotly_js": plotly_js(),
         "panel_script": source_text("panels.js"),
     }
 

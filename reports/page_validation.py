@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from reports.assets import plotly_js
 from reports.numbers import count_word, digits, listed, plain, short, unit
 from reports.palette import HAIRLINE, INK, faint, look
 from reports.study_rows import FAILED, SYMBOLS
@@ -53,7 +52,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
-        "plotly_js": plotly_js(),
     }
 
 

@@ -21,3 +21,9 @@ FRAME_MS: Final = 10.0
 
 CONTRAST: Final = 4.5
 """Least contrast of text (WCAG 2.1, AA)."""
+
+STILL_PX: Final = 0.06
+"""Places in a still picture are written to 0.1 px."""
+
+LIBRARY_SHARE: Final = 1.0 / 3.0
+"""Reading a script takes a browser a time in proportion to its length: a third of the wheel's library, a third of its time."""

@@ -3,10 +3,14 @@
 const rockcheck = { charts: {}, whenReady: [], time: 0 };
 window.rockcheck = rockcheck;
 
+rockcheck.bytes = (base64) => {
+  const letters = atob(base64), bytes = new Uint8Array(letters.length);
+  for (let k = 0; k < bytes.length; k += 1) bytes[k] = letters.charCodeAt(k);
+  return bytes;
+};
 rockcheck.unpack = async (id) => {
-  const packed = document.getElementById(id).textContent;
-  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  const packed = rockcheck.bytes(document.getElementById(id).textContent);
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 };
 
 rockcheck.run = async (id) => {
@@ -32,14 +36,19 @@ const config = { responsive: true, displaylogo: false, scrollZoom: false, double
   modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
   toImageButtonOptions: { format: "svg" } };
 
+/* What is in sight comes first; the browser may answer the reader between two charts. */
+const breath = () => new Promise((done) => setTimeout(done, 0));
 rockcheck.draw = async () => {
-  for (const holder of document.querySelectorAll("script.chart-data")) {
+  const away = (holder) => Math.max(0, holder.parentElement.getBoundingClientRect().top - window.innerHeight);
+  const holders = [...document.querySelectorAll("script.chart-data")].map((holder) => [away(holder), holder]);
+  for (const [, holder] of holders.sort((a, b) => a[0] - b[0])) {
     const name = holder.dataset.chart;
     const box = document.getElementById(`chart-${name}`);
     const figure = JSON.parse(holder.textContent);
     box.replaceChildren();
     await Plotly.newPlot(box, figure.data, fitted(figure.layout), config);
     rockcheck.charts[name] = { box, views: figure.views || null };
+    await breath();
   }
 };
 
@@ -95,9 +104,9 @@ const start = async () => {
     for (const note of document.querySelectorAll(".wait")) note.textContent = "This browser is too old to draw charts; every number stands in the tables.";
     return;
   }
-  await new Promise((done) => setTimeout(done, 0));
+  await breath();
   rockcheck.marks = { begun: performance.now() };
-  await rockcheck.run("plotly-js");
+  await rockcheck.run("chart-library");
   rockcheck.marks.library = performance.now();
   await rockcheck.draw();
   rockcheck.marks.charts = performance.now();

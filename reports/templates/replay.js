@@ -15,7 +15,7 @@ rockcheck.whenReady.push(async () => {
   }
   const data = JSON.parse(await rockcheck.unpack("replay-data"));
   const kinds = { f4: Float32Array, i1: Int8Array, u4: Uint32Array };
-  const array = ({ dtype, bdata }) => new kinds[dtype](Uint8Array.from(atob(bdata), (letter) => letter.charCodeAt(0)).buffer);
+  const array = ({ dtype, bdata }) => new kinds[dtype](rockcheck.bytes(bdata).buffer);
 
   /* the scene */
   const scene = new THREE.Scene();

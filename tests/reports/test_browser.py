@@ -241,3 +241,18 @@ def test_the_papers_panels_change_with_group_and_model(visit: Callable[[str, str
     page.wait_for_timeout(200)
     assert page.evaluate(shown) == both
     assert page.locator("[data-panel-group='2']").get_attribute("aria-pressed") == "true"
+
+
+@pytest.mark.parametrize("name", ["run", "table", "map"])
+def test_without_scripts_the_charts_are_still_there(browser: Any, pages: dict[str, Path], name: str) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(pages[name].as_uri())
+    assert page.locator("main noscript p").is_visible()
+    stills = page.locator("svg.still")
+    assert all(stills.nth(k).is_visible() for k in range(stills.count()))
+    assert stills.count() >= 2
+    assert stills.count() + page.locator(".chart .wait").count() == page.locator(".chart").count()
+    assert not any(page.locator(".tools, .transport, .wait, .stage").nth(k).is_visible() for k in range(3))
+    assert page.locator("table:visible").count() > 0
+    context.close()
