@@ -122,7 +122,9 @@ class Lagrange:
         """Named functions that are positive while the state holds."""
         k = self.case
         f = self.forces(side, slide, y[0], y[1], ax, az)
-        found = {} if self.falling(side, y) else {"lift_off": min(f.normal, f.pivot_normal)}
+        found = {"lift_off": min(f.normal, f.pivot_normal)}
+        if self.falling(side, y):  # there only the pedestal may not be lifted
+            found = {"lift_off": f.normal} if k.pedestal_kg is not None else {}
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:

@@ -80,8 +80,10 @@ class Bodies:
         k, (side, slide) = self.case, mode
         r = self.reactions(mode, y[0], y[1], ax, az)
         lean = math.atan2(k.b_right if side > 0 else k.b_left, k.h)
-        overturning = side * y[0] > lean and side * y[1] > 0.0  # there a lost contact is part of the fall
-        found = {} if overturning else {"lift_off": min(r.vertical, r.normal)}
+        overturning = side * y[0] > lean and side * y[1] > 0.0  # there a lost corner is part of the fall
+        found = {"lift_off": min(r.vertical, r.normal)}
+        if overturning:
+            found = {"lift_off": r.normal} if self.slides else {}
         if side:
             found |= {"impact": side * y[0], "overturned": k.overturn - side * y[0]}
         else:
