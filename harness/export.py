@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import InputError, Mistake
+from harness.record import impacts
 from harness.store import Store
 
 
@@ -42,5 +43,5 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(value, (int, float, str)) or value is None:
             line[name] = value
         elif name == "impact_times_s":
-            line["impacts"] = len(value)
+            line["impacts"] = impacts(row["run"])
     return line

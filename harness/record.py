@@ -89,6 +89,11 @@ class Run:
         return {name: to_plain(value) for name, value in plain.items()}
 
 
+def impacts(run: Mapping[str, Any]) -> int:
+    """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
+    return len(run["impact_times_s"]) or int(run["work"].get("impacts", 0))
+
+
 _PLAIN: Final = frozenset({str, int, bool, type(None)})
 
 

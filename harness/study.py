@@ -49,8 +49,8 @@ class Summary:
         return ", ".join(part for part in parts if part)
 
     def as_dict(self) -> dict[str, Any]:
-        """The summary as plain values, with its sentence."""
-        return {**vars(self), "usage": self.usage.as_dict(), "sentence": str(self)}
+        """The counts as plain values, with their sentence."""
+        return {**{name: value for name, value in vars(self).items() if name != "usage"}, "sentence": str(self)}
 
 
 def run_study(
@@ -126,7 +126,7 @@ class _Work:
         self._store.add(finished.results)
         self.computed += len(batch)
         self.failed += finished.failed
-        self.usage.note(len(batch), finished.busy_s, finished.engine_s)
+        self.usage.note(len(batch), finished.busy_s, finished.outside_s)
         self._settled += len(batch)
         self._told(self._settled, self._expected)
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import signal
 import sqlite3
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from harness import record
+from harness import effects3d, estimate, record
+from harness.cases import base_of
 from harness.errors import InputError, Mistake
 from harness.executors import DaskPool, LocalPool, Pool
 from harness.export import export_csv, export_parquet
@@ -29,17 +32,41 @@ def run(
     resume: bool = False,
     dask: str | None = None,
     export: Path | None = None,
+    large: bool = False,
     quiet: bool = False,
-) -> tuple[dict[str, Any], Summary]:
+    pool: Pool | None = None,
+) -> tuple[dict[str, Any], Summary | effects3d.Summary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
-    Raises `InputError` for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
+    `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one. Raises
+    `InputError` for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
-    study = load_study(path)
-    _check(study, folder, jobs, resume, export)
+    with ExitStack() as stack:
+        if effects3d.asked(path):
+            _check_effects(export, jobs)
+            study = None
+        else:
+            study = load_study(path)
+            _check(study, folder, jobs, resume, export)
+        if pool is None:
+            pool = stack.enter_context(closing(LocalPool(jobs) if dask is None else DaskPool(dask)))
+        stack.enter_context(ending_cleanly())
+        if study is None:
+            told = stack.enter_context(progress(path.stem, quiet))
+            return effects3d.run_effects(path, folder, pool, told, resume=resume)
+        return _run(study, path, folder, pool, export, large, quiet)
+
+
+def _run(
+    study: StudyFile, path: Path, folder: Path, pool: Pool, export: Path | None, large: bool, quiet: bool
+) -> tuple[dict[str, Any], Summary]:
+    """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
-    pool: Pool = LocalPool(jobs) if dask is None else DaskPool(dask)
-    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet) as told:
+    scene = base_of(study, path).scene({})
+    if not large:
+        estimate.check(study, scene, pool.workers, str(path))
+    size = estimate.sentence(study, scene, pool.workers)
+    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as told:
         summary = run_study(study, path, store, pool, told)
         found = study_record(study, path, store, summary, time.perf_counter() - start)
         record.write_json(folder / "result.json", found)
@@ -47,6 +74,26 @@ def run(
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
     return found, summary
+
+
+def _check_effects(export: Path | None, jobs: int | None) -> None:
+    """A study of what the third dimension changes has its own kind of record, its answers in a file of their own."""
+    if export is not None:
+        raise InputError(Mistake("--export", "", "a study of cases", "one of the third dimension: see its result.json"))
+    _check_jobs(jobs)
+
+
+@contextmanager
+def ending_cleanly() -> Iterator[None]:
+    """Let a request to end (SIGTERM) do what an interrupt does: stop the workers, close the store, say what is kept."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
@@ -72,8 +119,7 @@ def _is_empty(path: Path) -> bool:
 
 
 def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:
-    if jobs is not None and jobs < 1:
-        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+    _check_jobs(jobs)
     if export is not None and export.suffix not in (".csv", ".parquet"):
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
     if export is not None and not export.resolve().parent.is_dir():
@@ -83,9 +129,14 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
 
 
+def _check_jobs(jobs: int | None) -> None:
+    if jobs is not None and jobs < 1:
+        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+
+
 @contextmanager
-def progress(title: str, quiet: bool) -> Iterator[Any]:
-    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`."""
+def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
+    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`; `size` is said first."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -97,6 +148,8 @@ def progress(title: str, quiet: bool) -> Iterator[Any]:
     )
 
     console = Console(stderr=True, quiet=quiet)
+    if size:
+        console.print(size, highlight=False)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

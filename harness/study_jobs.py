@@ -36,31 +36,33 @@ class Job:
 
 @dataclass(frozen=True)
 class Finished:
-    """What a worker gives back: packed results, seconds spent on them, and how many of these inside engines."""
+    """What a worker gives back: packed results, seconds spent on all, and for each run those spent outside its engine."""
 
     results: Sequence[Packed]
     failed: int
     busy_s: float
-    engine_s: float
+    outside_s: Sequence[float]
 
 
 def compute(batch: Sequence[Job]) -> Finished:
     """What a worker does: resolve each scene, run it (a failure is a `Run` that says so), pack the result."""
-    begin, engine_s, failed, results = time.perf_counter(), 0.0, 0, []
+    begin, failed, results, outside_s = time.perf_counter(), 0, [], []
     for job in batch:
+        marks = [time.perf_counter()]
         scene = job.base.scene(dict(job.setting))
-        start = time.perf_counter()
+        marks.append(time.perf_counter())
         run = simulate(scene, job.engine, accuracy_rad=job.accuracy_rad, want=Want(history=job.histories))
-        engine_s += time.perf_counter() - start
+        marks.append(time.perf_counter())
         failed += run.outcome.failed
         results.append(packed(job.key, run, job.histories))
-    return Finished(results, failed, time.perf_counter() - begin, engine_s)
+        outside_s.append(time.perf_counter() - marks[2] + marks[1] - marks[0])
+    return Finished(results, failed, time.perf_counter() - begin, outside_s)
 
 
 def lost(batch: Sequence[Job], crash: Crash) -> Finished:
     """What a batch gives whose process died: every run says so."""
     runs = crashed(batch, crash)
-    return Finished([packed(job.key, run) for job, run in zip(batch, runs, strict=True)], len(runs), 0.0, 0.0)
+    return Finished([packed(job.key, run) for job, run in zip(batch, runs, strict=True)], len(runs), 0.0, ())
 
 
 class Jobs:

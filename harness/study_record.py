@@ -56,6 +56,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "notes": scene.notes,
         "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
         "summary": summary.as_dict(),
+        "usage": summary.usage.as_dict(),
         "seconds": seconds,
         "engine_seconds": _seconds(rows, store),
         "rows": [_shown(row) for row in rows],
@@ -135,7 +136,7 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     run = row["run"]
-    kept = None if run is None else {name: run[name] for name in SHOWN} | {"impacts": len(run["impact_times_s"])}
+    kept = None if run is None else {name: run[name] for name in SHOWN} | {"impacts": record.impacts(run)}
     return {
         "number": row["number"],
         "engine": row["engine"],

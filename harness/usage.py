@@ -1,33 +1,28 @@
-"""Where the seconds of a study go: how busy its workers were, and what keeping the store and the order cost."""
+"""Where the seconds of a study go: how busy its workers were, and what planning and storing cost."""
 
 from __future__ import annotations
 
+import statistics
 import time
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
 
-@dataclass
 class Usage:
-    """Seconds of one call: of the clock, of all workers together, of these inside engines, of this process's processor."""
+    """Seconds of one call: of the clock, of all workers at work, of this process's processor, and outside engines per run."""
 
-    workers: int
-    runs: int = 0
-    busy_s: float = 0.0
-    engine_s: float = 0.0
-    own_s: float = 0.0
-    wall_s: float = 0.0
-    _begin: tuple[float, float] = field(default=(0.0, 0.0), repr=False)
-
-    def __post_init__(self) -> None:
-        """Start both clocks."""
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self.runs = 0
+        self.busy_s = self.own_s = self.wall_s = 0.0
+        self._outside_s: list[float] = []
         self._begin = time.perf_counter(), time.process_time()
 
-    def note(self, runs: int, busy_s: float, engine_s: float) -> None:
-        """Count what a worker gave back."""
+    def note(self, runs: int, busy_s: float, outside_s: Sequence[float]) -> None:
+        """Count what a worker gave back: runs, seconds at work, and what each run took outside its engine."""
         self.runs += runs
         self.busy_s += busy_s
-        self.engine_s += engine_s
+        self._outside_s.extend(outside_s)
 
     def stop(self) -> None:
         """Take both clocks."""
@@ -41,18 +36,23 @@ class Usage:
 
     @property
     def overhead_s_per_run(self) -> float | None:
-        """Planning, sending, packing and storing of one run: this process's time, and the workers' outside engines."""
-        return (self.own_s + self.busy_s - self.engine_s) / self.runs if self.runs else None
+        """Planning, sending, packing and storing: this process's time by the run, and the median run's outside its engine.
+
+        The median leaves out what a worker does once, such as loading the statue's mesh.
+        """
+        if not self._outside_s:
+            return None
+        return self.own_s / self.runs + statistics.median(self._outside_s)
 
     def as_dict(self) -> dict[str, Any]:
-        """All numbers as plain values."""
-        names = ("workers", "runs", "wall_s", "busy_s", "engine_s", "own_s", "utilisation", "overhead_s_per_run")
-        return {name: getattr(self, name) for name in names}
+        """All numbers as plain values, with their sentence."""
+        names = ("workers", "runs", "wall_s", "busy_s", "own_s", "utilisation", "overhead_s_per_run")
+        return {**{name: getattr(self, name) for name in names}, "sentence": str(self)}
 
     def __str__(self) -> str:
         if self.utilisation is None or self.overhead_s_per_run is None:
             return "nothing had to be computed"
         return (
             f"{self.runs} runs in {self.wall_s:.1f} s: {self.workers} workers {100.0 * self.utilisation:.0f} % busy, "
-            f"{1000.0 * self.overhead_s_per_run:.2f} ms per run outside the engines"
+            f"{1000.0 * self.overhead_s_per_run:.2f} ms per run for planning, sending and storing"
         )

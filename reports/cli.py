@@ -79,6 +79,7 @@ def study(
     export: Annotated[
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,
+    large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
     out: Out = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -90,10 +91,12 @@ def study(
     folder = out or OUT / study_file.stem
     check_folder(folder)
     found, summary = study_cli.run(
-        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, quiet=quiet or as_json
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=quiet or as_json
     )
     page = _page(folder)
-    _say(found, [f"{study_file.name}: {summary}", f"report: {page}"], as_json, quiet)
+    usage = found.get("usage")
+    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else []), f"report: {page}"]
+    _say(found, lines, as_json, quiet)
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 

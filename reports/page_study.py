@@ -64,6 +64,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "reasons": Counter(row["reason"] for row in record["rows"]).most_common(),
         "warnings": study_warnings(record["rows"]),
         "notes": record["notes"],
+        "usage": record.get("usage", {}).get("sentence", ""),
         "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
         "command": f"rockcheck study {record['file']}",
         "versions": record["versions"],

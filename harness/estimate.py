@@ -1,0 +1,66 @@
+"""How long a study may take, told before it begins; one that nobody can wait for is refused."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from harness.asking import COARSEST, REFERENCE, map_axes
+from harness.errors import InputError, Mistake
+from harness.scene import Scene
+from harness.study_file import StudyFile
+
+SECONDS: Final = {"analytic": (6e-5, 6e-5), "pymunk": (0.05, 0.1), "pybullet": (0.1, 0.5), "mujoco": (0.5, 1.0)}
+"""Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""
+WITH_HISTORY: Final = 10.0
+"""By how much a history makes an analytic run dearer; to contact engines it makes no difference."""
+BOUNDARY: Final = 4.0
+"""Points of an adaptive map along the line on which the outcome changes, in points along both axes."""
+LONGEST_S: Final = 24 * 3600.0
+MOST_CASES: Final = 2_000_000
+"""Longer studies, and larger ones, are run only when that is asked for."""
+
+
+def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
+    """Roughly the longest that the study may take on so many workers, nothing of it being stored yet."""
+    total = 0.0
+    for variant in study.variant:
+        for engine in set(variant.engines):
+            each = SECONDS[engine][scene.pedestal is not None] * scene.duration_s
+            if engine == REFERENCE:
+                total += study.points * each * (WITH_HISTORY if study.ask.histories else 1.0)
+            else:
+                total += _sent(study) * each
+    return total / workers
+
+
+def _sent(study: StudyFile) -> float:
+    """Cases that a contact engine may be asked."""
+    if study.ask.cases != "adaptive":
+        return float(study.points)
+    along = sum(study.vary[axis].count or 1 for axis in map_axes(study))
+    return min(study.points * (study.ask.audit + COARSEST**-2.0) + BOUNDARY * along, float(study.points))
+
+
+def sentence(study: StudyFile, scene: Scene, workers: int) -> str:
+    """The size of a study in words."""
+    cases = study.points * len(study.variant)
+    at_most = "at most " if study.ask.cases != "all" else ""
+    longest = _words(seconds(study, scene, workers))
+    return f"{cases} cases, {at_most}{study.runs} runs: {at_most}about {longest} on {workers} workers"
+
+
+def check(study: StudyFile, scene: Scene, workers: int, where: str) -> None:
+    """Raise `InputError` for a study of more cases or hours than anyone starts without knowing it."""
+    cases = study.points * len(study.variant)
+    if cases <= MOST_CASES and seconds(study, scene, workers) <= LONGEST_S:
+        return
+    wanted = f"at most {MOST_CASES} cases and {_words(LONGEST_S)}"
+    advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
+    raise InputError(Mistake(where, "vary", wanted, sentence(study, scene, workers), advice))
+
+
+def _words(seconds: float) -> str:
+    for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{max(seconds, 1.0):.0f} s"
