@@ -27,9 +27,9 @@ FINEST_REST_RAD: Final = 1e-14
 friction between them give the pedestal does not depend on when the statue comes to rest, to first order in its rate: what is
 lost goes with the square of the rate, thus with the height."""
 FINEST_ROOT_RAD: Final = 1e-12
-"""Where friction follows M g_e, or an impact leaves the pedestal's velocity unchanged, each impact creates momentum in proportion to
-its rate: what is lost then goes with the rate (2.7e-7 rad and 4e-8 m were measured within 2 s), and only a rebound lower than
-the square of the accuracy (or of this) is dropped."""
+"""Where friction follows M g_e, or an impact leaves the pedestal's velocity unchanged, each impact creates momentum in proportion
+to its rate: what is lost then goes with the rate (2.7e-7 rad and 4e-8 m were measured within 2 s), and only a rebound lower
+than the square of the accuracy (or of this) is dropped."""
 FINEST: Final = 1e-17
 """No local error below rounding is asked."""
 
