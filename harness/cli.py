@@ -91,6 +91,10 @@ def compare(
     horizon: Annotated[
         bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")
     ] = False,
+    uncertainty: Annotated[
+        float | None,
+        typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -105,7 +109,10 @@ def compare(
             raise InputError(Mistake("compare", "", no_run, "one of them"))
         from harness.comparator import compare_files
 
-        found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": compare_files(files[0], files[1], iso=iso)}
+        scores = compare_files(*files, uncertainty_rad=uncertainty, iso=iso)
+        found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": scores}
+    elif uncertainty is not None:
+        raise InputError(Mistake("--uncertainty", "", "two .csv histories: runs state their own", "scenes"))
     else:
         found = {}
         for path in files:
@@ -125,7 +132,9 @@ def table_of(title: str, scores: Mapping[str, Any]) -> str:
     """One pair's scores as aligned lines; lists are counted."""
     lines = [title]
     for name, value in scores.items():
-        if isinstance(value, float):
+        if name == "warnings":
+            lines += [f"  warning: {text}" for text in value]
+        elif isinstance(value, float):
             lines.append(f"  {name:34} {value:.6g}")
         elif isinstance(value, (str, int)) or value is None:
             lines.append(f"  {name:34} {'—' if value is None else value}")

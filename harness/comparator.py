@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from harness.errors import InputError, Mistake
-from harness.history import History, Outcome, read_history
+from harness.history import History, Outcome
+from harness.history_file import gaps, read_history
 from harness.record import Run
 from harness.scene import Scene
 from harness.scores import energy, events, pointwise
@@ -33,6 +34,7 @@ def compare(
     scene: Scene | None = None,
     names: tuple[str, str] | None = None,
     horizons_s: tuple[float | None, float | None] = (None, None),
+    uncertainties_rad: tuple[float | None, float | None] = (None, None),
     together_rad: float = TOGETHER_RAD,
     iso: bool = False,
 ) -> Scores:
@@ -40,13 +42,17 @@ def compare(
 
     `scene` gives the energies in J and the lever between rotation and slip; `horizons_s` are the horizons of prediction of
     each model where they were computed (`harness.horizon`). Scores of instants reach to the nearer horizon of the two, or to
-    the time up to which a side's numerical error is stated; beyond it distributions are compared. Raises `InputError` naming
-    the answer when there is nothing to compare, or when the two do not overlap in time.
+    the time up to which a side's numerical error is stated; beyond it distributions are compared. `uncertainties_rad` are the
+    numerical errors of bare histories, where they are known. Raises `InputError` naming the answer when there is nothing to
+    compare, or when the two do not overlap in time.
     """
     names = names or (_name(a, "a"), _name(b, "b"))
     _check(a, names[0])
     _check(b, names[1])
-    sides = side_of(a, names[0], horizons_s[0]), side_of(b, names[1], horizons_s[1])
+    sides = (
+        side_of(a, names[0], horizons_s[0], uncertainties_rad[0]),
+        side_of(b, names[1], horizons_s[1], uncertainties_rad[1]),
+    )
     lever = LEVER_M if scene is None else scene.statue.centroid_height_m
     history_a, history_b = _history(a), _history(b)
     if history_a is None or history_b is None:
@@ -79,14 +85,26 @@ def compare(
     )
 
 
-def compare_files(a: Path, b: Path, *, iso: bool = False) -> dict[str, Any]:
-    """Score history file a against history file b, the reference, of whatever software; raises `InputError`."""
-    scores = compare(read_history(a), read_history(b), names=(a.name, b.name), iso=iso)
+def compare_files(a: Path, b: Path, *, uncertainty_rad: float | None = None, iso: bool = False) -> dict[str, Any]:
+    """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
+
+    `uncertainty_rad` is the numerical error of either rotation, where the software states one.
+    """
+    if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
+        raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
+    histories = read_history(a), read_history(b)
+    known = uncertainty_rad, uncertainty_rad
+    scores = compare(*histories, names=(a.name, b.name), uncertainties_rad=known, iso=iso)
     begin_s, end_s = scores.compared_from_s, scores.compared_until_s
     if begin_s is not None and end_s is not None and end_s <= begin_s:
         wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
         raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
-    return scores.as_dict()
+    missing = [
+        f"{path.name} has no samples from {begin:.4g} s to {end:.4g} s, where scores rest on interpolation"
+        for path, history in zip((a, b), histories, strict=True)
+        for begin, end in gaps(history)
+    ]
+    return scores.as_dict() | {"warnings": missing}
 
 
 def _name(answer: Run | History, otherwise: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,12 +13,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.errors import InputError, Mistake
-
 Array = NDArray[np.float64]
 
 COLUMNS: Final = ("t_s", "theta_rad", "theta_rate_rad_s", "slip_m", "slip_rate_m_s")
-REQUIRED_COLUMNS: Final = ("t_s", "theta_rad")
 
 
 class Outcome(StrEnum):
@@ -169,57 +165,3 @@ def output_grid(duration_s: float, dt_s: float) -> Array:
     if duration_s - grid[-1] > 1e-9 * dt_s:
         grid = np.append(grid, duration_s)
     return _frozen(grid)
-
-
-def read_history(path: Path) -> History:
-    """Read a history from CSV: columns `t_s, theta_rad` wanted, the others optional (rates are then differences).
-
-    Raises `InputError` naming file, column and line.
-    """
-    try:
-        with path.open(newline="", encoding="utf-8") as stream:
-            rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(Mistake(str(path), "", "a readable CSV file", reason)) from error
-    if len(rows) < 2:
-        raise InputError(Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(rows)} lines"))
-    names = [name.strip() for name in rows[0]]
-    absent = [name for name in REQUIRED_COLUMNS if name not in names]
-    if absent or len(set(names)) != len(names):
-        what = f"columns {', '.join(REQUIRED_COLUMNS)}, each once"
-        raise InputError(Mistake(str(path), "header", what, ", ".join(names) or "nothing"))
-    table = _numbers(path, names, rows[1:])
-    columns = {name: table[:, index] for index, name in enumerate(names)}
-    t_s = columns["t_s"]
-    if not np.all(np.isfinite(table)) or np.any(np.diff(t_s) <= 0.0):
-        # Said before rates are formed: a difference over no time is no rate.
-        got = "times that do not increase" if np.all(np.isfinite(table)) else "NaN or infinite numbers"
-        raise InputError(Mistake(str(path), "", "finite columns over increasing times", got))
-    for value, rate in (("theta_rad", "theta_rate_rad_s"), ("slip_m", "slip_rate_m_s")):
-        columns.setdefault(value, np.zeros_like(t_s))
-        columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))
-    extra = {name: values for name, values in columns.items() if name not in COLUMNS}
-    try:
-        return History(
-            t_s, columns["theta_rad"], columns["theta_rate_rad_s"], columns["slip_m"], columns["slip_rate_m_s"], extra
-        )
-    except ValueError as error:
-        raise InputError(Mistake(str(path), "", "finite columns over increasing times", str(error))) from error
-
-
-def _numbers(path: Path, names: list[str], rows: list[list[str]]) -> Array:
-    mistakes = []
-    table = np.full((len(rows), len(names)), np.nan)
-    for number, row in enumerate(rows):
-        try:
-            table[number] = [float(cell) for cell in row] if len(row) == len(names) else _wrong_length(row, names)
-        except ValueError as error:
-            mistakes.append(Mistake(str(path), f"row {number + 1}", f"{len(names)} numbers", str(error)))
-    if mistakes:
-        raise InputError(mistakes[:20])
-    return table
-
-
-def _wrong_length(row: list[str], names: list[str]) -> list[float]:
-    raise ValueError(f"{len(row)} cells for {len(names)} columns")

@@ -70,10 +70,12 @@ class Judgement:
     evidence: Mapping[str, Any]
 
 
-def side_of(answer: Run | History, name: str, horizon_s: float | None = None) -> Side:
-    """What is known of one answer; a bare history states neither outcome nor uncertainty."""
+def side_of(
+    answer: Run | History, name: str, horizon_s: float | None = None, uncertainty_rad: float | None = None
+) -> Side:
+    """What is known of one answer; a bare history states no outcome, and of its uncertainty only what is given here."""
     if isinstance(answer, History):
-        return Side(name, horizon_s=horizon_s)
+        return Side(name, uncertainty_rad=uncertainty_rad, horizon_s=horizon_s)
     left_s, by = left_domain(answer)
     return Side(
         name,

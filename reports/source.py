@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.errors import InputError, Mistake
-from harness.history import History, read_history
+from harness.history import History
+from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
 
 RECORD_NAME: Final = "result.json"
-KINDS: Final = ("run", "study", "bench", "stress", "validation")
+KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
 REWRITE: Final = "write the result anew with this version"
 
 _TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
@@ -28,6 +29,17 @@ _EVERY: Final = {
 PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
     "run": _EVERY | {"motion": _TABLE, "runs": _TABLE, "scores": _TABLE, "plan": _LIST, "warnings": _LIST},
     "study": _EVERY | {"file": _TEXT, "vary": _TABLE, "summary": _TABLE, "engine_seconds": _TABLE, "rows": _LIST},
+    "effects3d": _EVERY
+    | {
+        "file": _TEXT,
+        "study": _TABLE,
+        "rows": _LIST,
+        "static": _LIST,
+        "bands": _LIST,
+        "departures": _LIST,
+        "effects": _LIST,
+    }
+    | {"left_out": _TABLE, "summary": _TABLE},
 }
 """What a record of each kind must hold for its page, and in which form."""
 

@@ -12,7 +12,7 @@ from harness import engines, record
 from harness.comparator import compare
 from harness.errors import InputError, Mistake
 from harness.executors import LocalPool
-from harness.history import read_history
+from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
 from harness.store import Store
 from harness.study_cli import STORE_NAME, progress

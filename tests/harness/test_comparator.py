@@ -196,6 +196,29 @@ def test_files_of_other_software_are_compared(tmp_path: Path) -> None:
     json.dumps(scores, allow_nan=False)
 
 
+def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
+    history = doubles.rocking()
+    history.write_csv(tmp_path / "mine.csv")
+    doubles.raised(history, 1e-4).write_csv(tmp_path / "theirs.csv")
+    files = tmp_path / "theirs.csv", tmp_path / "mine.csv"
+    verdicts = {u: compare_files(*files, uncertainty_rad=u)["verdict"] for u in (None, 1e-5, 1e-4)}
+    assert verdicts == {None: Verdict.MODEL, 1e-5: Verdict.MODEL, 1e-4: Verdict.AGREE}
+    assert compare_files(*files, uncertainty_rad=1e-4)["numerical_uncertainty"]["rms_theta_rad"] == 2e-4
+    with pytest.raises(InputError, match="--uncertainty"):
+        compare_files(*files, uncertainty_rad=-1.0)
+
+
+def test_a_gap_in_a_file_is_told(tmp_path: Path) -> None:
+    history = doubles.rocking()
+    keep = (history.t_s < 0.6) | (history.t_s > 0.8)
+    rows = np.column_stack((history.t_s, history.theta_rad))[keep]
+    np.savetxt(tmp_path / "torn.csv", rows, delimiter=",", header="t_s,theta_rad", comments="")
+    history.write_csv(tmp_path / "whole.csv")
+    torn = compare_files(tmp_path / "torn.csv", tmp_path / "whole.csv")["warnings"]
+    assert torn == ["torn.csv has no samples from 0.599 s to 0.801 s, where scores rest on interpolation"]
+    assert compare_files(tmp_path / "whole.csv", tmp_path / "whole.csv")["warnings"] == []
+
+
 @pytest.mark.parametrize(("text", "says"), [("t_s,theta_rad\n", "row"), ("t_s,theta_rad\n0,nan\n1,0\n", "finite")])
 def test_an_empty_or_broken_file_is_an_error_that_names_it(tmp_path: Path, text: str, says: str) -> None:
     (tmp_path / "bad.csv").write_text(text)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import InputError
-from harness.history import COLUMNS, History, Outcome, hermite, output_grid, read_history
+from harness.history import COLUMNS, History, Outcome, hermite, output_grid
+from harness.history_file import read_history
 from tests.budgets import HERMITE_ROUNDING
 
 
@@ -55,25 +55,6 @@ def test_what_is_no_history_is_refused(change: dict[str, np.ndarray], message: s
     columns = {name: np.zeros(2) for name in COLUMNS} | {"t_s": np.array([0.0, 1.0])} | change
     with pytest.raises(ValueError, match=message):
         History(**columns)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "a header line"),
-        ("t_s,angle\n0,1\n", "theta_rad"),
-        ("t_s,theta_rad\n0,1\n1\n", "row 2"),
-        ("t_s,theta_rad\n0,x\n", "could not convert"),
-        ("t_s,theta_rad\n1,0\n0,0\n", "do not increase"),
-        ("t_s,theta_rad\n0,nan\n", "NaN or infinite"),
-    ],
-)
-def test_a_bad_file_is_refused_with_its_place(tmp_path: Path, text: str, message: str) -> None:
-    path = tmp_path / "h.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=message) as caught:
-        read_history(path)
-    assert str(path) in str(caught.value)
 
 
 def test_hermite_is_exact_for_cubics_and_holds_beyond_the_ends() -> None:
