@@ -22,6 +22,8 @@ $(STAMP): requirements.lock pyproject.toml
 		echo "rockcheck needs the venv module of Python 3.11 (on Debian: apt-get install python3.11-venv)" >&2; exit 1; }
 	@$(PY) -m pip install --quiet --disable-pip-version-check --prefer-binary --only-binary pybullet -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@# Compiled once here, not in whatever runs first.
+	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.Rest(), duration_s=0.01)"
 	@touch $@
 
 report: $(STAMP) ## run the main job and say where the report is

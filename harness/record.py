@@ -89,6 +89,14 @@ class Run:
         return {name: to_plain(value) for name, value in plain.items()}
 
 
+def run_of(plain: Mapping[str, Any], history: History | None, wall_s: float) -> Run:
+    """The run that `Run.as_dict` made plain, with its history again."""
+    known = {name: plain[name] for name in Run.__dataclass_fields__ if name in plain}
+    known["outcome"] = Outcome(plain["outcome"])
+    known["patterns"] = tuple(Pattern(*stretch) for stretch in plain["patterns"])
+    return Run(**(known | {"history": history, "wall_s": wall_s}))
+
+
 def impacts(run: Mapping[str, Any]) -> int:
     """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
     return len(run["impact_times_s"]) or int(run["work"].get("impacts", 0))

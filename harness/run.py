@@ -139,13 +139,14 @@ def run_scene(
     iso: bool = False,
     horizon: bool = False,
     apart: bool = False,
+    stored: Mapping[str, Run] | None = None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
 
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
-    `multiprocessing` wants it); the results are the same.
+    `multiprocessing` wants it); the results are the same. `stored` are runs of this very scene and target that are there already.
     """
     from harness.comparator import compare
 
@@ -154,13 +155,14 @@ def run_scene(
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
     steps = plan(scene, loaded, want)
     start = time.perf_counter()
-    beside = [item for item in loaded if apart and len(loaded) > 1 and item.capabilities.dimensions == 3]
+    left = [item for item in loaded if item.name not in (stored or {})]
+    beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
-        here: dict[str, Run] = {}
+        here: dict[str, Run] = dict(stored or {})
         for engine in loaded:
             told(engine.name)
-            if engine.name not in waiting:
+            if engine.name not in waiting and engine.name not in here:
                 here[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
         runs = {item.name: here.get(item.name) or waiting[item.name].result() for item in loaded}
     answers = [run for run in runs.values() if not run.outcome.failed]

@@ -35,12 +35,12 @@ def salvage(damaged: Path, fresh: Path) -> int:
 
 
 def _readable(path: Path, table: str) -> Iterator[tuple[Any, ...]]:
-    """Rows of a table from its first to the first damaged page, then from its last page backwards."""
+    """Rows of a table from its first to the first damaged page, then from its last page backwards; by key where it has no rows."""
     seen: set[tuple[Any, ...]] = set()
-    for order in ("ASC", "DESC"):
+    for order in ("rowid ASC", "rowid DESC", "1 ASC", "1 DESC"):
         try:
             with closing(sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True)) as db:
-                for row in db.execute(f"SELECT * FROM {table} ORDER BY 1 {order}"):
+                for row in db.execute(f"SELECT * FROM {table} ORDER BY {order}"):
                     if row[:3] in seen:
                         break
                     seen.add(row[:3])

@@ -15,17 +15,18 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.history import COLUMNS, History
-from harness.record import Run, to_plain
+from harness.record import Run, run_of, to_plain
 
 STORE_VERSION: Final = 1
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
+# Runs stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
 _SCHEMA: Final = """
 CREATE TABLE IF NOT EXISTS run (
     key TEXT PRIMARY KEY, engine TEXT NOT NULL, outcome TEXT NOT NULL, peak_theta_rad REAL, no_return_time_s REAL,
     overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL
-) WITHOUT ROWID;
+);
 CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS history (key TEXT PRIMARY KEY, columns TEXT NOT NULL, data BLOB NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS plan (
@@ -88,6 +89,14 @@ class Store:
         with self._told("opened"):
             path.parent.mkdir(parents=True, exist_ok=True)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
+        try:
+            self._prepare(path)
+        except BaseException:
+            # Else the files beside a store that is refused would stay.
+            self._db.close()
+            raise
+
+    def _prepare(self, path: Path) -> None:
         with self._told("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
             self._db.execute("PRAGMA journal_mode=WAL")
@@ -155,6 +164,11 @@ class Store:
             extra = {name: values for name, values in columns.items() if name not in COLUMNS}
             return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
 
+    def run(self, key: str) -> Run | None:
+        """The run of a key as it was when it was stored, None where there is none or its history was not kept."""
+        row, history = self.get(key), self.history(key)
+        return None if row is None or history is None else run_of(row.record, history, self.seconds(key) or 0.0)
+
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
         plain = (
@@ -218,7 +232,7 @@ class Store:
     def _told(self, done: str) -> Iterator[None]:
         try:
             yield
-        except (sqlite3.Error, OSError) as error:
+        except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
                 "free some space and run again with --resume: what was finished is kept"
                 if "full" in str(error)

@@ -15,9 +15,10 @@ from harness.cases import Base, Case
 from harness.digest import scene_digest
 from harness.engine import Engine, Want
 from harness.executors import Crash
+from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, simulate
 from harness.scene import Scene
-from harness.store import Packed, packed
+from harness.store import Packed, Store, packed
 from harness.study_file import StudyFile
 
 
@@ -94,3 +95,14 @@ def run_key(engine: Engine, digest: str, accuracy_rad: float, histories: bool) -
     mine = {name: versions.get(name) for name in ("rockcheck", "numpy", "numba", engine.name) if name in versions}
     text = json.dumps([digest, engine.name, accuracy_rad.hex(), histories, mine], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def stored_runs(store: Store, scene: Scene, accuracy_rad: float = DEFAULT_ACCURACY_RAD) -> dict[str, Run]:
+    """The runs of a scene that a study has stored with their histories, by engine."""
+    found = {}
+    for name in engines.DEFAULT_ENGINES:
+        engine = engines.load(name)
+        run = store.run(run_key(engine, scene_digest(scene, engine.capabilities), accuracy_rad, True))
+        if run is not None:
+            found[name] = run
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from pathlib import Path
 from typing import Any
@@ -59,3 +60,33 @@ def written(folder: Path, text: str = STUDY) -> Path:
 def contents(path: Path) -> list[Any]:
     with sqlite3.connect(path) as db:
         return [db.execute(f"SELECT * FROM {table} ORDER BY 1, 2").fetchall() for table in ("run", "plan", "history")]
+
+
+CONTACT = """
+title = "a small study of contact"
+scene = "block.toml"
+[[vary]]
+key = "motion.x.amplitude_g"
+start = 0.2
+stop = 0.6
+count = 8
+[[vary]]
+key = "motion.x.frequency_hz"
+values = [1.5, 3.0, 5.0]
+[[variant]]
+name = "own"
+engines = ["pymunk"]
+set = { "contact.restitution" = "momentum", pedestal = "none", duration_s = 0.5 }
+[accuracy]
+pymunk = 1e-2
+[ask]
+histories = true
+"""
+"""Runs of some 20 ms each, by an engine that needs no compiler."""
+
+
+def lethal(batch: tuple[str, ...]) -> list[str]:
+    """Work that takes its process with it where a job says so."""
+    if "die" in batch:
+        os._exit(3)
+    return [job.upper() for job in batch]

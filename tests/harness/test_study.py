@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from harness import asking
+from harness import asking, estimate
+from harness.cases import Base, base_of, expand
 from harness.errors import InputError
-from harness.executors import LocalPool
+from harness.executors import Done, LocalPool, Work
+from harness.record import impacts
+from harness.run import simulate
 from harness.store import Store
 from harness.study import Summary, run_study, study_name
 from harness.study_file import load_study
@@ -39,24 +39,6 @@ def test_the_store_does_not_depend_on_the_number_of_processes(tmp_path: Path) ->
     compute(path, tmp_path / "one.sqlite", jobs=1)
     compute(path, tmp_path / "two.sqlite", jobs=2)
     assert contents(tmp_path / "one.sqlite") == contents(tmp_path / "two.sqlite")
-
-
-def test_a_killed_study_goes_on_to_the_same_store(tmp_path: Path) -> None:
-    path = written(tmp_path)
-    compute(path, tmp_path / "whole.sqlite")
-    code = (
-        "import sys; from pathlib import Path; from harness.executors import LocalPool; from harness.store import Store;"
-        "from harness.study import run_study; from harness.study_file import load_study;"
-        "path = Path(sys.argv[1]); store = Store(Path(sys.argv[2])); run_study(load_study(path), path, store, LocalPool(1))"
-    )
-    killed = tmp_path / "killed.sqlite"
-    for wait_s in (0.8, 1.6):
-        child = subprocess.Popen([sys.executable, "-c", code, str(path), str(killed)], start_new_session=True)
-        time.sleep(wait_s)
-        os.killpg(child.pid, signal.SIGKILL)
-        child.wait()
-    compute(path, killed)
-    assert contents(killed) == contents(tmp_path / "whole.sqlite")
 
 
 def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> None:
@@ -90,3 +72,81 @@ def test_a_wrong_study_is_a_mistake_that_names_its_key(tmp_path: Path, old: str,
     path = written(tmp_path, STUDY.replace(old, new))
     with pytest.raises(InputError, match=message):
         compute(path, tmp_path / "s.sqlite")
+
+
+class Inline:
+    """A pool of one that runs here, and counts what it is handed."""
+
+    workers = 1
+
+    def __init__(self) -> None:
+        self.tasks = 0
+
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+        for task in tasks:
+            self.tasks += 1
+            done(task, work(task))
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    resolved: list[int] = []
+    written_: list[int] = []
+    scene, add = Base.scene, Store.add
+    monkeypatch.setattr(Base, "scene", lambda self, setting: resolved.append(1) or scene(self, setting))
+    monkeypatch.setattr(Store, "add", lambda self, found: written_.append(len(found)) or add(self, found))
+    path, pool = written(tmp_path, STUDY.replace("count = 6", "count = 20")), Inline()
+    with Store(tmp_path / "s.sqlite") as store:
+        done = run_study(load_study(path), path, store, pool)
+    runs, cases = 100, 200
+    assert done.computed == runs
+    # A scene is resolved once for its name and once where it runs; a batch is one message and one transaction.
+    assert len(resolved) == cases + runs
+    assert written_ == [64, 36]
+    assert pool.tasks == 2
+    usage = done.usage.as_dict()
+    assert usage["runs"] == runs
+    assert 0.0 < usage["busy_s"] <= usage["wall_s"]
+    assert 0.0 < usage["utilisation"] <= 1.0
+
+
+def test_an_outcome_in_a_study_is_that_of_a_run_alone(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    study = load_study(path)
+    with Store(tmp_path / "s.sqlite") as store:
+        run_study(study, path, store, Inline())
+        rows = {row["number"]: row["run"] for row in store.rows(study_name(study))}
+    base = base_of(study, path)
+    for case in list(expand(study, base))[::7]:
+        alone = simulate(base.scene(case.setting), "analytic").as_dict()
+        outcome = rows[case.number]
+        # Only the list of events, the history and the check of the error differ.
+        for name in ("outcome", "overturn_time_s", "no_return_time_s", "peak_slip_m"):
+            assert outcome[name] == alone[name], (case.number, name)
+        if alone["outcome"] == "stands":
+            assert outcome["peak_theta_rad"] == alone["peak_theta_rad"]
+            assert impacts(outcome) == impacts(alone)
+
+
+def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path) -> None:
+    text = STUDY.replace('engines = ["analytic"]', 'engines = ["analytic", "pybullet"]')
+    path = written(tmp_path, text)
+    study = load_study(path)
+    scene = base_of(study, path).scene({})
+    assert estimate.sentence(study, scene, 2).startswith("60 cases, 120 runs: about ")
+    estimate.check(study, scene, 2, "study.toml")
+    huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
+    with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: about \d+ days on 2 workers.*--large"):
+        estimate.check(huge, scene, 2, "study.toml")
+
+
+def test_a_map_is_estimated_by_its_boundary(tmp_path: Path) -> None:
+    text = STUDY.replace('engines = ["analytic"]', 'engines = ["pybullet"]').replace("count = 6", "count = 65")
+    text = text.replace("count = 5", "count = 65")
+    whole, along = (
+        load_study(written(tmp_path, text + ask)) for ask in ("", '[ask]\ncases = "adaptive"\naudit = 0.01\n')
+    )
+    scene = base_of(whole, tmp_path / "study.toml").scene({})
+    assert estimate.seconds(along, scene, 1) < 0.2 * estimate.seconds(whole, scene, 1)
