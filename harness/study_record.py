@@ -59,7 +59,6 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "usage": summary.usage.as_dict(),
         "seconds": seconds,
         "engine_seconds": _seconds(rows, store),
-        "rows": [_shown(row) for row in rows],
         "scores": score_sets(rows, history=store.history),
         "audit": audit(rows) if study.ask.cases == "boundary" else None,
         "versions": record.versions(),
@@ -71,6 +70,8 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         found["headline"] = claims.headline(verdicts)
         found["panels"] = panels(rows, store)
     plain: dict[str, Any] = record.to_plain(found)
+    # They come from the store, plain already.
+    plain["rows"] = [_shown(row) for row in rows]
     return plain
 
 

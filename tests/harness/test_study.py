@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,8 @@ from harness.errors import InputError
 from harness.executors import Done, LocalPool, Work
 from harness.record import impacts
 from harness.run import simulate
-from harness.store import Store
+from harness.scene import Scene
+from harness.store import Packed, Store
 from harness.study import Summary, run_study, study_name
 from harness.study_file import load_study
 from tests.harness.small_study import STUDY, contents, written
@@ -95,8 +96,17 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
     resolved: list[int] = []
     written_: list[int] = []
     scene, add = Base.scene, Store.add
-    monkeypatch.setattr(Base, "scene", lambda self, setting: resolved.append(1) or scene(self, setting))
-    monkeypatch.setattr(Store, "add", lambda self, found: written_.append(len(found)) or add(self, found))
+
+    def counted(self: Base, setting: Mapping[str, Any]) -> Scene:
+        resolved.append(1)
+        return scene(self, setting)
+
+    def noted(self: Store, found: Sequence[Packed]) -> None:
+        written_.append(len(found))
+        add(self, found)
+
+    monkeypatch.setattr(Base, "scene", counted)
+    monkeypatch.setattr(Store, "add", noted)
     path, pool = written(tmp_path, STUDY.replace("count = 6", "count = 20")), Inline()
     with Store(tmp_path / "s.sqlite") as store:
         done = run_study(load_study(path), path, store, pool)

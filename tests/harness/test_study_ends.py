@@ -90,7 +90,7 @@ def test_told_to_end_a_study_says_what_it_keeps_and_leaves_no_process(tmp_path: 
 
 
 def test_a_death_in_a_batch_is_charged_to_its_own_job() -> None:
-    found: dict[str, Any] = {}
+    found: dict[Any, Any] = {}
     pool = LocalPool(2)
     batches = [("a", "b", "die", "c"), ("d", "e"), ("f",)]
     run_batches(pool, lethal, batches, lambda batch, result: found.update({batch: result}))  # type: ignore[type-var]
