@@ -234,8 +234,8 @@ class Store:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
-                "free some space and run again with --resume: what was finished is kept"
-                if "full" in str(error)
+                "free some space (or allow larger files) and run again with --resume: what was finished is kept"
+                if "full" in str(error) or getattr(error, "sqlite_errorname", "").startswith("SQLITE_IOERR_WRITE")
                 else "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -135,3 +137,31 @@ def test_rows_of_a_study_are_exported(store: Store, tmp_path: Path) -> None:
     lines = (tmp_path / "rows.csv").read_text().splitlines()
     assert lines[0].startswith("number,engine,reason,f,")
     assert lines[2].startswith("1,analytic,not sent,3.0")
+
+
+FULL = """
+import resource, sys
+from pathlib import Path
+from harness.errors import InputError
+from harness.store import Store
+from tests.harness.test_store import run
+resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+with Store(Path(sys.argv[1])) as store:
+    for i in range(1000):
+        try:
+            store.put([(f"k{i}", run())])
+        except InputError as error:
+            sys.exit(f"{i} {error}")
+"""
+
+
+def test_a_file_that_may_not_grow_keeps_what_was_finished(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    done = subprocess.run([sys.executable, "-c", FULL, path], check=False, capture_output=True, text=True)
+    count, _, said = done.stderr.partition(" ")
+    assert "free some space" in said
+    assert int(count) > 0
+    with Store(path) as store:
+        assert store.keys() == {f"k{i}" for i in range(int(count))}
+        assert store.check() is None
+        store.put([("more", run())])
