@@ -13,8 +13,12 @@ from harness.errors import InputError, Mistake
 from harness.mistakes import Contradiction, mistakes_of
 from harness.motions.spec import Motion
 
-Positive = Annotated[float, Field(gt=0.0)]
-NonNegative = Annotated[float, Field(ge=0.0)]
+# Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
+Density = Annotated[float, Field(ge=1e-3, le=1e5)]
+Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
+Inertia = Annotated[float, Field(ge=1e-18, le=1e18)]
+Length = Annotated[float, Field(ge=1e-6, le=1e4)]
+Friction = Annotated[float, Field(ge=0.0, le=1e3)]
 MAX_SAMPLES = 2e7
 MAX_BYTES = 10_000_000
 
@@ -40,38 +44,38 @@ class MeshTable(Table):
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = "m"
     up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"
     azimuth_deg: float = 0.0
-    density_kg_m3: Positive | None = None
+    density_kg_m3: Density | None = None
 
 
 class StatueTable(Table):
     """`[statue]`: numbers, a mesh, or both (then the mesh gives the shape and the numbers are compared with it)."""
 
-    mass_kg: Positive | None = None
-    centroid_height_m: Positive | None = None
-    corner_left_m: Positive | None = None
-    corner_right_m: Positive | None = None
-    inertia_kg_m2: Positive | None = None
-    height_m: Positive | None = None
-    depth_m: Positive | None = None
+    mass_kg: Mass | None = None
+    centroid_height_m: Length | None = None
+    corner_left_m: Length | None = None
+    corner_right_m: Length | None = None
+    inertia_kg_m2: Inertia | None = None
+    height_m: Length | None = None
+    depth_m: Length | None = None
     mesh: MeshTable | None = None
 
 
 class PedestalTable(Table):
     """`[pedestal]`: a rectangular block under the statue."""
 
-    mass_kg: Positive
-    width_m: Positive
-    depth_m: Positive
-    height_m: Positive
-    offset_m: float = 0.0
+    mass_kg: Mass
+    width_m: Length
+    depth_m: Length
+    height_m: Length
+    offset_m: Annotated[float, Field(ge=-1e4, le=1e4)] = 0.0
 
 
 class ContactTable(Table):
     """`[contact]`: friction coefficients and the law of impact."""
 
-    floor_static: NonNegative = 0.20
-    floor_kinetic: NonNegative = 0.15
-    statue: Positive = 1.0
+    floor_static: Friction = 0.20
+    floor_kinetic: Friction = 0.15
+    statue: Annotated[float, Field(gt=0.0, le=1e3)] = 1.0
     restitution: Literal["momentum"] | Annotated[float, Field(ge=0.0, le=1.0)] = "momentum"
 
     @model_validator(mode="after")
@@ -87,20 +91,20 @@ class WallTable(Table):
     """`[wall]`: a vertical wall beside the statue."""
 
     side: Literal["left", "right"]
-    distance_m: Positive
+    distance_m: Length
 
 
 class InitialTable(Table):
     """`[initial]`: rotation and rate at t = 0."""
 
     theta_rad: Annotated[float, Field(gt=-1.5, lt=1.5)] = 0.0
-    theta_rate_rad_s: float = 0.0
+    theta_rate_rad_s: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
 
 
 class OutputTable(Table):
     """`[output]`: the grid of every history."""
 
-    dt_s: Positive = 0.001
+    dt_s: Annotated[float, Field(ge=1e-6, le=3600.0)] = 0.001
 
 
 class SceneFile(Table):
@@ -108,7 +112,7 @@ class SceneFile(Table):
 
     title: Annotated[str, Field(min_length=1)]
     duration_s: Annotated[float, Field(gt=0.0, le=3600.0)]
-    gravity_m_s2: Positive = 9.81
+    gravity_m_s2: Annotated[float, Field(ge=1e-3, le=1e3)] = 9.81
     table: Literal["frame", "moving"] = "frame"
     model: ModelTable = ModelTable()
     statue: StatueTable

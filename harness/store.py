@@ -97,6 +97,14 @@ class Store:
             raise
 
     def _prepare(self, path: Path) -> None:
+        try:
+            self._prepare(path)
+        except BaseException:
+            # Else the files beside a store that is refused would stay.
+            self._db.close()
+            raise
+
+    def _prepare(self, path: Path) -> None:
         with self._told("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
             self._db.execute("PRAGMA journal_mode=WAL")
@@ -234,8 +242,8 @@ class Store:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
-                "free some space (or allow larger files) and run again with --resume: what was finished is kept"
-                if "full" in str(error) or getattr(error, "sqlite_errorname", "").startswith("SQLITE_IOERR_WRITE")
+                "free some space and run again with --resume: what was finished is kept"
+                if "full" in str(error)
                 else "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error

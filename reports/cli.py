@@ -146,26 +146,36 @@ def validate(
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
 
 
-@app.command(epilog="Example:  `rockcheck bench --out out/bench`")
-def bench(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
+Parts = Annotated[
+    str | None,
+    typer.Option("--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."),
+]
+
+
+@app.command(epilog="Examples:  `rockcheck bench --out out/bench`  ·  `rockcheck bench --parts precision,skips`")
+def bench(
+    quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
+) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
     from harness import benchmark
 
     folder = out or OUT / "bench"
     with harness_cli.Telling(quiet or as_json) as telling:
-        found = benchmark.run(folder, quick, telling.engine)
+        found = benchmark.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
     _say(found, [*found["sentences"], f"report: {page}"], as_json, quiet)
 
 
-@app.command(epilog="Example:  `rockcheck stress --out out/stress`")
-def stress(quick: Quick = False, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
+@app.command(epilog="Examples:  `rockcheck stress --out out/stress`  ·  `rockcheck stress --parts fuzz`")
+def stress(
+    quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
+) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
     from harness import stresses
 
     folder = out or OUT / "stress"
     with harness_cli.Telling(quiet or as_json) as telling:
-        found = stresses.run(folder, quick, telling.engine)
+        found = stresses.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
     _say(found, [*stresses.sentences(found), f"report: {page}"], as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
@@ -177,6 +187,11 @@ def report(
 ) -> None:
     """Write the report of a result folder again from its records."""
     typer.echo(f"report: {_page(folder)}")
+
+
+def _names(parts: str | None) -> list[str] | None:
+    """The parts named in one option, None for all."""
+    return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
 
 
 def _say(found: Mapping[str, Any], lines: Sequence[str], as_json: bool, quiet: bool) -> None:

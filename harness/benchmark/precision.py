@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.benchmark.scenes import Standard
+from harness.benchmark.scenes import Standard, standard_set
 from harness.benchmark.timing import Cost, cost
 from harness.engine import Engine, EngineFailure, Settings, Want
+from harness.errors import InputError
 from harness.record import Run
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy
@@ -60,13 +61,20 @@ RIVALS: Final = (
 """The peer is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
 
 
-def rows_of(
-    item: Standard, scene: Scene, names: Sequence[str], *, quick: bool, told: Callable[[str], None]
-) -> Iterator[Row]:
+def of(quick: bool, name: str) -> list[Row]:
+    """All rows of one scene of the standard set; one that says why where a file of it is absent."""
+    item = next(item for item in standard_set() if item.name == name)
+    try:
+        scene = item.scene()
+    except InputError as error:
+        return [{"scene": name, "absent": str(error)}]
+    return list(rows_of(item, scene, list(engines.REGISTRY), quick=quick))
+
+
+def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[Row]:
     """All rows of one scene: each engine's ladder, its rivals, what the target takes."""
     exact = engines.load("analytic").simulate(scene, engines.load("analytic").ladder(scene)[-1], Want())
     for name in names:
-        told(f"{item.name}: {name}")
         engine = engines.load(name)
         reason = engine.missing()
         if reason is not None:

@@ -1,87 +1,91 @@
-"""The bench: all measurements in one run, one record."""
+"""The bench: all measurements in parts that can be interrupted, one record."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from importlib import util
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from harness import engines, record
-from harness.benchmark import others, precision, scaling, skips
-from harness.benchmark.scenes import resolved, standard_set
-from harness.benchmark.sentences import choice, sentences
+from harness import parts, record
+from harness.benchmark import alone, cover, others, precision, scaling, sentences, skips
+from harness.benchmark.scenes import standard_set
+from harness.parts import Measured, Part, Row
 from harness.record import SCHEMA_VERSION
 from harness.run import check_folder
 
-COVERAGE_SEEDS: Final = {"pymunk": 30, "pybullet": 3}
-"""Seeded scenes for the coverage of the stated uncertainty, as many as the time allows (200 are run outside the bench)."""
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
 
-def run(folder: Path, quick: bool = False, told: Callable[[str], None] = lambda text: None) -> dict[str, Any]:
-    """Measure everything and write `result.json` into `folder`; `quick` takes the first scenes and rungs only.
+def run(
+    folder: Path,
+    quick: bool = False,
+    told: Callable[[str], None] = lambda text: None,
+    only: Sequence[str] | None = None,
+) -> dict[str, Any]:
+    """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes the first of each kind.
 
-    `told` hears what is at work. Raises `InputError` for a folder that cannot be written.
+    What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
+    written, or an unknown part.
     """
     check_folder(folder)
     start = time.perf_counter()
-    items, absent = resolved(standard_set()[:3] if quick else standard_set())
-    names = [name for name in engines.REGISTRY if _ready(name)]
-    rows = [row for item, scene in items for row in precision.rows_of(item, scene, names, quick=quick, told=told)]
-    coverage_rows = _coverage(quick, told)
+    listed = all_parts(quick)
+    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
+    measured = parts.measure(folder, listed, only, stamp, told)
+    found = assembled(listed, measured)
+    found["session_s"] = time.perf_counter() - start
+    plain: dict[str, Any] = record.to_plain(found)
+    record.write_json(folder / "result.json", plain)
+    return plain
+
+
+def all_parts(quick: bool) -> list[Part]:
+    """The parts in the order in which they are measured: what is only counted on all cores, what is timed alone."""
+    return [
+        Part("coverage", cover.tasks(quick), cover.compute, cover.died),
+        Part("precision", [item.name for item in standard_set()[: 3 if quick else None]], partial(precision.of, quick)),
+        Part("skips", skips.tasks(quick), skips.compute),
+        Part("alone", alone.tasks(quick), alone.compute),
+        Part("scaling", scaling.tasks(quick), scaling.compute),
+        Part("others", others.tasks(), partial(others.compute, quick)),
+    ]
+
+
+def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str, Any]:
+    """The record from the rows of all parts; what is not measured yet is left empty and said."""
+    rows = {part.name: measured[part.name].in_order(part) for part in listed}
+    absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
+    timed = [row for row in rows["precision"] if "absent" not in row]
+    spent = parts.seconds(measured)
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
         "kind": "bench",
         "title": "Run time against error",
         "target_rad": precision.TARGET_RAD,
         "clock": CLOCK,
-        "rows": rows,
+        "rows": timed,
         "absent": absent,
-        "choice": choice(rows, precision.TARGET_RAD),
-        "coverage_rows": coverage_rows,
-        "coverage": _counted(coverage_rows),
-        "skips": skips.rows(quick, told),
-        "scaling": list(scaling.rows(quick, told)),
-        **others.measure(quick),
+        "choice": sentences.choice(timed, precision.TARGET_RAD),
+        "coverage_rows": rows["coverage"],
+        "coverage": cover.counted(rows["coverage"]),
+        "skips": [*skips.together(rows["skips"]), *rows["alone"]],
+        "scaling": rows["scaling"],
+        **others.collected(rows["others"]),
+        "parts": spent,
+        "seconds": sum(item["wall_s"] for item in spent),
         "versions": record.versions(),
         "machine": record.machine(),
     }
-    found["sentences"] = [
-        *sentences(found),
-        *others.sentences(found),
-        *(f"“{name}” was left out: {why}." for name, why in absent.items()),
-    ]
-    found["seconds"] = time.perf_counter() - start
-    plain: dict[str, Any] = record.to_plain(found)
-    folder.mkdir(parents=True, exist_ok=True)
-    record.write_json(folder / "result.json", plain)
-    return plain
-
-
-def _ready(name: str) -> bool:
-    module = engines.REGISTRY[name].partition(":")[0]
-    return util.find_spec(module) is not None and engines.load(name).missing() is None
-
-
-def _coverage(quick: bool, told: Callable[[str], None]) -> list[dict[str, Any]]:
-    from harness.coverage import FIRST_SEED, coverage
-
-    rows = []
-    for name, count in COVERAGE_SEEDS.items():
-        if not _ready(name):
-            continue
-        told(f"coverage: {name}")
-        seeds = range(FIRST_SEED, FIRST_SEED + (2 if quick else count))
-        rows += [row.as_dict() for row in coverage(engines.load(name), precision.TARGET_RAD, seeds)]
-    return rows
-
-
-def _counted(rows: list[dict[str, Any]]) -> dict[str, dict[str, int]]:
-    found: dict[str, dict[str, int]] = {}
-    for row in rows:
-        item = found.setdefault(row["engine"], {"inside": 0, "total": 0})
-        item["inside"] += bool(row["covered"])
-        item["total"] += 1
+    found["sentences"] = [*said(found), *parts.sentences(spent)]
     return found
+
+
+def said(found: Row) -> list[str]:
+    """Every sentence that the rows hold."""
+    return [
+        *sentences.sentences(found),
+        *others.sentences(found),
+        *(f"“{name}” was left out: {why}." for name, why in found["absent"].items()),
+    ]

@@ -6,7 +6,7 @@ import multiprocessing
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, Final
@@ -15,8 +15,8 @@ import numpy as np
 
 from harness.benchmark.scenes import COLUMN, harmonic, scene_of
 from harness.benchmark.timing import cost, peak_memory_mb
+from harness.parts import Row
 
-Row = dict[str, Any]
 Point = tuple[str, str, float]
 
 DURATIONS_S: Final = (2.0, 8.0, 32.0)
@@ -26,30 +26,30 @@ STUDY_RUNS: Final = 64
 """Runs of the study whose time is taken with one worker and with all."""
 
 
-def points(quick: bool) -> list[Point]:
-    """All points: engine, quantity, value."""
+def tasks(quick: bool) -> list[str]:
+    """All points, each named by its engine, quantity and value."""
+    few = 1 if quick else None
     engines = ("analytic", "pymunk", "pybullet")
-    found: list[Point] = [
-        (engine, "duration_s", value) for engine in engines for value in DURATIONS_S[: 1 if quick else 3]
-    ]
-    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[: 1 if quick else 3]]
-    found += [("analytic", "runs", float(value)) for value in RUNS[: 1 if quick else 3]]
+    found = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
+    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
+    found += [("analytic", "runs", float(value)) for value in RUNS[:few]]
     if not quick:
         found += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
-    return found
+    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in found]
 
 
-def rows(quick: bool, told: Callable[[str], None]) -> Iterator[Row]:
-    """Measure every point in a process of its own, so that memory is that point's."""
-    for point in points(quick):
-        told(f"scaling: {point[0]}, {point[1]} = {point[2]:g}")
-        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-            seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
-        engine, quantity, value = point
-        yield {
-            "engine": engine, "quantity": quantity, "value": value, "wall_s": seconds, "cpu_s": cpu_s,
+def compute(task: str) -> list[Row]:
+    """One point, in a process of its own, so that memory is that point's."""
+    engine, quantity, value = task.split()
+    point = engine, quantity, float(value)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
+    return [
+        {
+            "engine": engine, "quantity": quantity, "value": point[2], "wall_s": seconds, "cpu_s": cpu_s,
             "memory_mb": memory_mb,
-        }  # fmt: skip
+        }
+    ]  # fmt: skip
 
 
 def measure(point: Point) -> tuple[float, float, float]:
@@ -104,19 +104,16 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 
 def _workers(jobs: int) -> tuple[float, float, float]:
-    from harness.benchmark.skips import SCENE, STUDY
+    from harness.benchmark.alone import write_study
     from harness.executors import LocalPool
     from harness.store import Store
     from harness.study import run_study
     from harness.study_file import load_study
 
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
-        folder = Path(name)
-        (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
-        text = STUDY.replace("count = 16", f"count = {STUDY_RUNS}").replace('"analytic"', '"pymunk"')
-        (folder / "study.toml").write_text(text, encoding="utf-8")
-        study = load_study(folder / "study.toml")
+        path = write_study(Path(name), STUDY_RUNS, "pymunk")
+        study = load_study(path)
         begin, cpu = time.perf_counter(), time.process_time()
-        with Store(folder / "store.sqlite") as store:
-            run_study(study, folder / "study.toml", store, LocalPool(jobs))
+        with Store(path.parent / "store.sqlite") as store:
+            run_study(study, path, store, LocalPool(jobs))
         return time.perf_counter() - begin, peak_memory_mb(), time.process_time() - cpu

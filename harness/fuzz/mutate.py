@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Callable
 from typing import Final
 
@@ -12,6 +13,9 @@ Stream = np.random.Generator
 Mutation = Callable[[bytes, Stream], bytes]
 
 NUMBER: Final = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+DIGIT: Final = re.compile(rb"\d")
+FACTORS: Final = (-1.0, 0.0, 0.5, 2.0, 10.0, 1e-3, 1e3, 1e-12, 1e12, 1e150, 1e-150)
+ODD_FLOATS: Final = (0.0, -1.0, 1e-30, 1e30, float("nan"), float("inf"), 0.5, 2.0)
 ODD_VALUES: Final = (
     b"nan", b"inf", b"-inf", b"1e999", b"-1", b"0", b"1e-300", b"1e300", b"1e18", b"", b"x", b'"3"', b"3,5", b"0x10",
     b"true", b"[]", b"{}", b"9999999999999999999999", b"-0.0", b"1_000",
@@ -42,6 +46,33 @@ def number(data: bytes, rng: Stream) -> bytes:
         return data
     place = found[int(rng.integers(len(found)))]
     return data[: place.start()] + ODD_VALUES[int(rng.integers(len(ODD_VALUES)))] + data[place.end() :]
+
+
+def nudge(data: bytes, rng: Stream) -> bytes:
+    """One number scaled or turned in sign: still a number, perhaps one that nothing can be computed with."""
+    found = list(NUMBER.finditer(data))
+    if not found:
+        return data
+    place = found[int(rng.integers(len(found)))]
+    value = float(place.group()) * FACTORS[int(rng.integers(len(FACTORS)))]
+    return data[: place.start()] + f"{value:g}".encode() + data[place.end() :]
+
+
+def digit(data: bytes, rng: Stream) -> bytes:
+    """One digit replaced by another: nothing moves, not even in a binary file that holds text."""
+    found = list(DIGIT.finditer(data))
+    if not found:
+        return data
+    place = found[int(rng.integers(len(found)))].start()
+    return data[:place] + str(int(rng.integers(10))).encode() + data[place + 1 :]
+
+
+def single(data: bytes, rng: Stream) -> bytes:
+    """One four-byte float replaced by an odd one, as if all floats stood at the end of the file."""
+    if len(data) < 4:
+        return data
+    place = len(data) - 4 * int(rng.integers(1, len(data) // 4 + 1))
+    return data[:place] + struct.pack("<f", ODD_FLOATS[int(rng.integers(len(ODD_FLOATS)))]) + data[place + 4 :]
 
 
 def insert(data: bytes, rng: Stream) -> bytes:
@@ -82,13 +113,16 @@ def recode(data: bytes, rng: Stream) -> bytes:
     return ways[int(rng.integers(len(ways)))]
 
 
-TEXT: Final[tuple[Mutation, ...]] = (number, number, number, words, words, lines, insert, flip, truncate, recode)
-BINARY: Final[tuple[Mutation, ...]] = (flip, flip, truncate, insert)
+TEXT: Final[tuple[Mutation, ...]] = (
+    nudge, nudge, nudge, digit, digit, digit, number, number, number, words, words, lines, lines, insert, flip, truncate,
+    recode,
+)  # fmt: skip
+BINARY: Final[tuple[Mutation, ...]] = (flip, flip, digit, digit, single, single, truncate, insert)
 
 
 def mutated(data: bytes, seed: int, ways: tuple[Mutation, ...]) -> bytes:
-    """One to three mutations of a file, the same for the same seed."""
+    """One to three mutations of a file, mostly one (what is refused hides what else is wrong); the same for the same seed."""
     rng = np.random.default_rng(seed)
-    for _ in range(int(rng.integers(1, 4))):
+    for _ in range(int(rng.choice((1, 1, 1, 2, 3)))):
         data = ways[int(rng.integers(len(ways)))](data, rng)
     return data

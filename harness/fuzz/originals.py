@@ -6,11 +6,13 @@ import struct
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from harness.fuzz import records
 from harness.fuzz.mutate import BINARY, TEXT, Mutation
 
 
@@ -62,6 +64,8 @@ distance_m = 0.7
 [output]
 dt_s = 0.001
 """
+RUN_S: Final = 0.3
+"""Seconds that an accepted scene is run for."""
 STUDY: Final = b"""title = "a grid"
 scene = "good.toml"
 seed = 1
@@ -90,14 +94,6 @@ EXPERIMENTS: Final = b"""test,mesh,unit,density_kg_m3,azimuth_deg,friction,motio
 a,stone.ply,m,2700,0;10,0.4;0.6,motion.csv,a,m/s2,1.0,stands
 b,stone.ply,m,2700,90,0.5,motion.csv,a,m/s2,2.0,overturned_left
 c,stone.ply,cm,2600,0,0.5,motion.csv,a,m/s2,3.0,overturned
-"""
-AT2: Final = b"""PEER NGA STRONG MOTION DATABASE RECORD
-Somewhere-01, 1/2/1983, A Station, 090
-ACCELERATION TIME SERIES IN UNITS OF G
-NPTS=     12, DT=   0.0100 SEC,
-   .1000000E-02  -.2000000E-02   .3000000E-01  -.4000000E-01   .5000000E-01
-   .1000000E-02  -.2000000E-02   .3000000E-01  -.4000000E-01   .5000000E-01
-   .1000000E-02  -.2000000E-02
 """
 
 
@@ -171,6 +167,7 @@ def prepare(folder: Path) -> None:
     (folder / "good.toml").write_bytes(SCENE)
 
 
+@lru_cache(maxsize=1)
 def kinds() -> tuple[Kind, ...]:
     """Every kind of file that a user can hand in."""
     return (
@@ -178,7 +175,7 @@ def kinds() -> tuple[Kind, ...]:
         Kind("study", "study.toml", STUDY, _read_study),
         Kind("experiments", "experiments.csv", EXPERIMENTS, _read_experiments),
         Kind("motion CSV", "mutated_motion.csv", _csv("t_s,a_ms2", _wave()), _read_motion),
-        Kind("motion AT2", "mutated.at2", AT2, _read_motion),
+        *(Kind(f"motion {name}", file, make(), _read_motion) for name, (file, make) in records.FORMATS.items()),
         Kind("history", "history.csv", _history(), _read_history),
         Kind("mesh OBJ", "mutated.obj", obj(), _read_mesh),
         Kind("mesh PLY", "mutated.ply", ply(), _read_mesh),
@@ -188,9 +185,15 @@ def kinds() -> tuple[Kind, ...]:
 
 
 def _read_scene(path: Path) -> object:
+    """Read a scene; what is accepted is also run for a moment and its result written."""
     from harness.load import load_scene
+    from harness.run import run_scene, write_result
 
-    return load_scene(path)
+    scene = load_scene(path)
+    result = run_scene(scene.but(duration_s=min(scene.duration_s, RUN_S)), ("analytic",))
+    with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
+        write_result(result, Path(name) / "result")
+    return result
 
 
 def _read_study(path: Path) -> object:
@@ -217,7 +220,7 @@ def _read_motion(path: Path) -> object:
 
 
 def _read_history(path: Path) -> object:
-    from harness.history import read_history
+    from harness.history_file import read_history
 
     return read_history(path)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -16,6 +16,10 @@ Pair = Annotated[tuple[float, float], BeforeValidator(_list_to_tuple)]
 Unit = Literal["m/s2", "cm/s2", "mm/s2", "g"]
 Code = Literal["ntc2008", "ntc2018", "ec8"]
 Soil = Literal["A", "B", "C", "D", "E"]
+LARGEST_G: Final = 1e3
+"""Far beyond any floor's acceleration, and far from where products of numbers overflow; so the next two."""
+LARGEST_M_S: Final = 1e3
+LONGEST_S: Final = 3600.0
 
 
 class _Part(BaseModel):
@@ -52,9 +56,9 @@ class HarmonicSpec(_Filtered):
     """a = ramp·A·sin(2πft + phase) for ever, the ramp rising linearly from 0 to 1 over `ramp_s`."""
 
     kind: Literal["harmonic"]
-    amplitude_g: float
-    frequency_hz: float = Field(gt=0.0)
-    ramp_s: float = Field(default=0.0, ge=0.0)
+    amplitude_g: float = Field(ge=-LARGEST_G, le=LARGEST_G)
+    frequency_hz: float = Field(ge=1e-4, le=1e4)
+    ramp_s: float = Field(default=0.0, ge=0.0, le=LONGEST_S)
     phase_deg: float = 0.0
 
 
@@ -63,9 +67,9 @@ class PulseSpec(_Filtered):
 
     kind: Literal["pulse"]
     shape: Literal["rectangular", "one_sine", "one_cosine", "ricker"]
-    amplitude_g: float
-    duration_s: float = Field(gt=0.0)
-    start_s: float = Field(default=0.0, ge=0.0)
+    amplitude_g: float = Field(ge=-LARGEST_G, le=LARGEST_G)
+    duration_s: float = Field(ge=1e-4, le=LONGEST_S)
+    start_s: float = Field(default=0.0, ge=0.0, le=LONGEST_S)
 
 
 class Source(_Part):
@@ -82,12 +86,12 @@ class Source(_Part):
     window_s: Pair | None = None
     baseline: Literal["none", "mean", "linear", "quadratic", "rest"] = "none"
     bandpass_hz: Pair | None = None
-    resample_dt_s: float | None = Field(default=None, gt=0.0, le=0.1)
+    resample_dt_s: float | None = Field(default=None, ge=1e-5, le=0.1)
     significant: Pair | None = None
     sign: Literal[1, -1] = 1
-    scale: float = 1.0
-    pga_g: float | None = Field(default=None, gt=0.0)
-    pgv_m_s: float | None = Field(default=None, gt=0.0)
+    scale: float = Field(default=1.0, ge=-1e6, le=1e6)
+    pga_g: float | None = Field(default=None, gt=0.0, le=LARGEST_G)
+    pgv_m_s: float | None = Field(default=None, gt=0.0, le=LARGEST_M_S)
 
     @model_validator(mode="after")
     def _consistent(self) -> Source:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -16,11 +16,10 @@ from harness.benchmark.precision import error
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engine import Engine, Settings, Want
 from harness.errors import InputError
+from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene
 from harness.stresses.catalogue import ALL, CONTACT, leaning
-
-Row = dict[str, Any]
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
@@ -43,11 +42,14 @@ SAME: Final = Want(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
 
 
-def rows(told: Callable[[str], None]) -> Iterator[Row]:
-    """One row for each question."""
-    for question in (_repeated, _mirrored, _perturbed, _permuted, _refined, _hulls, _no_motion):
-        told((question.__doc__ or "").split(".")[0])
-        yield question()
+def tasks(quick: bool) -> list[str]:
+    """The questions, each by its first sentence."""
+    return [] if quick else list(QUESTIONS)
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one question."""
+    return [QUESTIONS[task]()]
 
 
 def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS, note: str = "") -> Row:
@@ -207,3 +209,10 @@ def _no_motion() -> Row:
     good = all(item[0] for item in found.values())
     said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in found.items())
     return _row("motions with NaN, without samples, with one sample", {"scene": (good, said)}, "refused")
+
+
+QUESTIONS: Final[Mapping[str, Callable[[], Row]]] = {
+    (question.__doc__ or "").split(".")[0]: question
+    for question in (_hulls, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion)
+}
+"""Every question by the first sentence of its docstring, the longest first."""

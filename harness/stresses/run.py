@@ -1,56 +1,77 @@
-"""The stress run: hard scenes, stability maps, mutated inputs; one record."""
+"""The stress run: hard scenes, stability maps, mutated inputs, on all cores and in parts; one record."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from harness import record
-from harness.fuzz import fuzz
+from harness import fuzz, parts, record
+from harness.parts import Part
 from harness.record import SCHEMA_VERSION
 from harness.run import check_folder
 from harness.stresses import more, scenes, stability
 
 INPUTS: Final = 10_000
 QUICK_INPUTS: Final = 500
-QUICK_SCENES: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
 
 
-def run(folder: Path, quick: bool = False, told: Callable[[str], None] = lambda text: None) -> dict[str, Any]:
-    """Run everything and write `result.json` into `folder`; `quick` takes a few scenes, cells and inputs.
+def run(
+    folder: Path,
+    quick: bool = False,
+    told: Callable[[str], None] = lambda text: None,
+    only: Sequence[str] | None = None,
+) -> dict[str, Any]:
+    """Run everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
 
-    `told` hears what is at work. Raises `InputError` for a folder that cannot be written.
+    What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
+    written, or an unknown part.
     """
     check_folder(folder)
     start = time.perf_counter()
-    catalogue = list(scenes.rows(told, lambda hard: not quick or hard.name in QUICK_SCENES))
-    if not quick:
-        catalogue += list(more.rows(told))
+    listed = all_parts(quick)
+    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
+    measured = parts.measure(folder, listed, only, stamp, told)
+    rows = {part.name: measured[part.name].in_order(part) for part in listed}
+    spent = parts.seconds(measured)
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
         "kind": "stress",
         "title": "Numerical stability",
-        "scenes": catalogue,
-        "cells": [cell.as_dict() for cell in stability.cells(told, quick)],
-        "fuzz": fuzz(QUICK_INPUTS if quick else INPUTS, told=told),
+        "scenes": [*rows["scenes"], *rows["questions"]],
+        "cells": rows["maps"],
+        "fuzz": fuzz.summed(rows["fuzz"]),
+        "parts": spent,
+        "seconds": sum(item["wall_s"] for item in spent),
+        "session_s": time.perf_counter() - start,
         "versions": record.versions(),
         "machine": record.machine(),
     }
-    found["seconds"] = time.perf_counter() - start
     plain: dict[str, Any] = record.to_plain(found)
-    folder.mkdir(parents=True, exist_ok=True)
     record.write_json(folder / "result.json", plain)
     return plain
+
+
+def all_parts(quick: bool) -> list[Part]:
+    """The parts, the one with the longest tasks first: all are computed side by side."""
+    inputs = QUICK_INPUTS if quick else INPUTS
+    return [
+        Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
+        Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
+        Part("questions", more.tasks(quick), more.compute, scenes.died),
+        Part("fuzz", fuzz.tasks(inputs), fuzz.compute, fuzz.died),
+    ]
 
 
 def holds(found: dict[str, Any]) -> bool:
     """Whether every hard scene came out, every cell is explained and no mutated input did harm."""
     unexplained = [cell for cell in found["cells"] if cell["category"] != "stable" and not cell["explained"]]
+    left = any(part["left"] for part in found["parts"])
     harm = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in found["fuzz"])
-    return all(row["holds"] for row in found["scenes"]) and not unexplained and harm == 0
+    return all(row["holds"] for row in found["scenes"]) and not unexplained and harm == 0 and not left
 
 
 def sentences(found: dict[str, Any]) -> list[str]:
@@ -71,4 +92,4 @@ def sentences(found: dict[str, Any]) -> list[str]:
     bad_inputs = [(item["reader"], case["seed"]) for item in found["fuzz"] for case in item["found"]]
     told.append(f"{inputs} mutated inputs, {len(bad_inputs)} kept as failures.")
     told += [f"Mutated {reader}, seed {seed}: not refused in words." for reader, seed in bad_inputs]
-    return told
+    return [*told, *parts.sentences(found["parts"])]

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Final
 
 from harness import engines
 from harness.benchmark.scenes import scene_of
 from harness.engine import SKIPS, Engine, EngineFailure, Want
+from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene
 from harness.stresses.catalogue import ENDS, Hard, catalogue
 from harness.uncertainty import run_to_accuracy
 
-Row = dict[str, Any]
+QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
 
 
-def compute(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
+def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
     """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
     want = Want(skips=frozenset(SKIPS) if skips else frozenset())
     if engine.capabilities.certifies:
@@ -24,12 +24,20 @@ def compute(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
     return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
 
 
-def rows(told: Callable[[str], None], only: Callable[[Hard], bool] = lambda hard: True) -> Iterator[Row]:
-    """One row for each hard scene."""
-    for hard in catalogue():
-        if only(hard):
-            told(hard.name)
-            yield row_of(hard)
+def tasks(quick: bool) -> list[str]:
+    """The hard scenes by name, the longest first."""
+    named = [hard.name for hard in catalogue()]
+    return [name for name in named if not quick or name in QUICK]
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one hard scene."""
+    return [row_of(next(hard for hard in catalogue() if hard.name == task))]
+
+
+def died(task: str) -> list[Row]:
+    """The row of a hard scene that took its process with it."""
+    return [{"name": task, "wanted": "", "got": {"*": "the process died"}, "holds": False, "checks": [], "note": ""}]
 
 
 def row_of(hard: Hard) -> Row:
@@ -43,7 +51,7 @@ def row_of(hard: Hard) -> Row:
         if engine.missing() is not None:
             continue
         try:
-            run = compute(engine, scene, hard.dt_s, hard.skips)
+            run = simulate(engine, scene, hard.dt_s, hard.skips)
         except EngineFailure as failure:
             got[name], holds = f"failed: {failure}", False
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import Any, Final
@@ -14,6 +14,7 @@ from harness import engines
 from harness.benchmark.precision import INSTANTS
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engine import Engine, EngineFailure, Want
+from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene
 from harness.stresses import checks
@@ -73,20 +74,35 @@ class Cell:
         return dict(vars(self))
 
 
-def cells(told: Callable[[str], None], quick: bool = False) -> Iterator[Cell]:
-    """All cells of all maps."""
+ENGINES: Final = ("pybullet", "pymunk", "analytic")
+
+
+def tasks(quick: bool) -> list[str]:
+    """A row of each engine's map: the difficulty by each engine, the longest first."""
     rows = difficulties()[1:2] if quick else difficulties()
-    for row in rows:
-        scene = scene_of(row.name, row.content)
-        reference = engines.load("analytic")
-        exact = reference.simulate(scene, reference.ladder(scene)[-1], Want())
-        for name in ("analytic", "pymunk", "pybullet"):
-            told(f"stability: {row.name}, {name}")
-            engine = engines.load(name)
-            if engine.missing() is None:
-                yield from explained(list(_cells_of(row, scene, engine, exact, quick)))
-        if engines.load("pybullet").missing() is None:
-            yield from _hulls(row, scene, exact)
+    return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.finest)]
+
+
+def compute(quick: bool, task: str) -> list[Row]:
+    """The cells of one row of one map; none where the engine is not here."""
+    name, _, words = task.partition(": ")
+    engine = engines.load(name)
+    if engine.missing() is not None:
+        return []
+    row = next(item for item in difficulties() if item.name == words)
+    scene = scene_of(row.name, row.content)
+    reference = engines.load("analytic")
+    exact = reference.simulate(scene, reference.ladder(scene)[-1], Want())
+    found = list(explained(list(_cells_of(row, scene, engine, exact, quick))))
+    if name == "pybullet":
+        found += _hulls(row, scene, exact)
+    return [cell.as_dict() for cell in found]
+
+
+def died(task: str) -> list[Row]:
+    """A row whose process died: one cell, diverged and not explained."""
+    name, _, words = task.partition(": ")
+    return [Cell(name, "any", words, "diverged", "the engine's process died").as_dict()]
 
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.benchmark import others, precision, sentences, skips
+from harness.benchmark import alone, others, precision, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.benchmark.timing import cost
 from harness.engine import EngineFailure, Want
@@ -81,7 +81,7 @@ def test_an_error_is_seen() -> None:
 
 
 def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
-    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True, told=lambda text: None))
+    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
     groups = {(item["engine"], item["group"]) for item in rows}
     assert {("pymunk", "ladder"), ("pymunk", "accuracy"), ("pybullet", "default"), ("pybullet", "peer")} <= groups
     errors = {(item["engine"], item["label"]): item["error_rad"] for item in rows}
@@ -99,7 +99,7 @@ def test_a_failing_rung_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(Munk2D, "simulate", refuses)
     monkeypatch.setattr(precision, "_rivals", lambda *args: iter(()))
-    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True, told=lambda text: None))
+    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True))
     assert rows
     assert {item["failed"] for item in rows} == {"no such scene for me"}
 
@@ -109,7 +109,11 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     found, absent = resolved(standard_set())
     assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
     assert len(absent) == 3
-    assert skips.rows(True, lambda text: None)[0]["failed"]
+    (row,) = skips.compute("analytic: block, elcentro1940")
+    assert "elcentro1940" in row["failed"]
+    assert skips.together([row])[0]["failed"] == row["failed"]
+    assert "elcentro1940" in alone.compute("no_history: analytic")[0]["failed"]
+    assert precision.of(True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
 
 
 def test_cost_is_the_least_of_several() -> None:
@@ -122,9 +126,8 @@ def test_cost_is_the_least_of_several() -> None:
 @pytest.mark.parametrize("name", ["analytic", "pymunk"])
 def test_skips_change_no_outcome_on_a_real_record(data_dir: object, name: str) -> None:
     engine = engines.load(name)
-    scenes = [scene for scene in skips.outcome_scenes((1.5, 6.0)) if "elcentro" in scene.title]
     outcomes = set()
-    for scene in scenes:
+    for scene in skips.outcome_scenes(skips.STUDY, (1.1, 6.0)):
         on, off = skips.simulate(engine, scene, skips.ALL), skips.simulate(engine, scene, skips.NONE)
         assert on.outcome is off.outcome, scene.title
         assert on.history is None

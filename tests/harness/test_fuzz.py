@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from harness.fuzz.mutate import BINARY, TEXT, mutated
-from harness.fuzz.originals import Kind, kinds, obj, ply, prepare
-from harness.fuzz.run import attempt, fuzz
+from harness.fuzz.originals import SCENE, Kind, kinds, obj, ply, prepare
+from harness.fuzz.records import esm, smc
+from harness.fuzz.run import attempt, died, fuzz, summed, tasks
 
 FOUND = {
     "history": (
@@ -24,8 +25,22 @@ FOUND = {
     ),
     "mesh PLY": (ply().replace(b"3 0 2 1", b"3 0 2 9"), ply().replace(b"3 0 2 1", b"3 0 2 -5")),
     "study": (b'title = "t"\nscene = "good.toml"\n[[vary]]\nkey = "a"\nstart = 0\nstop = 1\ncount = 9999999999999\n',),
+    "scene": (
+        SCENE.replace(b"depth_m = 0.72", b"depth_m = 1e300"),
+        SCENE.replace(b"depth_m = 0.80", b"depth_m = 1e300"),
+        SCENE.replace(b"amplitude_g = 0.1\nduration_s = 0.5", b"amplitude_g = 0.1\nduration_s = 1e-300"),
+        SCENE.replace(b"mass_kg = 707.0", b"mass_kg = 1e300"),
+        SCENE.replace(b"gravity_m_s2 = 9.81", b"gravity_m_s2 = 1e300"),
+        SCENE.replace(b"centroid_height_m = 0.774", b"centroid_height_m = 1e-300"),
+    ),
+    "motion ESM": (
+        esm().replace(b"USER2:", b"USER1:"),
+        esm().replace(b"NDATA: 40", b"NDATA: inf"),
+        esm().replace(b"PGA_CM/S^2: ", b"PGA_CM/S^2: x"),
+    ),
+    "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
 }
-"""Inputs that once ended in a traceback, by kind."""
+"""Inputs that once ended in a traceback or never, by kind."""
 INPUTS = 600
 """Mutated inputs in every CI run; `make stress` reads ten thousand."""
 
@@ -76,6 +91,20 @@ def test_the_search_sees_what_it_looks_for(every: dict[str, Kind], folder: Path)
     scene = every["scene"]
     assert "KeyError" in (attempt(replace(scene, read=raises), b"", folder) or "")
     assert "half.json" in (attempt(replace(scene, read=litters), b"", folder) or "")
+
+
+def test_the_work_is_shared_out_whole() -> None:
+    pieces = tasks(3000, seed=7)
+    spans = [piece.partition(": ")[2].split(" to ") for piece in pieces if piece.startswith("scene: ")]
+    seeds = [seed for first, last in spans for seed in range(int(first), int(last) + 1)]
+    assert seeds == list(range(7, 7 + 3000 // len(kinds())))
+
+
+def test_a_reader_that_ends_its_process_counts_as_a_failure() -> None:
+    good = {"reader": "scene", "inputs": 100, "tracebacks": 0, "hangs": 0, "half_written": 0, "found": []}
+    (row,) = summed([good, *died("scene: 100 to 199")])
+    assert (row["inputs"], row["tracebacks"]) == (200, 1)
+    assert "seeds 100 to 199" in row["found"][0]["what"]
 
 
 @pytest.mark.parametrize("ways", [TEXT, BINARY])

@@ -40,7 +40,7 @@ def test_all_mistakes_are_listed_at_once_with_their_lines() -> None:
     found = mistakes(text)
     assert set(found) == {"duration_s", "statue.mass_kg", "wall.side", "wall.distance_m"}
     assert str(found["duration_s"]) == "s.toml:3: duration_s: wanted a number, got '3'"
-    assert found["statue.mass_kg"].wanted == "a number more than 0"
+    assert found["statue.mass_kg"].wanted == "a number at least 1e-09"
     assert found["wall.side"].got == "'up'"
     assert found["wall.distance_m"].got == "nothing"
 

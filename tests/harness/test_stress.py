@@ -109,8 +109,14 @@ def test_what_does_not_hold_is_told_and_fails() -> None:
     wrong = {"name": "n", "wanted": "stands", "got": {"pymunk": "overturned_left"}, "holds": False}
     bad = {"reader": "scene", "inputs": 10, "tracebacks": 1, "hangs": 0, "half_written": 0}
     good = {**bad, "tracebacks": 0, "found": []}
-    whole = {"scenes": [{**wrong, "holds": True}], "cells": [cell("a", "stable").as_dict()], "fuzz": [good]}
+    done = {"part": "fuzz", "wall_s": 1.0, "busy_s": 2.0, "tasks": 3, "left": []}
+    whole = {
+        "scenes": [{**wrong, "holds": True}], "cells": [cell("a", "stable").as_dict()], "fuzz": [good], "parts": [done],
+    }  # fmt: skip
     assert stresses.holds(whole)
+    assert not stresses.holds({**whole, "parts": [{**done, "left": ["scene: 0 to 99"]}]}), (
+        "what is not done does not hold"
+    )
     for spoilt in (
         {**whole, "scenes": [wrong]},
         {**whole, "cells": [cell("a", "diverged").as_dict()]},

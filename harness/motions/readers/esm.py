@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from datetime import datetime
 from typing import Final
@@ -29,8 +30,10 @@ def read(text: str, where: str) -> RecordFile:
     """The one channel of an ESM file; InputError where keys or values are missing."""
     lines = text.splitlines()
     header: dict[str, str] = {}
-    while len(header) < len(lines) and (match := _KEY.match(lines[len(header)])):
+    first = 0  # counted apart from the keys: a damaged file may hold one twice
+    while first < len(lines) and (match := _KEY.match(lines[first])):
         header[match.group(1)] = match.group(2).strip()
+        first += 1
     for key in _NEEDED:
         if not header.get(key):
             raise mistake(where, key, "a value in the header", "none")
@@ -39,7 +42,7 @@ def read(text: str, where: str) -> RecordFile:
     if header["UNITS"] not in _UNITS:
         raise mistake(where, "UNITS", " or ".join(_UNITS), repr(header["UNITS"]))
     dt_s, count = _number(header, "SAMPLING_INTERVAL_S", where), int(_number(header, "NDATA", where))
-    values = free_format(lines[len(header) :], where=where, first_line=len(header) + 1)
+    values = free_format(lines[first:], where=where, first_line=first + 1)
     if values.size != count:
         raise mistake(
             where, "NDATA", f"{count} accelerations", str(values.size), "the file is cut off: download it again"
@@ -47,7 +50,7 @@ def read(text: str, where: str) -> RecordFile:
     unit = _UNITS[header["UNITS"]]
     orientation = parse_orientation(header["STREAM"])
     factor = UNITS_M_S2[unit] * orientation.sign
-    peak, peak_s = (float(header[key]) if header.get(key) else None for key in ("PGA_CM/S^2", "TIME_PGA_S"))
+    peak, peak_s = (_stated(header, key, where) for key in ("PGA_CM/S^2", "TIME_PGA_S"))
     stated = None if peak is None else peak * UNITS_M_S2["cm/s2"] * orientation.sign
     channel = Channel(header["STREAM"], orientation, dt_s, values * factor, _clock_s(header, where), stated, peak_s)
     facts = {
@@ -61,12 +64,22 @@ def read(text: str, where: str) -> RecordFile:
 
 
 def _number(header: dict[str, str], key: str, where: str) -> float:
+    value = _stated(header, key, where) or 0.0
+    if value <= 0.0:
+        raise mistake(where, key, "a positive number", repr(header[key]))
+    return value
+
+
+def _stated(header: dict[str, str], key: str, where: str) -> float | None:
+    """The number after a key, None where the file leaves it empty."""
+    if not header.get(key):
+        return None
     try:
         value = float(header[key])
     except ValueError:
-        value = 0.0
-    if value <= 0.0:
-        raise mistake(where, key, "a positive number", repr(header[key]))
+        value = math.nan
+    if not math.isfinite(value):
+        raise mistake(where, key, "a number", repr(header[key]))
     return value
 
 

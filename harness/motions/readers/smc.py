@@ -22,6 +22,7 @@ _VERTICAL, _AZIMUTH, _COMMENTS, _COUNT = 12, 13, 15, 16  # places among the inte
 _RATE, _TIMES_AND_PEAKS = 1, (28, 32)  # places among the reals, from 0
 _NO_REAL = 1e38
 _WIDTH, _PER_LINE = 10, 8
+_LARGEST_INTEGER: Final = 1e10
 
 
 def recognises(text: str) -> bool:
@@ -35,9 +36,13 @@ def read(text: str, where: str) -> RecordFile:
     lines = text.splitlines()
     integers_from, reals_from = _TEXT_LINES, _TEXT_LINES + _INTEGER_LINES
     comments_from = reals_from + _REAL_LINES
-    ints = fixed_width(
+    integers = fixed_width(
         lines[integers_from:reals_from], 10, 48, where=where, first_line=integers_from + 1, what="integer header"
-    ).astype(np.int64)
+    )
+    largest = float(np.max(np.abs(integers)))
+    if largest > _LARGEST_INTEGER:
+        raise mistake(where, "integer header", "integers of at most ten digits", f"{largest:g}")
+    ints = integers.astype(np.int64)
     reals = fixed_width(
         lines[reals_from:comments_from], 15, 50, where=where, first_line=reals_from + 1, what="real header"
     )
