@@ -16,7 +16,7 @@ from harness import engines
 from harness.bench_contact import apart
 from harness.engine import Want
 from harness.engines.twoblock import block_of
-from harness.load import statue_of
+from harness.mesh_statue import statue_of
 from harness.paper_forms import table
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Scene, Shake, Statue

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from analytic.excitation import Excitation, Rest
-from harness import motions, paths, scene_file
+from harness import motions, scene_file
 from harness.errors import InputError, Mistake
+from harness.mesh_statue import statue_from_mesh
 from harness.motions.spec import Component
 from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
-from harness.scene_file import ContactTable, MeshTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.scene_file import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
 
 if TYPE_CHECKING:
-    from meshes import Solid
+    pass
 
-RECONCILED: Final = 0.005
-"""Relative difference between a survey's number and the mesh up to which the two are said to agree."""
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
 LARGEST_M: Final = 1e4
@@ -145,7 +143,7 @@ def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Stat
 
 def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     if table.mesh is not None:
-        return _statue_from_mesh(table, path, notes)
+        return statue_from_mesh(table, path, notes)
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
     if mass is None or height_c is None or left is None or right is None or inertia is None:
@@ -191,75 +189,3 @@ def _block_tensor(mass: float, inertia: float, width: float, depth: float) -> Ar
     xx, zz = mass * width**2 / 12.0, max(inertia - mass * width**2 / 12.0, 0.0)
     yy = mass * depth**2 / 12.0
     return np.diag([yy + zz, inertia, min(xx + yy, yy + zz + inertia)])
-
-
-def _statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue:
-    import meshes
-
-    mesh = table.mesh
-    if mesh is None:
-        raise InputError(Mistake(str(path), "statue.mesh", "a table with the mesh's file", "nothing"))
-    if mesh.density_kg_m3 is None and table.mass_kg is None:
-        raise InputError(
-            Mistake(str(path), "statue.mesh.density_kg_m3", "a density, or statue.mass_kg as weighed", "neither")
-        )
-    file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
-    weighed = table.mass_kg
-    try:
-        solid = _solid(file, file.stat().st_mtime_ns, mesh, weighed)
-    except meshes.MeshError as error:
-        raise InputError(
-            Mistake(f"{path}: {file.name}", "statue.mesh", "a mesh that can be computed", str(error))
-        ) from error
-    if weighed is not None and mesh.density_kg_m3 is not None:
-        notes.append(_compared("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3, "the weighed mass"))
-    for name, value in _survey(table):
-        notes.append(_compared(f"statue.{name}", value, _of_solid(solid, name), "the mesh"))
-    return statue_of(solid)
-
-
-@lru_cache(maxsize=8)
-def _solid(file: Path, changed_ns: int, mesh: MeshTable, weighed_kg: float | None) -> Solid:
-    """The solid of a mesh file, read once for all scenes that use it as it is (`changed_ns` is its time of change)."""
-    import meshes
-
-    return meshes.load_solid(
-        file,
-        unit=mesh.unit,
-        up=mesh.up,
-        azimuth_deg=mesh.azimuth_deg,
-        density_kg_m3=None if weighed_kg is not None else mesh.density_kg_m3,
-        mass_kg=weighed_kg,
-    )
-
-
-def _survey(table: StatueTable) -> list[tuple[str, float]]:
-    names = ("centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2", "height_m", "depth_m")
-    return [(name, value) for name in names if (value := getattr(table, name)) is not None]
-
-
-def _of_solid(solid: Solid, name: str) -> float:
-    return float(solid.inertia_planar_kg_m2 if name == "inertia_kg_m2" else getattr(solid, name))
-
-
-def _compared(name: str, given: float, found: float, used: str) -> str:
-    apart = abs(found / given - 1.0)
-    word = "agrees with" if apart <= RECONCILED else "differs from"
-    return f"{name} = {given:.6g} {word} {found:.6g} ({apart:.2%} apart); used: {used}"
-
-
-def statue_of(solid: Solid) -> Statue:
-    """The statue of a solid: every number is the mesh's own."""
-    return Statue(
-        mass_kg=solid.mass_kg,
-        centroid_height_m=solid.centroid_height_m,
-        corner_left_m=solid.corner_left_m,
-        corner_right_m=solid.corner_right_m,
-        inertia_kg_m2=solid.inertia_planar_kg_m2,
-        height_m=solid.height_m,
-        depth_m=solid.depth_m,
-        section_m=solid.section_m,
-        footprint_m=solid.footprint_m,
-        inertia_tensor_kg_m2=solid.inertia_kg_m2,
-        solid=solid,
-    )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness import record
-from harness.errors import InputError, Mistake
+from harness.errors import InputError, Mistake, mistake_from
 from harness.new_scene import scene_text
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def inspect(file: Path, known: Known) -> Inspection:
             contact_tolerance_m=known.contact_tolerance_m,
         )
     except MeshError as error:
-        raise InputError(mistake_of(file, str(error))) from error
+        raise InputError(mistake_from(str(error), str(file))) from error
 
 
 def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
@@ -64,7 +64,7 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     _check_out(out, file)
     found = inspect(file, known)
     if found.solid is None:
-        raise InputError(mistake_of(file, str(found.refusal)))
+        raise InputError(mistake_from(str(found.refusal), str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
     found.prepared.write(out)
     account = out.with_suffix(".account.json")
@@ -98,14 +98,6 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
             written.unlink(missing_ok=True)
         raise
     return out
-
-
-def mistake_of(file: Path, sentence: str) -> Mistake:
-    """A mesh's sentence, "FILE: wanted A, got B — advice", as a mistake with its parts."""
-    said = sentence.removeprefix(f"{file}: ").removeprefix("wanted ")
-    wanted, _, rest = said.partition(", got ")
-    got, _, advice = rest.partition(" — ")
-    return Mistake(str(file), "", wanted, got, advice)
 
 
 def _check_out(out: Path, file: Path) -> None:

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from harness.errors import InputError, Mistake
 from harness.mistakes import Contradiction, mistakes_of
-from harness.motions.spec import Motion
+from harness.motions.spec import Motion, list_to_tuple
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -37,14 +37,40 @@ class ModelTable(Table):
     pedestal_at_impact: Literal["momentum", "unchanged"] | None = None
 
 
+class InnerTable(Table):
+    """`[statue.mesh] inner`: a closed shell in the same frame, unit and axes, and the density inside it (0: hollow)."""
+
+    file: Annotated[str, Field(min_length=1)]
+    density_kg_m3: Annotated[float, Field(ge=0.0, le=1e5)] = 0.0
+
+
+class AdjustTable(Table):
+    """`[statue.mesh] adjust`: the statue as it would be if the scan were off by these shares, or with a part simplified."""
+
+    centroid_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    base_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    inertia_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    flat_base: bool = False
+    products: bool = True
+
+
 class MeshTable(Table):
-    """`[statue] mesh`: the statue's surface; `up` is the file's vertical axis, `azimuth_deg` turns it about the vertical."""
+    """`[statue] mesh`: the statue's surface; `up` is the file's vertical axis, `azimuth_deg` turns it about the vertical.
+
+    Vertices within `contact_tolerance_m` of the lowest touch. `use_survey` names numbers of `[statue]` that replace the mesh's.
+    """
 
     file: Annotated[str, Field(min_length=1)]
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = "m"
     up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"
     azimuth_deg: float = 0.0
     density_kg_m3: Density | None = None
+    contact_tolerance_m: Annotated[float, Field(gt=0.0, le=0.1)] = 1e-3
+    inner: InnerTable | None = None
+    use_survey: Annotated[
+        tuple[Literal["centroid_height_m", "inertia_kg_m2"], ...], BeforeValidator(list_to_tuple)
+    ] = ()
+    adjust: AdjustTable | None = None
 
 
 class StatueTable(Table):

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from meshes.errors import MeshError
 from meshes.mesh import RawMesh, weld
-from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh, turn_about_z
+from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 from meshes.stance import turn_axis
-from meshes.topology import EdgeCount
+from meshes.topology import EdgeCount, parts
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -62,7 +62,7 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     except Exception as error:
         raise MeshError(
-            f"{file}: wanted a {file.suffix.lower()} mesh, got a file that does not parse ({error}) — export it again"
+            f"{file}: wanted a {file.suffix.lower()} mesh, got a file that does not parse ({_reason(error)}) — export it again"
         ) from error
     if not parts:
         raise MeshError(
@@ -82,6 +82,13 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
             f" — the file is damaged: export it again"
         )
     return vertices, faces
+
+
+def _reason(error: Exception) -> str:
+    """What the reader stumbled over, in a few words; its own errors are often those of an array that did not fit."""
+    text = " ".join(str(error).split())
+    plain = isinstance(error, ValueError | KeyError | IndexError | TypeError) or not text
+    return f"its content is not that of such a file: {text[:80] or type(error).__name__}" if plain else text[:160]
 
 
 def unit_length_m(unit: str | float) -> float:
@@ -124,6 +131,7 @@ def load_solid(
     """
     mesh = to_metres_z_up(read_mesh(path), unit, up)
     must_be_closed(mesh)
+    must_be_one(mesh)
     if azimuth_deg != 0.0:
         mesh = RawMesh(mesh.vertices @ turn_about_z(azimuth_deg).T, mesh.faces, mesh.source)
     try:
@@ -149,3 +157,19 @@ def must_be_closed(mesh: RawMesh) -> None:
         f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which"
         f" writes what it changed"
     )
+
+
+def must_be_one(mesh: RawMesh) -> None:
+    """Refuse several bodies in one file; a closed shell with its faces inward, inside the body, is a hollow in it."""
+    number = parts(mesh.faces)
+    count = int(number.max()) + 1
+    if count == 1:
+        return
+    volumes = [mass_properties(mesh.vertices, mesh.faces[number == k]).volume_m3 for k in range(count)]
+    bodies = sum(volume > 0.0 for volume in volumes)
+    if bodies > 1:
+        sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])
+        raise MeshError(
+            f"{mesh.source}: wanted one body, got {bodies} of {sizes} — export each to a file of its own, or join those that"
+            " overlap and drop crumbs with rockcheck mesh prepare, which writes what it changed"
+        )

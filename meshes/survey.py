@@ -133,10 +133,18 @@ class Reconciled:
     agrees: bool
     used: str
 
+    def told(self, name: str) -> str:
+        """The comparison under a name of the caller's."""
+        return agreement(name, self.survey, self.mesh)
+
     def __str__(self) -> str:
-        word = "agrees with" if self.agrees else "differs from"
-        numbers = f"survey {self.survey:.6g} {word} mesh {self.mesh:.6g} ({100 * self.apart_rel:+.2f} %)"
-        return f"{self.name}: {numbers}; used: {self.used}"
+        return f"{self.told(self.name)}; used: {self.used}"
+
+
+def agreement(name: str, survey: float, mesh: float) -> str:
+    """A survey's number against the mesh's, in words."""
+    word = "agrees with" if abs(survey / mesh - 1.0) <= AGREES_REL else "differs from"
+    return f"{name} = {survey:.6g} {word} {mesh:.6g} of the mesh ({100.0 * (survey / mesh - 1.0):+.2f} %)"
 
 
 def reconcile(solid: Solid, survey: Mapping[str, float]) -> tuple[Reconciled, ...]:

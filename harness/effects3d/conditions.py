@@ -10,7 +10,7 @@ import numpy as np
 
 from analytic.excitation import Rest
 from harness.errors import InputError, Mistake
-from harness.load import statue_of
+from harness.mesh_statue import statue_of
 from harness.scene import Scene
 from meshes import MeshError, Solid
 from meshes.roughening import ragged

@@ -7,12 +7,12 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 
-def _list_to_tuple(value: Any) -> Any:
+def list_to_tuple(value: Any) -> Any:
     """Let a TOML array stand for a fixed tuple, which strict validation would refuse."""
     return tuple(value) if isinstance(value, list) else value
 
 
-Pair = Annotated[tuple[float, float], BeforeValidator(_list_to_tuple)]
+Pair = Annotated[tuple[float, float], BeforeValidator(list_to_tuple)]
 Unit = Literal["m/s2", "cm/s2", "mm/s2", "g"]
 Code = Literal["ntc2008", "ntc2018", "ec8"]
 Soil = Literal["A", "B", "C", "D", "E"]
@@ -43,7 +43,7 @@ class Oscillator(_Part):
 class _Filtered(_Part):
     """Any component may pass through the building before it reaches the statue."""
 
-    floor: Annotated[tuple[Oscillator, ...], BeforeValidator(_list_to_tuple)] = ()
+    floor: Annotated[tuple[Oscillator, ...], BeforeValidator(list_to_tuple)] = ()
 
 
 class RestSpec(_Part):

@@ -19,6 +19,7 @@ from harness import load, motions
 from harness.digest import scene_digest
 from harness.engine import Capabilities
 from harness.errors import InputError, Mistake
+from harness.mesh_statue import statue_of
 from harness.motions.spec import RecordSpec
 from harness.scene import Array, Contact, Form, Scene, Shake, Statue
 from harness.validation.table import Trial
@@ -123,7 +124,7 @@ def _turned(trial: Trial, azimuth_deg: float, inwards_m: float) -> Statue:
         return _statue(trial.mesh, trial.unit, trial.up, trial.density_kg_m3, azimuth_deg, inwards_m)
     statue = _base_scene(trial).statue
     if statue.solid is not None:
-        return load.statue_of(_pared(statue.solid.rotated(azimuth_deg), inwards_m))
+        return statue_of(_pared(statue.solid.rotated(azimuth_deg), inwards_m))
     if azimuth_deg:
         wanted = "0: the scene's statue is given by numbers alone, which say nothing of other directions"
         raise InputError(Mistake(str(trial.scene), f"test {trial.name}: azimuth_deg", wanted, f"{azimuth_deg:g}"))
@@ -134,7 +135,7 @@ def _turned(trial: Trial, azimuth_deg: float, inwards_m: float) -> Statue:
 def _statue(path: Path, unit: str, up: str, density_kg_m3: float, azimuth_deg: float, inwards_m: float) -> Statue:
     solid = _solid(path, unit, up, density_kg_m3)
     try:
-        return load.statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
+        return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
     except meshes.MeshError as error:
         raise InputError(Mistake(str(path), f"azimuth {azimuth_deg:g}", "a body that can stand", str(error))) from error
 

@@ -87,10 +87,14 @@ def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
 
 def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
     from harness.cases import base_of, expand
+    from harness.effects3d.file import asked, load_effects
     from harness.study_file import load_study
 
     for path in sorted((root / "scenes").glob("*.toml")):
-        if "\nscene = " in path.read_text():
+        if asked(path):
+            study = load_effects(path)
+            assert load_scene(path.parent / study.scene).statue.solid is not None
+        elif "\nscene = " in path.read_text():
             study = load_study(path)
             assert next(iter(expand(study, base_of(study, path)))).number == 0
         else:

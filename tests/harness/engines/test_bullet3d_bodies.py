@@ -18,7 +18,7 @@ from harness.engines import load
 from harness.engines.bullet import course, feet, pose, shapes
 from harness.engines.bullet.edge import EdgeWatch
 from harness.history import Outcome
-from harness.load import statue_of
+from harness.mesh_statue import statue_of
 from harness.scene import Scene, Statue
 from meshes import togatus
 from meshes.solid import Solid, solid_from_mesh
