@@ -15,9 +15,10 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.history import COLUMNS, History
+from harness.packing import pack, unpack
 from harness.record import Run, run_of, to_plain
 
-STORE_VERSION: Final = 1
+STORE_VERSION: Final = 2
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
@@ -28,7 +29,9 @@ CREATE TABLE IF NOT EXISTS run (
     overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL
 );
 CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS history (key TEXT PRIMARY KEY, columns TEXT NOT NULL, data BLOB NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS history (
+    key TEXT PRIMARY KEY, columns TEXT NOT NULL, samples INTEGER NOT NULL, data BLOB NOT NULL
+);
 CREATE TABLE IF NOT EXISTS plan (
     study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
     PRIMARY KEY (study, number, engine)
@@ -46,11 +49,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Packed:
-    """One result as the store takes it: its row, the seconds that it took, and its history as column names and bytes."""
+    """One result as the store takes it: its row, the seconds that it took, its history as column names, samples and bytes."""
 
     columns: tuple[Any, ...]
     seconds: float
-    history: tuple[str, bytes] | None
+    history: tuple[str, int, bytes] | None
 
 
 def packed(key: str, run: Run, histories: bool = False) -> Packed:
@@ -73,8 +76,7 @@ def packed(key: str, run: Run, histories: bool = False) -> Packed:
     history = None
     if histories and run.history is not None:
         table = run.history.columns()
-        data = zlib.compress(np.column_stack(list(table.values())).astype("<f8").tobytes(), 1)
-        history = ",".join(table), data
+        history = ",".join(table), run.history.t_s.size, pack(np.stack(list(table.values())))
     return Packed(columns, seconds, history)
 
 
@@ -89,14 +91,6 @@ class Store:
         with self._told("opened"):
             path.parent.mkdir(parents=True, exist_ok=True)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
-        try:
-            self._prepare(path)
-        except BaseException:
-            # Else the files beside a store that is refused would stay.
-            self._db.close()
-            raise
-
-    def _prepare(self, path: Path) -> None:
         try:
             self._prepare(path)
         except BaseException:
@@ -144,7 +138,7 @@ class Store:
             self._db.executemany("INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?)", [r.columns for r in results])
             seconds = [(item.columns[0], item.seconds) for item in results]
             self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?)", seconds)
-            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?)", kept)
+            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?)", kept)
 
     def get(self, key: str) -> Row | None:
         """The stored result of a key, or None."""
@@ -162,13 +156,12 @@ class Store:
     def history(self, key: str) -> History | None:
         """The stored history of a key, or None."""
         with self._told("read"):
-            found = self._db.execute("SELECT columns, data FROM history WHERE key=?", (key,)).fetchone()
+            found = self._db.execute("SELECT columns, samples, data FROM history WHERE key=?", (key,)).fetchone()
         if found is None:
             return None
         with self._decoded():
             names = found[0].split(",")
-            table = np.frombuffer(zlib.decompress(found[1]), dtype="<f8").reshape(-1, len(names))
-            columns = dict(zip(names, table.T, strict=True))
+            columns = dict(zip(names, unpack(found[2], len(names), found[1]), strict=True))
             extra = {name: values for name, values in columns.items() if name not in COLUMNS}
             return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
 
@@ -242,8 +235,8 @@ class Store:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
-                "free some space and run again with --resume: what was finished is kept"
-                if "full" in str(error)
+                "free some space (or allow larger files) and run again with --resume: what was finished is kept"
+                if "full" in str(error) or getattr(error, "sqlite_errorname", "").startswith("SQLITE_IOERR_WRITE")
                 else "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error
