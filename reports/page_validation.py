@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from harness.validation.scenes import GRAVITY_M_S2
 from reports.numbers import count_word, digits, listed, plain, short, unit
 from reports.palette import HAIRLINE, INK, faint, look
 from reports.study_rows import FAILED, SYMBOLS
@@ -94,15 +95,15 @@ def _share(interval: Mapping[str, float]) -> str:
 
 def score_rows(record: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """The table of scores with their 95 % intervals, the baseline last."""
-    models, baseline = record["models"], record["baseline"]["outcomes"]
+    models, bare = record["models"], record["baseline"]
     rows = []
     for key, words in SCORES:
         cells = [_cell(item["outcomes"].get(key), key) for item in models.values()]
-        rows.append((words, [*cells, _cell(baseline.get(key), key)]))
+        rows.append((words, [*cells, _cell(bare["outcomes"].get(key), key)]))
     for key, words in (("brier", "Brier's score of the probabilities"), ("brier_skill", "skill over the mean")):
-        values = [item["probability"][key] for item in models.values()]
+        values = [item["probability"][key] for item in (*models.values(), bare)]
         if any(value is not None for value in values):
-            rows.append((words, [*(digits(value) for value in values), "–"]))
+            rows.append((words, ["–" if value is None else digits(value) for value in values]))
     return rows
 
 
@@ -196,7 +197,7 @@ def _plane(record: Mapping[str, Any]) -> Json:
         data.append(
             {
                 "type": "scatter", "mode": "markers", "name": words, "text": [row["test"] for row in rows],
-                "x": [row["pgv_m_s"] / (9.80665 * row["pga_g"]) for row in rows], "y": [row["pga_g"] for row in rows],
+                "x": [row["pgv_m_s"] / (GRAVITY_M_S2 * row["pga_g"]) for row in rows], "y": [row["pga_g"] for row in rows],
                 "marker": {"symbol": symbol, "size": 9, "color": colour},
                 "hovertemplate": "%{text}: %{y:.3f} g<extra></extra>",
             }

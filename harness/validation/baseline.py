@@ -1,4 +1,4 @@
-"""What needs no model: a bare PGV threshold, and the fragility contour in PGA against PGV/PGA."""
+"""What needs no model: a bare PGV threshold and probability, and the fragility contour in PGA against PGV/PGA."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness import fragility
 from harness.history import Array
 from harness.validation.scenes import Intensity
 
@@ -46,6 +47,30 @@ def leave_one_out(intensity: ArrayLike, fell: ArrayLike) -> Flags:
     x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.bool_)
     keep = ~np.eye(x.size, dtype=np.bool_)
     return np.array([x[i] >= best_threshold(x[keep[i]], y[keep[i]]) for i in range(x.size)], dtype=np.bool_)
+
+
+def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
+    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`harness.fragility`).
+
+    Where no rising curve fits (one outcome only, or no order in the intensity) it is the share of the cases that fell, after
+    Laplace (fell + 1)/(cases + 2); a motion of no intensity overturns nothing.
+    """
+    x, y, at = (np.asarray(values, dtype=np.float64) for values in (intensity, fell, asked))
+    shaken = x > 0.0
+    found = np.full(at.shape, (y.sum() + 1.0) / (y.size + 2.0))
+    if shaken.any():
+        curve = fragility.fit(x[shaken], y[shaken])
+        if curve.median is not None:
+            found[at > 0.0] = curve.probability(at[at > 0.0])
+    found[at <= 0.0] = 0.0
+    return found
+
+
+def chances_left_out(intensity: ArrayLike, fell: ArrayLike) -> Array:
+    """The same for each case from all others, shape (n,), n ≥ 2."""
+    x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.float64)
+    keep = ~np.eye(x.size, dtype=np.bool_)
+    return np.concatenate([chances(x[keep[i]], y[keep[i]], x[i : i + 1]) for i in range(x.size)])
 
 
 @dataclass(frozen=True)
@@ -95,15 +120,13 @@ def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> Contour |
 
 def _probit(design: Array, y: Array) -> Array:
     """Coefficients of greatest (slightly ridged) probit likelihood, by damped Newton steps."""
-    from harness.fragility import probit_terms
-
     beta = np.zeros(design.shape[1])
 
     def value(at: Array) -> float:
-        return probit_terms(design @ at, y)[2] - 0.5 * RIDGE * float(at @ at)
+        return fragility.probit_terms(design @ at, y)[2] - 0.5 * RIDGE * float(at @ at)
 
     for _ in range(STEPS):
-        gradient, weight, _ = probit_terms(design @ beta, y)
+        gradient, weight, _ = fragility.probit_terms(design @ beta, y)
         slope = design.T @ gradient - RIDGE * beta
         step = np.linalg.solve(design.T @ (weight[:, None] * design) + RIDGE * np.eye(beta.size), slope)
         while value(beta + step) < value(beta) - 1e-12 * y.size:

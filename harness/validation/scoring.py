@@ -117,14 +117,18 @@ def score_model(
         "failed": sum(Outcome(nominal[trial.name]["outcome"]).failed for trial in scored),
         "fitted": _fitted(trials, choice),
         "outcomes": score_outcomes(list(cases.values())).as_dict(),
-        "probability": {
-            "samples": samples,
-            "tests": len(sure),
-            "brier": brier(p, seen) if sure else None,
-            "brier_skill": brier_skill(p, seen) if sure else None,
-        },
+        "probability": {"samples": samples, **_brier(p, seen)},
         "by_intensity": by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
         **curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).overturned),
+    }
+
+
+def _brier(p: Sequence[float], seen: Sequence[bool]) -> dict[str, Any]:
+    known = len(p) > 0
+    return {
+        "tests": len(p),
+        "brier": brier(p, seen) if known else None,
+        "brier_skill": brier_skill(p, seen) if known else None,
     }
 
 
@@ -186,17 +190,24 @@ def curves(
 def score_baseline(
     fitted: Sequence[Trial], scored: Sequence[Trial], intensities: Mapping[str, Intensity]
 ) -> dict[str, Any]:
-    """The bare PGV threshold, fitted on its own share, or on all other tests for each test where there is no share."""
+    """The bare PGV threshold, and the probability by PGV alone.
+
+    Fitted on their own share, or where there is none for each test on all others.
+    """
     pgv = np.array([intensities[trial.name].pgv_m_s for trial in scored])
     seen = np.array([trial.fell for trial in scored], dtype=np.bool_)
     apart = bool(fitted) and len(fitted) < len(scored) + len(fitted) and fitted[0] not in scored
     if apart:
         on = np.array([intensities[trial.name].pgv_m_s for trial in fitted])
-        threshold = baseline.best_threshold(on, [trial.fell for trial in fitted])
-        predicted = pgv >= threshold
+        taught = [trial.fell for trial in fitted]
+        threshold = baseline.best_threshold(on, taught)
+        predicted, likely = pgv >= threshold, baseline.chances(on, taught, pgv)
+    elif pgv.size > 1:
+        threshold = baseline.best_threshold(pgv, seen)
+        predicted, likely = baseline.leave_one_out(pgv, seen), baseline.chances_left_out(pgv, seen)
     else:
         threshold = baseline.best_threshold(pgv, seen)
-        predicted = baseline.leave_one_out(pgv, seen) if pgv.size > 1 else pgv >= threshold
+        predicted, likely = pgv >= threshold, np.full(1, 0.5)
     cases = [
         Case(Outcome.OVERTURNED_RIGHT if fall else Outcome.STANDS, FELL if fell else Outcome.STANDS)
         for fall, fell in zip(predicted, seen, strict=True)
@@ -208,5 +219,6 @@ def score_baseline(
         "threshold_m_s": threshold,
         "fitted_on": "the named share" if apart else "all tests but the one that is predicted",
         "outcomes": {name: scores[name] for name in ("cases", "accuracy", "precision", "recall", "f1", "matthews")},
+        "probability": _brier(likely.tolist(), seen.tolist()),
         "by_intensity": by_intensity(scored, intensities, lambda trial: right[trial.name]),
     }

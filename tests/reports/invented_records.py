@@ -78,6 +78,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
                 "threshold_m_s": 0.4,
                 "fitted_on": "all tests but the one that is predicted",
                 "outcomes": score_outcomes(bare).as_dict(),
+                "probability": {"tests": 60, "brier": 0.07, "brier_skill": 0.7},
                 "by_intensity": [],
             },
             "rows": rows,
