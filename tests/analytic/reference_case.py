@@ -69,7 +69,9 @@ def record(times: Sequence[float], values: Sequence[float]) -> Motion:
 class Case:
     """One two-block problem in SI units; `pedestal_kg` None means that the statue stands on the floor and never slides.
 
-    `ratio` None is the ratio from angular momentum; a number prescribes it.
+    `ratio` None is the ratio from angular momentum; a number prescribes it. `wall` is a side and the rotation at which the top
+    touches it. `profile` are the base vertices (x, z) of a statue with more than two of them, or None; `tilt` and `gaps` belong
+    to one facet of such a base: its rotation, and how much further the statue turns to the next one on the left and right.
     """
 
     m2: float
@@ -89,6 +91,41 @@ class Case:
     rate0: float = 0.0
     gravity: float = GRAVITY
     overturn: float = 1.5
+    wall: tuple[int, float] | None = None
+    profile: tuple[tuple[float, float], ...] | None = None
+    tilt: float = 0.0
+    gaps: tuple[float, float] = (math.inf, math.inf)
+
+    def gap(self, side: int) -> float:
+        """Rotation from this facet to the next one on that side, infinite at the outer vertices."""
+        return self.gaps[1] if side > 0 else self.gaps[0]
+
+    def facets(self) -> list[Case]:
+        """The statue standing on each of its facets: two corners, which need not lie on both sides of its centroid."""
+        if self.profile is None:
+            return [self]
+        tilts = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in itertools.pairwise(self.profile)]
+        found = []
+        for j, ((x0, z0), (x1, z1)) in enumerate(itertools.pairwise(self.profile)):
+            cos, sin = math.cos(tilts[j]), math.sin(tilts[j])
+            foot = -x0 * cos + (self.h - z0) * sin
+            left = tilts[j] - tilts[j - 1] if j > 0 else math.inf
+            right = tilts[j + 1] - tilts[j] if j + 1 < len(tilts) else math.inf
+            found.append(
+                replace(
+                    self,
+                    h=(self.h - z0) * cos + x0 * sin,
+                    b_left=foot,
+                    b_right=math.hypot(x1 - x0, z1 - z0) - foot,
+                    tilt=tilts[j],
+                    gaps=(left, right),
+                )
+            )
+        return found
+
+    def start(self) -> int:
+        """The facet on which the run starts: the last one that the statue has rolled over."""
+        return max(sum(each.tilt <= self.theta0 for each in self.facets()) - 1, 0)
 
     def paper_form(self, ratio: float) -> Case:
         """The same problem in the paper's form."""

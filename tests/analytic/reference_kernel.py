@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic import Excitation, Harmonic, Pulse, Record, Rest
-from analytic.block import Block, Form, Pedestal
+from analytic.block import Block, Form, Pedestal, Wall
 from analytic.solver import simulate
 from tests.analytic.reference_case import Case, Motion, Path
 
@@ -29,13 +29,8 @@ def excitation(motion: Motion) -> Excitation:
 
 def solve(case: Case, end: float, grid: float, **options: object) -> Path:
     """Path of the compiled model, every `grid` seconds and at its end."""
-    block = Block.two_corners(
-        mass_kg=case.m2,
-        centroid_height_m=case.h,
-        inertia_kg_m2=case.inertia,
-        corner_left_m=case.b_left,
-        corner_right_m=case.b_right,
-    )
+    corners = ((-case.b_left, 0.0), (case.b_right, 0.0))
+    block = Block(case.m2, case.h, case.inertia, case.profile if case.profile is not None else corners)
     result = simulate(
         block,
         excitation(case.accel_x),
@@ -49,11 +44,14 @@ def solve(case: Case, end: float, grid: float, **options: object) -> Path:
         duration_s=end,
         gravity_m_s2=case.gravity,
         overturn_rad=case.overturn,
+        wall=None if case.wall is None else Wall("right" if case.wall[0] > 0 else "left", case.wall[1]),
         dt_s=grid,
         **options,  # type: ignore[arg-type]
     )
     names = {("slip", 1): "slip_forward", ("slip", -1): "slip_backward"}
     events = tuple((e.time_s, names.get((str(e.kind), e.slide), str(e.kind))) for e in result.events)
+    if result.no_return_time_s is not None:
+        events = (*events, (result.no_return_time_s, "balance"))
     columns = (result.t_s, result.theta_rad, result.theta_rate_rad_s, result.slip_m, result.slip_rate_m_s)
     outcome = str(result.outcome)
     ties = sum(e.feasible_states > 1 for e in result.events)

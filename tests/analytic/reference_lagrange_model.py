@@ -122,13 +122,18 @@ class Lagrange:
         """Named functions that are positive while the state holds."""
         k = self.case
         f = self.forces(side, slide, y[0], y[1], ax, az)
+        turned = side * y[0]
         found = {"lift_off": min(f.normal, f.pivot_normal)}
         if self.falling(side, y):  # there only the pedestal may not be lifted
             found = {"lift_off": f.normal} if k.pedestal_kg is not None else {}
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:
-            found |= {"impact": side * y[0], "overturned": k.overturn - side * y[0]}
+            found |= {"impact": turned, "roll": k.gap(side) - turned}
+            if k.gap(side) == math.inf:
+                found |= {"overturned": k.overturn - side * (y[0] + k.tilt), "balance": self.lean(side) - turned}
+            if k.wall is not None:
+                found["touches_wall"] = k.wall[1] - k.wall[0] * (y[0] + k.tilt)
         if k.pedestal_kg is not None:
             if slide == STUCK:
                 limit = self.limit(f, az)
@@ -141,12 +146,23 @@ class Lagrange:
 
     def falling(self, side: int, y: NDArray[np.float64]) -> bool:
         """Beyond its balance point and moving away: leaving the corner there is part of overturning."""
-        corner = self.case.b_right if side > 0 else self.case.b_left
-        return bool(side * y[0] > math.atan2(corner, self.case.h) and side * y[1] > 0.0)
+        return bool(self.case.gap(side) == math.inf and side * y[0] > self.lean(side) and side * y[1] > 0.0)
 
-    def feasible(self, side: int, slide: int, y: NDArray[np.float64], ax: float, az: float, slip: int = 0) -> bool:
-        """Whether the state's own accelerations keep its signs."""
+    def lean(self, side: int) -> float:
+        """Rotation at which the centroid stands above the corner."""
+        return math.atan2(self.case.b_right if side > 0 else self.case.b_left, self.case.h)
+
+    def verdict(self, side: int, slide: int, y: NDArray[np.float64], ax: float, az: float, slip: int = 0) -> str:
+        """`holds`, `fails`, or the ending that the state would be."""
         f = self.forces(side, slide, y[0], y[1], ax, az)
+        if side and slide and f.determinant <= 0.0:
+            return "friction_paradox"
+        if (f.normal if self.falling(side, y) else min(f.normal, f.pivot_normal)) <= 0.0:
+            return "lift_off"
+        return "holds" if self.feasible(f, side, slide, y, az, slip) else "fails"
+
+    def feasible(self, f: Forces, side: int, slide: int, y: NDArray[np.float64], az: float, slip: int) -> bool:
+        """Whether the state's own accelerations keep its signs."""
         if side == 0:
             tips = f.moment_right >= 0.0 and f.moment_left >= 0.0
         else:
@@ -157,15 +173,24 @@ class Lagrange:
             return tips and abs(f.friction) <= self.limit(f, az)
         return tips and (slip == slide or y[3] != 0.0 or slide * f.u_dd > 0.0)
 
-    def joint_states(self, y: NDArray[np.float64], ax: float, az: float, slip: int = 0) -> list[tuple[int, int]]:
-        """All feasible joint states at a jump, sticking ones first; a slip has its direction (μ_s = μ_k: ü starts at 0)."""
+    def joint_states(
+        self, y: NDArray[np.float64], ax: float, az: float, slip: int = 0
+    ) -> tuple[list[tuple[int, int]], set[str]]:
+        """All feasible joint states at a jump, sticking ones first, and the endings met among the others.
+
+        A slip has its direction (μ_s = μ_k: ü starts at 0).
+        """
         sides = [int(np.sign(y[0]))] if y[0] else [int(np.sign(y[1]))] if y[1] else [0, 1, -1]
         slides = [STUCK]
         if self.case.pedestal_kg is not None:
             slides = [int(np.sign(y[3]))] if y[3] else [STUCK, 1, -1]
         if slip:
             slides = [slip]
-        return [(side, s) for s in slides for side in sides if self.feasible(side, s, y, ax, az, slip)]
+        verdicts = {(side, s): self.verdict(side, s, y, ax, az, slip) for s in slides for side in sides}
+        return [state for state, word in verdicts.items() if word == "holds"], set(verdicts.values()) - {
+            "holds",
+            "fails",
+        }
 
     def impact(self, side: int, y: NDArray[np.float64], stuck: bool) -> tuple[float, float]:
         """(θ̇⁺, u̇⁺) from the balance of generalised momenta in the coordinates of the new corner."""

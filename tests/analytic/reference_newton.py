@@ -78,7 +78,7 @@ class Collocation:
                 best = min(best, (part, name))
         if best[1]:
             return best[0], self.step(t, y, best[0]) if best[0] else y, best[1]
-        live |= {name for name, value in after.items() if value > 0.0}
+        live |= {name for name, value in after.items() if value > 0.0 and (name != "balance" or value > 1e-9)}
         if self.mode[0] and after["impact"] < -1e-9:
             raise AssertionError(f"penetration at t = {t + length}")
         return length, y_end, ""
@@ -86,27 +86,33 @@ class Collocation:
 
 def solve(case: Case, end: float, grid: float, *, step: float = STEP_S) -> Path:
     """Integrate one case to `end` by steps of at most `step`, sampled every `grid` seconds (and at its end)."""
-    bodies = Bodies(case)
-    y = np.array([case.theta0, case.rate0, 0.0, 0.0])
-    samples: list[tuple[float, ...]] = [(0.0, *y)]
+    facets = [Bodies(facet) for facet in case.facets()]
+    at = case.start()
+    y = np.array([case.theta0 - facets[at].case.tilt, case.rate0, 0.0, 0.0])
+    samples: list[tuple[float, ...]] = [(0.0, case.theta0, *y[1:])]
     events: list[tuple[float, str]] = []
     ties = 0
 
+    def keep(t: float) -> None:
+        samples.append((t, y[0] + facets[at].case.tilt, y[1], y[2], y[3]))
+
     def finish(t: float, outcome: str) -> Path:
         if samples[-1][0] < t - 1e-9:
-            samples.append((t, *y))
+            keep(t)
         return Path(np.array(samples), tuple(events), outcome, ties)
 
     for t0, t1, fx, fz in case.windows(end):
         t, name, mode = t0, "window", (0, 0)
         while True:
             if name:
-                mode, y, count = _enter(bodies, mode, y, fx(t), fz(t), name)
+                if name == "roll":  # the corner that it stands on is the next facet's other one
+                    at, mode, name = at + mode[0], (-mode[0], mode[1]), "impact"
+                mode, y, count, ending = _enter(facets[at], mode, y, fx(t), fz(t), name)
                 ties += count > 1
                 if count == 0:
-                    return finish(t, "lift_off")
-                piece = Collocation(bodies, mode, fx, fz)
-                live = {key for key, value in piece.margins(t, y).items() if value > 0.0}
+                    return finish(t, ending)
+                piece = Collocation(facets[at], mode, fx, fz)
+                live = {key for key, value in piece.margins(t, y).items() if value > 0.0} - ({name} & {"balance"})
                 length = _cautious(piece.rates(t, y), y, step)
             if t >= t1:
                 break
@@ -116,11 +122,11 @@ def solve(case: Case, end: float, grid: float, *, step: float = STEP_S) -> Path:
             t = target if not name and part == target - t else t + part
             length = min(step, 2.0 * max(part, 1e-9)) if not name else length
             if abs(t - next_sample) < 1e-12:
-                samples.append((t, *y))
+                keep(t)
             if name:
-                events.append((t, name))
-            if name in ("overturned", "lift_off"):
-                return finish(t, name if name == "lift_off" else f"overturned_{'right' if mode[0] > 0 else 'left'}")
+                events.append((t, "impact" if name == "roll" else name))
+            if name in ("overturned", "lift_off", "friction_paradox", "touches_wall"):
+                return finish(t, name if name != "overturned" else f"overturned_{'right' if mode[0] > 0 else 'left'}")
     return finish(end, "ran")
 
 
@@ -132,11 +138,13 @@ def _cautious(rates: Array, y: Array, step: float) -> float:
 
 def _enter(
     bodies: Bodies, mode: tuple[int, int], y: Array, ax: float, az: float, event: str
-) -> tuple[tuple[int, int], Array, int]:
-    """The mode after an event, the state with it, and how many modes were possible (0: the contact cannot press)."""
+) -> tuple[tuple[int, int], Array, int, str]:
+    """The mode after an event, the state with it, and how many modes were possible (0: the run ends as told last)."""
     y = y.copy()
+    if event == "balance":
+        return mode, y, 1, ""
     if event.startswith("uplift"):
-        return (1 if event == "uplift_right" else -1, mode[1]), y, 1
+        return (1 if event == "uplift_right" else -1, mode[1]), y, 1, ""
     if event == "impact":
         y[0] = 0.0
         y[1], y[3] = bodies.impact(mode[0], y, mode[1] == 0)
@@ -145,8 +153,8 @@ def _enter(
     if event == "halt":
         y[3] = 0.0
     if bodies.case.gravity + az <= 0.0 and not y[0] and not y[1]:
-        return mode, y, 0
-    found = bodies.candidates(y, ax, az, event)
-    if not found:
+        return mode, y, 0, "lift_off"
+    found, ending = bodies.candidates(y, ax, az, event)
+    if not found and not ending:
         raise AssertionError(f"no consistent mode: {y}")
-    return found[0], y, len(found)
+    return (found[0] if found else mode), y, len(found), ending

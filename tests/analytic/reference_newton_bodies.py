@@ -28,6 +28,8 @@ class Reactions:
     vertical_right: float
     friction: float
     normal: float
+    regularity: float
+    """Determinant over that without friction: where it vanishes, friction leaves no solution."""
 
     @property
     def vertical(self) -> float:
@@ -64,7 +66,27 @@ class Bodies:
             a[7, 5 if side > 0 else 6] = 1.0  # the lifted corner carries nothing
         self._friction_law(a[8], b, slide, az)
         x = np.linalg.solve(a, b)
-        return Reactions(x[2], x[3], x[5], x[6], x[7], x[8])
+        regularity = 1.0
+        if side and slide and k.normal == "dynamic":
+            smooth = a.copy()
+            smooth[8] = 0.0
+            smooth[8, 7] = 1.0
+            regularity = float(np.linalg.det(a) / np.linalg.det(smooth))
+        return Reactions(x[2], x[3], x[5], x[6], x[7], x[8], regularity)
+
+    def outer(self, side: int) -> bool:
+        """Whether nothing follows the corner on that side."""
+        return self.case.gap(side) == math.inf
+
+    def lean(self, side: int) -> float:
+        """Rotation at which the centroid stands above the corner."""
+        return math.atan2(self.case.b_right if side > 0 else self.case.b_left, self.case.h)
+
+    def carried(self, r: Reactions, side: int, y: Array) -> float:
+        """What must press for the model to hold: in a fall beyond the balance point a lost corner is part of it."""
+        if self.outer(side) and side * y[0] > self.lean(side) and side * y[1] > 0.0:
+            return r.normal if self.slides else math.inf
+        return min(r.vertical, r.normal)
 
     def _friction_law(self, row: Array, b: Array, slide: int, az: float) -> None:
         k = self.case
@@ -79,13 +101,16 @@ class Bodies:
         """What must stay positive while the mode lasts."""
         k, (side, slide) = self.case, mode
         r = self.reactions(mode, y[0], y[1], ax, az)
-        lean = math.atan2(k.b_right if side > 0 else k.b_left, k.h)
-        overturning = side * y[0] > lean and side * y[1] > 0.0  # there a lost corner is part of the fall
-        found = {"lift_off": min(r.vertical, r.normal)}
-        if overturning:
-            found = {"lift_off": r.normal} if self.slides else {}
+        found = {"lift_off": self.carried(r, side, y)}
         if side:
-            found |= {"impact": side * y[0], "overturned": k.overturn - side * y[0]}
+            found |= {"impact": side * y[0], "friction_paradox": r.regularity}
+            if k.wall is not None:
+                found["touches_wall"] = k.wall[1] - k.wall[0] * (k.tilt + y[0])
+            if self.outer(side):
+                found["overturned"] = k.overturn - side * (k.tilt + y[0])
+                found["balance"] = self.lean(side) - side * y[0]
+            else:
+                found["roll"] = k.gap(side) - side * y[0]
         else:
             found |= {"uplift_right": r.vertical_left, "uplift_left": r.vertical_right}
         if self.slides and slide:
@@ -100,18 +125,26 @@ class Bodies:
         k = self.case
         return r.normal if k.normal == "dynamic" else (self.m1 + k.m2) * (k.gravity + az)
 
-    def candidates(self, y: Array, ax: float, az: float, spent: str) -> list[tuple[int, int]]:
-        """Modes whose reactions and accelerations are consistent with contact and friction, sticking ones first."""
+    def candidates(self, y: Array, ax: float, az: float, spent: str) -> tuple[list[tuple[int, int]], str]:
+        """Modes whose reactions and accelerations are consistent with contact and friction, sticking ones first, and the
+        ending where none is."""
         k = self.case
         pair = y[0] or y[1]
         tilts = (0, 1, -1) if not pair else (1,) if pair > 0 else (-1,)
         slips = (0, 1, -1) if not y[3] else (1,) if y[3] > 0 else (-1,)
         if spent.startswith("slip"):  # its direction is known, and its acceleration may start at zero
             slips = (1,) if spent == "slip_forward" else (-1,)
-        found = []
+        found: list[tuple[int, int]] = []
+        ending = ""
         for slide in slips if self.slides else (0,):
             for side in tilts:
                 r = self.reactions((side, slide), y[0], y[1], ax, az)
+                if r.regularity <= 0.0:
+                    ending = "friction_paradox"
+                    continue
+                if self.carried(r, side, y) <= 0.0:
+                    ending = ending or "lift_off"
+                    continue
                 contact = (
                     min(r.vertical_left, r.vertical_right) >= 0.0
                     if side == 0
@@ -125,7 +158,7 @@ class Bodies:
                     grip = bool(y[3]) or spent.startswith("slip") or slide * r.u_dd > 0.0
                 if contact and grip:
                     found.append((side, slide))
-        return found
+        return found, ending
 
     def impact(self, side: int, y: Array, stuck: bool) -> tuple[float, float]:
         """(θ̇⁺, u̇⁺): first the new corner alone, then both corners if the rotation would have to reverse."""
