@@ -21,8 +21,9 @@ def write_replay(found: Mapping[str, Any], scene: Scene, folder: Path) -> dict[s
     """
     if not found["departures"]:
         return None
-    chosen = max(found["departures"], key=lambda row: abs(row["yaw_rad"]))
-    azimuth, engine = chosen["azimuth_deg"], chosen["engine"]
+    engine = found["departures"][0]["engine"]
+    mine = [row for row in found["departures"] if row["engine"] == engine]
+    azimuth = max(mine, key=lambda row: abs(row["yaw_rad"]))["azimuth_deg"]
     peak = next(
         row["peak_g"]
         for row in found["rows"]

@@ -25,8 +25,12 @@ def static_rose(scene: Scene, azimuths_deg: Sequence[float], sides: Sequence[Row
     shaking and the side's direction: the share of the shaking that turns the statue about that side.
     """
     solid = solid_of(scene)
-    reach = footprint.reach_m(solid.footprint_m, azimuths_deg) / solid.centroid_height_m
-    corner = footprint.corner_m(solid.footprint_m, azimuths_deg) / solid.centroid_height_m
+    back = [azimuth + 180.0 for azimuth in azimuths_deg]
+    # The floor shakes both ways along a direction.
+    reach, corner = (
+        np.minimum(of(solid.footprint_m, azimuths_deg), of(solid.footprint_m, back)) / solid.centroid_height_m
+        for of in (footprint.reach_m, footprint.corner_m)
+    )
     rows = []
     for azimuth, lifts, planar in zip(azimuths_deg, reach.tolist(), corner.tolist(), strict=True):
         least, side = _projected(azimuth, sides)
