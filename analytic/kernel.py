@@ -46,6 +46,8 @@ from analytic.layout import (
     OVERTURNED_LEFT,
     OVERTURNED_RIGHT,
     PARADOX,
+    PEAK,
+    PEAK_SLIP,
     PIVOT,
     POWER,
     PX,
@@ -56,7 +58,8 @@ from analytic.layout import (
     S_V,
     SEG,
     SKIP_ENERGY,
-    SKIP_QUIET,
+    SKIP_REST,
+    SKIP_START,
     SLIDE,
     STALLED,
     STANDS,
@@ -206,6 +209,12 @@ def _step(task: Task) -> None:
 
 
 @jit
+def _has_moved(task: Task) -> bool:
+    """Whether the statue has rocked or the pedestal slid before."""
+    return bool(task.r[PEAK] > 0.0 or task.r[PEAK_SLIP] > 0.0)
+
+
+@jit
 def run_one(task: Task) -> None:
     """Run from the start to an ending; everything is written into the task and the arrays whose addresses it holds."""
     s, q, p = task.s, task.q, task.p
@@ -213,7 +222,7 @@ def run_one(task: Task) -> None:
     _pass_breaks(task)
     settle(task, BEGIN, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, 0.0)
     while q[OUTCOME] == RUNNING:
-        if p[SKIP_QUIET] > 0.0 and q[PIVOT] < 0 and q[SLIDE] == 0:
+        if q[PIVOT] < 0 and q[SLIDE] == 0 and p[SKIP_REST if _has_moved(task) else SKIP_START] > 0.0:
             quiet(task)
             look_ahead(task)
         if p[SKIP_ENERGY] > 0.0 and p[GRID_STEP] == 0.0 and q[OVER] == 1 and decide(task):

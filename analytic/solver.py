@@ -55,7 +55,8 @@ def parameters(
     accuracy_rad: float,
     dt_s: float | None,
     step_cap_s: float,
-    skip: bool,
+    skip_start: bool,
+    skip_rest: bool,
     skip_energy: bool,
     validity: bool,
 ) -> at.Floats:
@@ -83,7 +84,8 @@ def parameters(
     balanced = pedestal is None or (p[at.DYNAMIC] > 0.0 and p[at.MOMENTUM] > 0.0)
     p[at.REST_ANGLE] = max(tolerance, FINEST_REST_RAD) if balanced else max(accuracy_rad, FINEST_ROOT_RAD) ** 2
     p[at.GRID_STEP] = 0.0 if dt_s is None else dt_s
-    p[at.SKIP_QUIET], p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip, skip_energy, validity
+    p[at.SKIP_START], p[at.SKIP_REST] = skip_start, skip_rest
+    p[at.SKIP_ENERGY], p[at.WANT_VALIDITY] = skip_energy, validity
     p[at.TIME_SCALE] = 1.0 / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
     if pedestal is not None:
         p[at.HAS_BASE], p[at.BASE_MASS] = 1.0, pedestal.mass_kg
@@ -129,7 +131,8 @@ def simulate(
     accuracy_rad: float = 1e-12,
     dt_s: float | None = 0.001,
     step_cap_s: float = math.inf,
-    skip: bool = True,
+    skip_start: bool = True,
+    skip_rest: bool = True,
     skip_energy: bool = True,
     events: bool = True,
     validity: bool = True,
@@ -139,7 +142,8 @@ def simulate(
     motion_x, motion_z: floor's accelerations; floor_static, floor_kinetic: friction of the pedestal on the floor;
     statue_friction: friction between statue and support, assumed to hold and compared with what was needed; accuracy_rad: aimed
     global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only; step_cap_s:
-    longest step; skip: leave out the times in which nothing can move; skip_energy: without a history, let the energy decide once
+    longest step; skip_start, skip_rest: leave out the times in which nothing can move, before anything has moved and after;
+    skip_energy: without a history, let the energy decide once
     the motion is over; events, validity: keep them. Raises AnalyticInputError for
     numbers that cannot be run.
     """
@@ -158,7 +162,8 @@ def simulate(
         accuracy_rad=accuracy_rad,
         dt_s=dt_s,
         step_cap_s=step_cap_s,
-        skip=skip,
+        skip_start=skip_start,
+        skip_rest=skip_rest,
         skip_energy=skip_energy,
         validity=validity,
     )

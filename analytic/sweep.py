@@ -195,7 +195,8 @@ def _parameters(block: Block, duration_s: float, accuracy_rad: float, scene: Map
         "wall": None,
         "overturn_rad": OVERTURN_RAD,
         "step_cap_s": math.inf,
-        "skip": True,
+        "skip_start": True,
+        "skip_rest": True,
         "skip_energy": True,
     }
     strange = sorted(set(rest) - set(settings))

@@ -77,7 +77,8 @@ class TwoBlock(Engine):
                 base_accuracy_rad=chosen.accuracy_rad,
                 step_cap_s=chosen.step_cap_s,
                 dt_s=scene.output_dt_s if want.history else None,
-                skip=want.may_skip("quiet_start") and want.may_skip("quiet_end"),
+                skip_start=want.may_skip("quiet_start"),
+                skip_rest=want.may_skip("quiet_end"),
                 skip_energy=want.may_skip("energy_outcome"),
                 **keywords(scene),
             )

@@ -25,8 +25,8 @@ def largest_difference(a: Solution, b: Solution) -> float:
 @pytest.mark.parametrize("scene", [FLOOR, ON_PEDESTAL], ids=["floor", "pedestal"])
 @pytest.mark.parametrize("vertical", [Rest(), Record(TIMES[::2], 1.0 * ENVELOPE[::2])], ids=["flat", "vertical"])
 def test_quiet_times_are_skipped_bit_for_bit(scene: dict[str, object], vertical: Excitation) -> None:
-    on = simulate(STATUE, RECORD, vertical, skip=True, **scene)  # type: ignore[arg-type]
-    off = simulate(STATUE, RECORD, vertical, skip=False, **scene)  # type: ignore[arg-type]
+    on = simulate(STATUE, RECORD, vertical, **scene)  # type: ignore[arg-type]
+    off = simulate(STATUE, RECORD, vertical, skip_start=False, skip_rest=False, **scene)  # type: ignore[arg-type]
     assert on.peak_theta_rad > 0.0
     assert on.work.quiet_samples_skipped > 200
     assert off.work.quiet_samples_skipped == 0
@@ -38,7 +38,7 @@ def test_quiet_times_are_skipped_bit_for_bit(scene: dict[str, object], vertical:
 def test_a_motion_below_every_limit_is_not_integrated_at_all() -> None:
     weak = RECORD.scaled(0.1)
     on = simulate(STATUE, weak, **ON_PEDESTAL)  # type: ignore[arg-type]
-    off = simulate(STATUE, weak, skip=False, **ON_PEDESTAL)  # type: ignore[arg-type]
+    off = simulate(STATUE, weak, skip_start=False, **ON_PEDESTAL)  # type: ignore[arg-type]
     assert on.work.steps == 0
     assert off.work.steps > 900
     assert on.outcome == off.outcome
@@ -91,3 +91,16 @@ def test_every_motion_runs_the_same_compiled_code() -> None:
     for motion in (RECORD, Harmonic(2.0, 2.0), Pulse("ricker", 2.0, 1.0), Rest()):
         simulate(STATUE, motion, duration_s=1.0)
     assert len(run.signatures) == 1  # type: ignore[attr-defined]
+
+
+def test_the_start_and_later_rests_are_skipped_each_by_its_own_switch() -> None:
+    def steps(**options: bool) -> tuple[int, int, float]:
+        run = simulate(STATUE, RECORD.scaled(0.3), **options, **(FLOOR | {"duration_s": 60.0}))  # type: ignore[arg-type]
+        return run.work.steps, run.work.quiet_samples_skipped, run.peak_theta_rad
+
+    both, start, rest = steps(), steps(skip_rest=False), steps(skip_start=False)
+    none = steps(skip_start=False, skip_rest=False)
+    assert both[0] < min(start[0], rest[0]), "each leaves out what the other integrates"
+    assert max(start[0], rest[0]) < none[0]
+    assert none[1] == 0
+    assert both[2] == start[2] == rest[2] == none[2]
