@@ -33,14 +33,15 @@ class DisplayMesh:
 
 def display_mesh(path: Path | None, shape: Section, depth_m: float, most_faces: int = MOST_FACES) -> DisplayMesh:
     """The mesh of a result folder, or the block that stands for a statue given by numbers."""
-    vertices, faces = _prism(shape.outline_m, depth_m) if path is None else _read(path)
+    vertices, faces = _prism(shape.outline_m, depth_m) if path is None else read_mesh(path)
     count = len(faces)
     if count > most_faces:
         vertices, faces = _decimated(vertices, faces, most_faces)
     return _creased(vertices, faces, count)
 
 
-def _read(path: Path) -> tuple[Array, Faces]:
+def read_mesh(path: Path) -> tuple[Array, Faces]:
+    """Vertices (n, 3) in the statue frame and faces (m, 3) of the mesh in a result folder."""
     import trimesh
 
     mesh: Any = trimesh.load(path, force="mesh", process=False)

@@ -1,8 +1,8 @@
-"""One self-contained HTML page per result folder, whatever kind of record it holds."""
+"""One self-contained HTML page per result folder, whatever kind of record it holds, and a plain one for conservators."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -13,10 +13,14 @@ from reports.chart_library import chart_library
 from reports.source import read_record
 
 REPORT_NAME: Final = "report.html"
+CONSERVATOR_NAME: Final = "conservator.html"
+CONSERVATOR_KINDS: Final = ("run", "study", "effects3d")
+"""The kinds of record that a conservator's page can be written of."""
 
 PAGES: Final = {
     "run": "reports.page_run",
     "study": "reports.page_study",
+    "effects3d": "reports.page_effects3d",
     "validation": "reports.page_validation",
     "bench": "reports.page_bench",
     "stress": "reports.page_stress",
@@ -25,19 +29,24 @@ PAGES: Final = {
 
 
 def write_report(folder: Path) -> Path:
-    """Write `report.html` into a result folder from its records alone; raises `InputError` for a broken folder."""
+    """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
+
+    Returns the path of the first; raises `InputError` for a broken folder.
+    """
     record = read_record(folder)
     build: Callable[[Path, dict[str, Any]], dict[str, Any]] = import_module(PAGES[record["kind"]]).context
-    text = (
-        environment()
-        .get_template(f"{record['kind']}.html.j2")
-        .render(
-            build(folder, record),
-            css=source_text("page.css"),
-            script=source_text("page.js"),
-            chart_library=chart_library(),
-        )
-    )
-    path = folder / REPORT_NAME
-    write_text(path, text)
-    return path
+    machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
+    page = _render(f"{record['kind']}.html.j2", build(folder, record) | machinery)
+    plain = None
+    if record["kind"] in CONSERVATOR_KINDS:
+        from reports.conservator import context
+
+        plain = _render("conservator.html.j2", context(folder, record))
+    write_text(folder / REPORT_NAME, page)
+    if plain is not None:
+        write_text(folder / CONSERVATOR_NAME, plain)
+    return folder / REPORT_NAME
+
+
+def _render(template: str, values: Mapping[str, Any]) -> str:
+    return environment().get_template(template).render(values, css=source_text("page.css"))

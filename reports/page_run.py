@@ -11,7 +11,6 @@ from harness.record import PATTERN_NAMES
 from reports.assets import source_text, three_js
 from reports.chart_histories import histories_figure
 from reports.glossary import score_rows, validity_rows
-from reports.museum import of_run
 from reports.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.palette import PATTERN_LOOKS, look
 from reports.replay import default_model, replay_payload
@@ -53,7 +52,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
             }
             for name, run in source.runs.items()
         ],
-        "picture": scene_svg(source.scene, record["motion"]),
+        "picture": scene_svg(source.scene, record["motion"], source.mesh),
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record["motion"], source.scene),
         "patterns": [
@@ -63,7 +62,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         ],
         "replay": replay_values(source) if source.histories else None,
         "figure": histories_figure(source) if source.histories else None,
-        "museum": of_run(source),
         "names": names,
         "outcome_rows": outcome_rows(source.runs),
         "pair_names": [pair.replace("_vs_", " – ") for pair in record["scores"]],

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 from reports.assets import source_text
 from reports.design_figures import design_figures
-from reports.museum import of_study
 from reports.numbers import heading, label, listed, plain, short, unit
+from reports.pedestal_effect import pedestal_effect
 from reports.scene_picture import scene_svg
 from reports.study_figures import fragility_figure, map_axes, map_figures, panel_data, rose_figure
 from reports.study_rows import (
@@ -56,7 +56,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
         "pairs": agreement(models, found),
         "panels": panel_data(record["panels"]) if record.get("panels") else None,
-        "museum": of_study(record, models, found),
+        "pedestal_effect": pedestal_effect(record, models, found),
         "charts": charts,
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record["summary"]["sentence"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -13,17 +14,18 @@ from markupsafe import Markup
 from reports.assets import environment
 from reports.numbers import given, length, unit
 from reports.posing import section
+from reports.silhouette import silhouette_m
 
 WIDTH: Final = 460.0
 HEIGHT: Final = 440.0
 MARGIN: Final = {"left": 74.0, "right": 74.0, "top": 26.0, "bottom": 84.0}
 
 
-def scene_svg(scene: Mapping[str, Any], motion: Mapping[str, Any]) -> Markup:
-    """The picture of a record's scene, seen along y: x to the right, z up."""
+def scene_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], mesh: Path | None = None) -> Markup:
+    """The picture of a record's scene, seen along y: x to the right, z up; `mesh` gives the statue's true outline."""
     template: Template = environment().get_template("scene.svg.j2")
     shape = section(scene)
-    outline = shape.outline_m
+    outline = silhouette_m(scene, mesh)
     pedestal, wall = scene["pedestal"], scene["wall"]
     lift = 0.0 if pedestal is None else float(pedestal["height_m"])
     left, right = float(outline[:, 0].min()), float(outline[:, 0].max())

@@ -27,3 +27,9 @@ STILL_PX: Final = 0.06
 
 LIBRARY_SHARE: Final = 1.0 / 3.0
 """Reading a script takes a browser a time in proportion to its length: a third of the wheel's library, a third of its time."""
+
+PUSH: Final = 1e-12
+"""Pushes are quotients of lengths in double precision."""
+
+SHADOW_SHARE: Final = 1.0 / 400.0
+"""The outline leaves out bends below 1/800 of the height, at each of its two ends."""

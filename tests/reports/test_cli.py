@@ -46,7 +46,7 @@ def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path)
     assert "outcome: all models agree: the statue stands" in done.stdout
     folder = tmp_path / "out" / "block"
     names = {path.name for path in folder.iterdir()}
-    assert names == {"result.json", "report.html", "history_analytic.csv", "history_pymunk.csv"}
+    assert names == {"result.json", "report.html", "conservator.html", "history_analytic.csv", "history_pymunk.csv"}
     record = json.loads((folder / "result.json").read_text())
     assert record["schema_version"] == 1
     assert set(record["runs"]) == {"analytic", "pymunk"}

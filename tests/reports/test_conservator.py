@@ -1,0 +1,143 @@
+"""The conservator's page follows from the scene, the histories and the rows, and says it without jargon."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reports.conservator import context, levels, of_run, order_words
+from reports.conservator_pictures import compass, safe_pushes, weakest_push
+from reports.page import write_report
+from reports.pedestal_effect import pedestal_effect
+from reports.posing import section
+from reports.silhouette import silhouette_m
+from reports.source import read_record, run_source
+from reports.study_rows import conditions
+from tests.budgets_reports import PUSH, SHADOW_SHARE
+from tests.reports.invented_run import write_invented
+from tests.reports.invented_study import write_map_study, write_table_study
+
+JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
+
+
+def spoken(told: dict[str, Any]) -> str:
+    words = [text for picture in told["pictures"] for text in (picture.heading, *picture.words)]
+    return " ".join([told["headline"], *told["points"], *words])
+
+
+def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    found = levels(scene)
+    assert [level for _, level, _ in found] == pytest.approx([0.0682 / 0.774, 0.2, 0.3585 / 0.774])
+    assert [stone for _, _, stone in found] == [False, True, False]
+    bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).scene
+    assert not any(stone for _, _, stone in levels(bare))
+    assert "nothing slides under it" in " ".join(order_words(bare, None))
+
+
+@pytest.mark.parametrize(
+    ("friction", "words"), [(0.05, "slides before the statue tips"), (0.2, "only in part"), (0.6, "no protection")]
+)
+def test_the_pedestal_is_a_fuse_only_where_it_slides_first(tmp_path: Path, friction: float, words: str) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    slippery = {**scene, "contact": {**scene["contact"], "floor_static": friction}}
+    assert words in " ".join(order_words(slippery, 0.4))
+
+
+def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None:
+    """In every direction, a push short of the area's edge keeps the force within the base, one beyond does not."""
+    scene = run_source(write_invented(tmp_path)).scene
+    safe, slides = safe_pushes(scene)
+    h, foot = 0.774, np.asarray(scene["statue"]["footprint_m"])[:, :2]
+    assert slides == 0.2
+    low, high = foot.min(axis=0), foot.max(axis=0)
+    for angle in np.linspace(0.0, 2.0 * np.pi, 17):
+        towards = np.array([np.cos(angle), np.sin(angle)])
+        edges = np.roll(safe, -1, axis=0) - safe
+        normals = np.column_stack([edges[:, 1], -edges[:, 0]])
+        gains = normals @ towards
+        limit = min(np.einsum("ij,ij->i", normals, safe)[gains > 1e-12] / gains[gains > 1e-12])
+        for factor, inside in ((0.999, True), (1.001, False)):
+            foot_point = factor * limit * towards * h
+            assert bool(np.all(foot_point >= low) and np.all(foot_point <= high)) is inside
+    least, towards = weakest_push(safe)
+    assert least == pytest.approx(0.0682 / h, abs=PUSH)
+    assert towards == pytest.approx([1.0, 0.0])
+
+
+def test_directions_are_named_counter_clockwise_from_the_right() -> None:
+    assert [compass(angle) for angle in (0.0, 44.0, 90.0, 180.0, -90.0, 359.0)] == [
+        "right", "back right", "back", "left", "front", "right",
+    ]  # fmt: skip
+
+
+def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path, disagree=True))
+    shape, text = section(source.scene), spoken(of_run(source))
+    tops = {
+        name: shape.top_displacement_m(item.theta_rad, item.slip_m)
+        for name, item in source.histories.items()
+        if name != "pybullet"
+    }
+    name = max(tops, key=lambda item: float(tops[item].max()))
+    k = int(np.argmax(tops[name]))
+    history = source.histories[name]
+    moved = shape.posed_m(shape.outline_m, history.theta_rad[k], history.slip_m[k])[0][:, 0].max()
+    assert f"{100 * (moved - shape.outline_m[:, 0].max()):.0f}\u00a0cm on the right" in text
+    assert "In pybullet it falls" in text
+    assert "the statue may fall: the models disagree" in text
+    assert "stays upright in analytic and pymunk" in text
+
+
+def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
+    text = spoken(of_run(run_source(write_invented(tmp_path))))
+    assert "At rest 70\u00a0cm are free between it and the wall" in text
+    assert re.search(r"at its farthest lean \d+\u00a0cm remain", text)
+
+
+@pytest.mark.parametrize("write", [write_invented, write_table_study, write_map_study])
+def test_three_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
+    folder = write(tmp_path)
+    told = context(folder, read_record(folder))
+    assert 2 <= len(told["pictures"]) <= 3
+    text = spoken(told)
+    assert [word for word in JARGON if re.search(rf"(?<![a-z]){word}", text)] == []
+    page = write_report(folder)
+    plain = (folder / "conservator.html").read_text()
+    assert 'href="conservator.html"' in page.read_text()
+    assert 'href="report.html"' in plain
+    assert "<script" not in plain, "it needs no scripts"
+    assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(told["pictures"])
+
+
+def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
+    record = read_record(write_table_study(tmp_path))
+    found = pedestal_effect(record, *conditions(record["rows"]))
+    assert found is not None
+    told = "it overturns in 12 without the pedestal; with it 6 of these are prevented and 0 others caused"
+    assert told in found.sentence
+    figures = {name: figure for name, _, figure in found.charts}
+    assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
+
+
+def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:
+    record = read_record(write_map_study(tmp_path))
+    assert pedestal_effect(record, *conditions(record["rows"])) is None
+
+
+def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path, mesh=True))
+    assert source.mesh is not None
+    outline, hull = silhouette_m(source.scene, source.mesh), section(source.scene).outline_m
+
+    def area(points: np.ndarray[Any, Any]) -> float:
+        x, y = points.T
+        return abs(0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+
+    assert area(outline) < 0.97 * area(hull), "a figure is not convex"
+    assert np.ptp(outline, axis=0) == pytest.approx(np.ptp(hull, axis=0), rel=SHADOW_SHARE)
+    assert silhouette_m(source.scene, None) == pytest.approx(hull)
