@@ -1,14 +1,8 @@
-"""One place for the compiler's options, with types kept.
-
-The compiler's own cache notices a change of a function's file, not one of a file that it calls into: so the cache stands in
-a folder named after the digest of all compiled
-sources.
-"""
+"""One place for the compiler's options, with types kept; where compiled code is kept is `analytic._cache`."""
 
 from __future__ import annotations
 
-import hashlib
-import os
+import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,32 +10,42 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba
 
+from analytic._cache import folder
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 @cache
-def _cache_folder() -> str:
-    """Folder of the compiled code of these very sources, beside them if that can be written, else the user's cache."""
-    here = Path(__file__).resolve().parent
-    digest = hashlib.sha256()
-    for source in sorted(here.glob("*.py")):
-        text = source.read_bytes()
-        if b"analytic._jit" in text or source.stem in ("_jit", "layout", "borrowed"):
-            digest.update(text)
-    pycache = here / "__pycache__"
-    if not os.access(pycache if pycache.is_dir() else here, os.W_OK):
-        pycache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "rockcheck"
-    return str(pycache / f"compiled-{digest.hexdigest()[:16]}")
+def _home() -> Path | None:
+    """Folder of the compiled code of these very sources; None, with a warning, where nothing can be written."""
+    chosen = folder(Path(__file__).resolve().parent)
+    if chosen is None:
+        told = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
+        warnings.warn(told, RuntimeWarning, stacklevel=2)
+    return chosen
+
+
+def _compiled(function: Callable[P, R], cache: bool, forceinline: bool) -> Callable[P, R]:
+    config: Any = numba.config
+    theirs = config.CACHE_DIR
+    kept = theirs or _home()
+    config.CACHE_DIR = str(kept or "")
+    try:
+        make: Any = numba.njit(
+            cache=cache and bool(kept), forceinline=forceinline, nogil=True, error_model="numpy", fastmath=False
+        )
+        compiled: Callable[P, R] = make(function)
+    finally:
+        config.CACHE_DIR = theirs
+    return compiled
 
 
 def jit(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function: cached on disk, without the interpreter's lock, IEEE division, no reordering of sums."""
-    config: Any = numba.config
-    theirs = config.CACHE_DIR
-    config.CACHE_DIR = theirs or _cache_folder()
-    try:
-        compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)(function)
-    finally:
-        config.CACHE_DIR = theirs
-    return compiled
+    return _compiled(function, cache=True, forceinline=False)
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function in the same way into those that call it: for small ones of every step."""
+    return _compiled(function, cache=False, forceinline=True)

@@ -1,0 +1,79 @@
+"""Where compiled code is kept: one folder for each state of the sources, the newest two of them.
+
+The compiler's own cache notices a change of a function's file, not one of a file that it calls into: so the cache stands in
+a folder named after the digest of all compiled sources.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+KEPT: Final = 2
+"""Folders kept: this state of the sources and the one before, to which one may go back."""
+PREFIX: Final = "compiled-"
+
+
+def digest(sources: Path) -> str:
+    """Digest of every source in a folder that is compiled or that compiled code takes constants from."""
+    found = hashlib.sha256()
+    for source in sorted(sources.glob("*.py")):
+        text = source.read_bytes()
+        if b"analytic._jit" in text or source.stem in ("_jit", "layout", "borrowed"):
+            found.update(text)
+    return found.hexdigest()[:16]
+
+
+def homes(sources: Path) -> Iterator[Path]:
+    """Where a cache may stand, best first: beside the sources, in the user's cache, among temporary files."""
+    yield sources / "__pycache__"
+    given = os.environ.get("XDG_CACHE_HOME")
+    with contextlib.suppress(RuntimeError):  # nobody's home is known
+        yield (Path(given) if given else Path.home() / ".cache") / "rockcheck"
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "")
+    yield Path(tempfile.gettempdir()) / f"rockcheck-{user}"
+
+
+def folder(sources: Path) -> Path | None:
+    """The folder for the compiled code of these sources, older ones removed; None where nothing can be written."""
+    name = PREFIX + digest(sources)
+    for home in homes(sources):
+        chosen = home / name
+        known = chosen.is_dir()
+        if not _writable(chosen):
+            continue
+        if not known:
+            prune(home)
+        return chosen
+    return None
+
+
+def prune(home: Path, kept: int = KEPT) -> None:
+    """Remove all but the newest folders of compiled code.
+
+    Safe while other processes run: the compiler takes a file that is gone for one that was never written.
+    """
+    found = []
+    for each in home.glob(PREFIX + "*"):
+        try:
+            found.append((each.stat().st_mtime_ns, each))
+        except FileNotFoundError:  # removed by another process just now
+            continue
+    for _, old in sorted(found, reverse=True)[kept:]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _writable(chosen: Path) -> bool:
+    """Whether files can be made there, tried rather than asked: the superuser is told yes of a read-only disk."""
+    try:
+        chosen.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=chosen):
+            return True
+    except OSError:
+        return False
