@@ -124,3 +124,22 @@ def test_free_motion_never_gains_energy(scene: dict[str, Any]) -> None:
     moving = run.theta_rad != 0.0
     pairs = moving[1:] & moving[:-1]
     assert np.diff(energy)[pairs].max(initial=0.0) <= 1e3 * ENERGY_RISE_REL * scale
+
+
+def test_a_ratio_of_zero_comes_to_rest_on_its_pedestal() -> None:
+    """Each halt of the pedestal lifted the landed statue by rounding, and its landing pushed the pedestal again, without end."""
+    run = simulate(
+        Block.rectangle(width_m=0.1, height_m=1.0),
+        Harmonic(0.0, 1.0),
+        pedestal=Pedestal(1.0, 0.2, 0.2),
+        floor_static=1.0,
+        floor_kinetic=1.0,
+        form=Form(restitution=0.0),
+        theta_rate0_rad_s=0.15660459763365828,
+        duration_s=1.0,
+        accuracy_rad=1e-9,
+    )
+    assert not run.doubts.gave_up
+    assert run.outcome.value == "stands"
+    assert run.events[-1].pattern == "rest"
+    assert run.end_s == 1.0
