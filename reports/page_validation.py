@@ -43,12 +43,12 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "models": list(models),
         "rows": [_row(row, list(models)) for row in record["rows"]],
         "histories": [
-            (name, item["test"], (item["scores"] or {}).get("verdict_sentence") or "no history was computed")
+            (name, item["test"], _history(item["scores"]))
             for name, scores in models.items()
             for item in scores["histories"]
         ],
         "settings": [(name, _settings(item)) for name, item in models.items()],
-        "command": f"rockcheck validate {record['experiments']}",
+        "command": command(record),
         "runs": record["runs"],
         "versions": record["versions"],
         "machine": record["machine"],
@@ -121,7 +121,7 @@ def _fitted(fitted: Mapping[str, Any]) -> str:
     parts = [f"on {fitted['tests']} tests"]
     if fitted["friction"] is not None:
         parts.append(f"friction {short(fitted['friction'])}")
-    parts += [f"{body}: {short(float(angle))}°" for body, angle in fitted["azimuth_deg"].items()]
+    parts += [f"{Path(body).name}: {short(float(angle))}°" for body, angle in fitted["azimuth_deg"].items()]
     return ", ".join(parts)
 
 
@@ -129,6 +129,29 @@ def _settings(item: Mapping[str, Any]) -> str:
     return (
         f"step {unit(item['dt_s'], 's')}" if item["dt_s"] is not None else f"accuracy {plain(item['accuracy_rad'])} rad"
     )
+
+
+def command(record: Mapping[str, Any]) -> str:
+    """The command that repeats the validation, with every option that is not at its default."""
+    parts = [f"rockcheck validate {record['experiments']}", *(f"-e {name}" for name in record["models"])]
+    parts += [f"--samples {record['samples']}"] if record.get("samples") else []
+    parts += [f"--seed {record['seed']}"] if record.get("seed") else []
+    name = record["fit_share"]["name"]
+    return " ".join([*parts, f"--fit-share {name}"] if name != "fit" else parts)
+
+
+def _history(scores: Mapping[str, Any] | None) -> str:
+    """One computed history beside the measured one: numbers first, then why they differ."""
+    if scores is None:
+        return "no history was computed"
+    parts = [
+        f"up to {unit(scores['compared_until_s'], 's')}: {digits(scores['rms_theta_rad'])} rad apart (root mean square)"
+    ]
+    if scores["peak_ratio"] is not None:
+        parts.append(f"largest rotation {digits(scores['peak_ratio'])} times the measured one")
+    if scores["combined"] is not None:
+        parts.append(f"magnitude error {digits(scores['magnitude'])}, phase error {digits(scores['phase'])}")
+    return f"{', '.join(parts)}. {scores['verdict_sentence']}"
 
 
 def _row(row: Mapping[str, Any], models: Sequence[str]) -> dict[str, Any]:

@@ -112,6 +112,7 @@ def _record(
         "tests": len(trials),
         "bodies": len({trial.body for trial in trials}),
         "fit_share": {"name": fit_share, "tests": len(fitted)},
+        "samples": samples,
         "unknown": sorted(_unknown(trials)),
         "unfitted": sorted(_unknown(trials)) if not fitted else [],
         "models": {
@@ -148,13 +149,13 @@ def _answers(store: Store, wanted: Sequence[Job]) -> dict[str, Answers]:
 def _histories(
     store: Store, trials: Sequence[Trial], model: Model, choice: Choice, keys: Mapping[Any, str]
 ) -> list[dict[str, Any]]:
-    """Scores against each measured history, which is a history like any other."""
+    """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     found: list[dict[str, Any]] = []
     for trial in trials:
         if trial.history is None:
             continue
-        computed = store.history(keys[model.name, trial.name, choice.variant(trial)])
-        if computed is None:
+        computed = store.run(keys[model.name, trial.name, choice.variant(trial)])
+        if computed is None or computed.outcome.failed:
             found.append({"test": trial.name, "scores": None})
             continue
         scores = compare(computed, read_history(trial.history), names=(model.name, f"measured {trial.name}"))

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from harness import fragility, record
+from harness.comparator import compare
 from harness.history import Outcome
 from harness.outcomes import FELL, Case, score_outcomes
+from tests import doubles
 
 COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}
 
@@ -33,6 +35,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
     for k in range(60):
         row = {"test": f"t{k}", "body": f"stone {k % 3}", "share": "score", "observed": FELL if fell[k] else "stands"}
         rows.append(row | {"pga_g": pga[k], "pgv_m_s": pgv[k], "predicted": {}, "probability": {}})
+    measured = compare(doubles.rocking(), doubles.scaled(doubles.rocking(), 2.0))
     models = {}
     for name in ("analytic", "pymunk"):
         right = stream.random(60) < skill
@@ -56,7 +59,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
             "by_intensity": [],
             "fragility_pgv": fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid),
             "contour": contour,
-            "histories": [{"test": "t1", "scores": {"verdict_sentence": "they differ by their models"}}],
+            "histories": [{"test": "t1", "scores": measured.as_dict()}],
         }
     bare = [
         Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)

@@ -61,10 +61,10 @@ def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
     charts = {name: figure for name, _, figure in study_context(tmp_path, read_record(folder))["charts"]}
-    whole, part = charts["map-0"]["data"][0]["z"], charts["map-1"]["data"][0]["z"]
+    whole, part = charts["map-1"]["data"][0]["z"], charts["map-2"]["data"][0]["z"]
     assert not any(code == 0 for row in whole for code in row)
     assert any(code == 0 for row in part for code in row)
-    assert charts["map-0"]["layout"]["xaxis"]["type"] == "log"
+    assert charts["map-1"]["layout"]["xaxis"]["type"] == "log"
     assert any(name.startswith("fragility") for name in charts)
 
 
@@ -130,3 +130,14 @@ def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
     texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
     rows = [{"engine": "analytic", "run": {"warnings": [text]}} for text in texts]
     assert study_warnings(rows) == ["analytic: From … s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
+
+
+def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
+    from reports.page_validation import context
+
+    folder = invented_records.write_validation(tmp_path)
+    record = read_record(folder) | {"samples": 3, "seed": 7}
+    shown = context(folder, record)
+    assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
+    assert "largest rotation 0.5" in shown["histories"][0][2]
+    assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")

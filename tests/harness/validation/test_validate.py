@@ -125,6 +125,8 @@ def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
     found = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
     scores = found["models"]["analytic"]["histories"][0]["scores"]
     assert scores["b"] == "measured t0"
+    assert scores["evidence"]["uncertainty_a_rad"] == true.numerical_uncertainty_rad
+    assert scores["horizon_s"] == true.reliable_until_s
     assert scores["peak_ratio"] == pytest.approx(1.0 / 1.1, rel=1e-3)  # the scaled rates were left as they were
 
 
