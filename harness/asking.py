@@ -11,6 +11,8 @@ from typing import Final
 from harness.study_file import StudyFile
 
 Place = tuple[int, ...]
+Cell = tuple[tuple[int, int], tuple[int, int]]
+"""Lowest and highest index along both axes of a map."""
 
 REFERENCE: Final = "analytic"
 """The model that runs every case first; it costs next to nothing."""
@@ -90,22 +92,31 @@ def refined(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[
     """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
     found: dict[Place, str] = {}
     for fixed, plane in slices(places, axes).items():
-        sizes = [sorted({place[axis] for place in plane}) for axis in axes]
-        lines = [_line(values[-1], COARSEST) for values in sizes]
-        for cell in itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])):
+        for cell in _coarse(plane, axes):
             _refine(cell, fixed, axes, known, found, COARSE)
     return found
 
 
+def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
+    """The outcome of a refined map's places: their own where computed, else that of their cell, whose corners agree."""
+    outcome = {place: answer.outcome for place, answer in known.items()}
+    for fixed, plane in slices(places, axes).items():
+        cells = _coarse(plane, axes)
+        while cells:
+            cell = cells.pop()
+            said = {known[corner].outcome if corner in known else None for corner in _corners(cell, fixed, axes)}
+            if len(said) > 1:
+                cells += _parts(cell)
+            elif (agreed := said.pop()) is not None:
+                for pair in itertools.product(*(range(low, high + 1) for low, high in cell)):
+                    outcome.setdefault(_placed(fixed, axes, pair), agreed)
+    return outcome
+
+
 def _refine(
-    cell: tuple[tuple[int, int], tuple[int, int]],
-    fixed: Place,
-    axes: tuple[int, int],
-    known: Mapping[Place, Answer],
-    found: dict[Place, str],
-    reason: str,
+    cell: Cell, fixed: Place, axes: tuple[int, int], known: Mapping[Place, Answer], found: dict[Place, str], reason: str
 ) -> None:
-    corners = [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
+    corners = _corners(cell, fixed, axes)
     for corner in corners:
         found.setdefault(corner, reason)
     outcomes = {known[corner].outcome for corner in corners if corner in known}
@@ -113,11 +124,25 @@ def _refine(
     # A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
     if unknown or len(outcomes) == 1:
         return
+    for part in _parts(cell):
+        _refine(part, fixed, axes, known, found, REFINED)
+
+
+def _coarse(plane: Sequence[Place], axes: tuple[int, int]) -> list[Cell]:
+    """The cells of a map's first grid."""
+    lines = [_line(max(place[axis] for place in plane), COARSEST) for axis in axes]
+    return list(itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])))
+
+
+def _corners(cell: Cell, fixed: Place, axes: tuple[int, int]) -> list[Place]:
+    return [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
+
+
+def _parts(cell: Cell) -> list[Cell]:
+    """The halves along each axis; none of a cell without places between its corners."""
     halves = [sorted({low, (low + high) // 2, high}) for low, high in cell]
     parts = list(itertools.product(itertools.pairwise(halves[0]), itertools.pairwise(halves[1])))
-    if len(parts) > 1:
-        for part in parts:
-            _refine(part, fixed, axes, known, found, REFINED)
+    return parts if len(parts) > 1 else []
 
 
 def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[Place]]:
@@ -126,18 +151,6 @@ def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[P
     for place in places:
         planes.setdefault(_placed(place, axes, (0, 0)), []).append(place)
     return planes
-
-
-def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
-    """The outcome of every place of a map: its own where computed, else that of the agreeing corners around it."""
-    outcome = {place: answer.outcome for place, answer in known.items()}
-    for fixed, plane in slices(places, axes).items():
-        done = [place for place in plane if place in known]
-        for place in plane:
-            if place not in outcome and done:
-                nearest = min(done, key=lambda other: sum(abs(other[axis] - place[axis]) for axis in axes))
-                outcome[_placed(fixed, axes, (place[axes[0]], place[axes[1]]))] = known[nearest].outcome
-    return outcome
 
 
 def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Place:

@@ -10,6 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.contact.impact import IMPOSED_LABEL
+
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
 FEW_CENTIMETRES_M: Final = 0.05
@@ -78,15 +80,22 @@ class Verdict:
 def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float], float]) -> list[Verdict]:
     """All claims by all models of a study's rows.
 
+    Where an engine had the impact law imposed on it, all models of that variant count as imposed: they are there to be compared
+    with it. The paper's form alone has its ratio as its own law.
+
     `top_displacement_m(theta_rad)` is the horizontal displacement of the statue's top at a rotation towards the wall.
     """
-    models: dict[str, list[Answer]] = {}
+    models: dict[tuple[str, str], list[Answer]] = {}
+    imposed_variants = set()
     for row in rows:
         if row["run"] is not None and row["run"]["engine"]:
-            models.setdefault(f"{row['engine']} ({row['varied']['variant']})", []).append(_answer(row))
+            variant = str(row["varied"]["variant"])
+            models.setdefault((str(row["engine"]), variant), []).append(_answer(row))
+            if IMPOSED_LABEL in row["run"]["labels"]:
+                imposed_variants.add(variant)
     verdicts = []
-    for model, answers in models.items():
-        imposed = "imposed" in model
+    for (engine, variant), answers in models.items():
+        model, imposed = f"{engine} ({variant})", variant in imposed_variants
         tests: tuple[Test, ...] = (_i, _ii, _iii, _iv, _v, partial(_vi, top_displacement_m=top_displacement_m))
         for claim, test in zip(SENTENCES, tests, strict=True):
             held, cases, evidence = test(answers)

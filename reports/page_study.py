@@ -10,10 +10,11 @@ from typing import Any, Final
 
 from reports.assets import source_text
 from reports.design_figures import design_figures
+from reports.map_figures import map_axes, map_figures
 from reports.numbers import heading, label, listed, plain, short, unit
 from reports.pedestal_effect import pedestal_effect
 from reports.scene_picture import scene_svg
-from reports.study_figures import fragility_figure, map_axes, map_figures, panel_data, rose_figure
+from reports.study_figures import fragility_figure, panel_data, rose_figure
 from reports.study_rows import (
     FAILED,
     NOT_SENT,

@@ -1,8 +1,7 @@
-"""The pictures that a study's rows hold: the paper's panels, overturning maps, fragility, roses."""
+"""The pictures that a study's rows hold: the paper's panels, fragility, roses."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -13,21 +12,17 @@ from harness.statistics import wilson
 from reports.assets import packed_array
 from reports.numbers import heading
 from reports.palette import HAIRLINE, INK, MUTED, Look, faint, look
-from reports.study_rows import SYMBOLS, Condition, family
+from reports.study_rows import Condition, family
 
 Json = dict[str, Any]
 
 FLOOR_COLOUR: Final = "#0072B2"
 PEDESTAL_COLOUR: Final = "#D55E00"
 SLIP_COLOUR: Final = "#009E73"
-MAP_FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
-MAP_COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#000000")
 SHOWN_RAD: Final = 0.50
 """The paper's figures show rotations up to this value."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
-LEAST_MAP: Final = 5
-"""Fewer values than this along an axis make no map: the table shows them better."""
 
 
 def panel_data(panels: Sequence[Mapping[str, Any]]) -> Json:
@@ -50,89 +45,6 @@ def panel_data(panels: Sequence[Mapping[str, Any]]) -> Json:
         "colours": {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR, "slip": SLIP_COLOUR},
         "shown_rad": SHOWN_RAD,
     }
-
-
-def map_axes(found: Sequence[Condition], keys: Sequence[str]) -> tuple[str, str] | None:
-    """The two numeric keys with most values, when both have enough of them to make a map (an amplitude is drawn upwards)."""
-    sizes = []
-    for key in keys:
-        values = {item.varied[key] for item in found}
-        if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-            sizes.append((len(values), key))
-    sizes = [item for item in sorted(sizes, reverse=True) if item[0] >= LEAST_MAP]
-    if len(sizes) < 2:
-        return None
-    first, second = sizes[0][1], sizes[1][1]
-    return (second, first) if "amplitude" in first else (first, second)
-
-
-def map_figures(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[tuple[str, Json]]:
-    """One overturning map per model and combination of the remaining `keys` of the study; empty when it is no map."""
-    axes = map_axes(found, keys)
-    if axes is None:
-        return []
-    rest = [key for key in keys if key not in axes]
-    groups: dict[tuple[Any, ...], list[Condition]] = {}
-    for item in found:
-        groups.setdefault(tuple(item.varied[key] for key in rest), []).append(item)
-    return [
-        (" · ".join([model, *(f"{heading(key)} {value}" for key, value in zip(rest, values, strict=True))]), figure)
-        for values, members in groups.items()
-        for model in models
-        for figure in [_map(model, members, axes)]
-        if figure is not None
-    ]
-
-
-def _map(model: str, members: Sequence[Condition], axes: tuple[str, str]) -> Json | None:
-    """Outcomes as colours; where a place holds several random samples, the most frequent outcome and its share in words."""
-    xs, ys = (sorted({item.varied[key] for item in members}) for key in axes)
-    samples: dict[tuple[int, int], list[Mapping[str, Any]]] = {}
-    for item in members:
-        row = item.answers.get(model)
-        if row is not None and row["run"] is not None:
-            samples.setdefault((ys.index(item.varied[axes[1]]), xs.index(item.varied[axes[0]])), []).append(row["run"])
-    if not samples:
-        return None
-    codes = np.zeros((len(ys), len(xs)), dtype=int)
-    tips = [["not asked"] * len(xs) for _ in ys]
-    for (i, j), runs in samples.items():
-        most, count = Counter(run["outcome"] for run in runs).most_common(1)[0]
-        codes[i, j] = MAP_FAMILIES.index(family(most))
-        words = SYMBOLS.get(most, ("", most))[1]
-        peak = max(float(run["peak_theta_rad"]) for run in runs)
-        tips[i][j] = f"{words}, |θ| ≤ {peak:.3f} rad" if len(runs) == 1 else f"{words} in {count} of {len(runs)}"
-    steps = len(MAP_FAMILIES)
-    scale = [[(k + side) / steps, MAP_COLOURS[k]] for k in range(steps) for side in (0, 1)]
-    trace = {
-        "type": "heatmap", "x": xs, "y": ys, "z": codes.tolist(), "zmin": -0.5, "zmax": steps - 0.5, "text": tips,
-        "colorscale": scale, "showscale": False, "xgap": 0.5, "ygap": 0.5,
-        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{text}}<extra></extra>",
-    }  # fmt: skip
-    return {
-        "data": [trace],
-        "layout": {
-            "height": 380, "xaxis": _map_axis(axes[0], xs), "yaxis": _map_axis(axes[1], ys), "showlegend": False,
-            "margin_top": 12,
-        },
-    }  # fmt: skip
-
-
-def _map_axis(key: str, values: Sequence[float]) -> Json:
-    axis: Json = {"title": {"text": heading(key)}, "type": _axis_kind(values)}
-    if axis["type"] == "log":
-        shown = values[:: max(1, len(values) // 6)]
-        axis |= {"tickvals": list(shown), "ticktext": [f"{value:.3g}" for value in shown]}
-    return axis
-
-
-def _axis_kind(values: Sequence[float]) -> str:
-    """Logarithmic where the values' ratios are more even than their differences."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.min() <= 0.0 or len(array) < 3:
-        return "linear"
-    ratios, steps = np.diff(np.log(array)), np.diff(array)
-    return "log" if np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean() else "linear"
 
 
 def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str) -> Json | None:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from harness import claims
+from harness.contact.impact import IMPOSED_LABEL
 
 FREQUENCIES = (1.5, 2.0, 3.0, 4.5, 6.0)
 
@@ -28,6 +29,7 @@ def row(
         "peak_theta_rad": peak,
         "no_return_time_s": fell_s,
         "peak_slip_m": slip,
+        "labels": [],
     }
     return {"number": 0, "engine": "analytic", "varied": varied, "run": run}
 
@@ -81,8 +83,10 @@ def test_the_walls_limit_wants_geometry_and_no_deeper_return() -> None:
     assert verdicts(deep, top_m=0.9)["vi"].verdict == claims.FAILS
 
 
-def test_imposed_runs_do_not_enter_the_headline() -> None:
-    imposed = [r | {"varied": r["varied"] | {"variant": "imposed ratio"}} for r in paper_rows()]
-    judged = claims.judge([*imposed], lambda theta_rad: 0.70)
+def test_models_of_a_variant_with_an_imposed_law_do_not_enter_the_headline() -> None:
+    beside = [r | {"varied": r["varied"] | {"variant": "one ratio"}} for r in paper_rows()]
+    imposed = [r | {"engine": "pymunk", "run": r["run"] | {"labels": [IMPOSED_LABEL]}} for r in beside]
+    judged = claims.judge([*imposed, *beside], lambda theta_rad: 0.70)
     assert all(v.imposed for v in judged)
     assert set(claims.headline(judged).values()) == {claims.UNTESTED}
+    assert not any(v.imposed for v in claims.judge(beside, lambda theta_rad: 0.70))
