@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -29,6 +30,7 @@ SHOWN: Final = (
     "outcome",
     "peak_theta_rad",
     "peak_time_s",
+    "end_s",
     "no_return_time_s",
     "overturn_time_s",
     "peak_slip_m",
@@ -46,7 +48,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
     """Everything that the page of a study holds, as plain values."""
     base = base_of(study, path)
     scene = base.scene({})
-    rows = list(store.rows(study_name(study)))
+    rows = [_shown(row) for row in store.rows(study_name(study))]
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
         "kind": "study",
@@ -71,7 +73,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         found["panels"] = panels(rows, store)
     plain: dict[str, Any] = record.to_plain(found)
     # They come from the store, plain already.
-    plain["rows"] = [_shown(row) for row in rows]
+    plain["rows"] = [{name: value for name, value in row.items() if name != "key"} for row in rows]
     return plain
 
 
@@ -136,15 +138,25 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
 
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
+    """What is kept of a row; words that all rows share are one string, for there may be a million of them."""
     run = row["run"]
-    kept = None if run is None else {name: run[name] for name in SHOWN} | {"impacts": record.impacts(run)}
+    kept = None
+    if run is not None:
+        kept = {name: run[name] for name in SHOWN} | {"impacts": record.impacts(run)}
+        kept["validity"] = _shared(run["validity"])
+        kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {
         "number": row["number"],
         "engine": row["engine"],
-        "reason": row["reason"],
-        "varied": row["varied"],
+        "key": row["key"],
+        "reason": sys.intern(row["reason"]),
+        "varied": _shared(row["varied"]),
         "run": kept,
     }
+
+
+def _shared(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {sys.intern(key): value for key, value in table.items()}
 
 
 def _seconds(rows: Sequence[Mapping[str, Any]], store: Store) -> dict[str, float]:
