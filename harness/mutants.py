@@ -12,7 +12,7 @@ from harness.comparator import compare
 from harness.record import Run
 from harness.scene import Scene
 from harness.scores.grid import pair
-from harness.verdict import Verdict
+from harness.verdict import Verdict, left_domain
 
 MUST_SHOW: Final = 3.0
 """An effect above this multiple of the joint uncertainty must be found (see `harness.verdict.COVERAGE`)."""
@@ -83,13 +83,17 @@ MUTANTS: Final[Mapping[str, Callable[[Scene], Scene | None]]] = {
 
 @dataclass(frozen=True)
 class Finding:
-    """What the comparator said of one mutant: `must` is whether its effect obliges it to say *differ: model*."""
+    """What the comparator said of one mutant: `must` is whether its effect obliges it to say *differ: model*.
+
+    `left_domain` is whether the effect is large before the horizon, but only after one side left its model's domain.
+    """
 
     mutant: str
     effect_rad: float
     uncertainty_rad: float
     horizon_s: float
     must: bool
+    left_domain: bool
     verdict: Verdict
 
     @property
@@ -107,7 +111,8 @@ def expose(
 ) -> list[Finding]:
     """Compare the mutants of a scene, computed by `tested`, with the scene itself computed by `exact`.
 
-    The effect of a mutant is what `exact` says of it: the largest |θ_mutant − θ| before the horizon.
+    The effect of a mutant is what `exact` says of it: the largest |θ_mutant − θ| before the horizon and before either side leaves
+    its model's domain.
     """
     reference = exact(scene)
     findings = []
@@ -119,8 +124,13 @@ def expose(
         scores = compare(run, reference, scene=scene)
         until = scores.horizon_s if scores.horizon_s is not None else scene.duration_s
         joint = (run.numerical_uncertainty_rad or 0.0) + (reference.numerical_uncertainty_rad or 0.0)
-        effect = _effect(exact(other), reference, until)
-        findings.append(Finding(name, effect, joint, until, effect > MUST_SHOW * joint, scores.verdict))
+        known = exact(other)
+        exits = [left_domain(each)[0] for each in (run, reference)]
+        inside = min([until, *(t for t in exits if t is not None)])
+        effect = _effect(known, reference, inside)
+        must = effect > MUST_SHOW * joint
+        later = not must and _effect(known, reference, until) > MUST_SHOW * joint
+        findings.append(Finding(name, effect, joint, until, must, later, scores.verdict))
     return findings
 
 
