@@ -24,6 +24,7 @@ SCORES: Final = (
 )
 BASELINE_COLOUR: Final = "#8a6d00"
 FELL: Final = "overturned"
+DASHES: Final = ("solid", "dash", "dot", "dashdot", "longdash")
 
 
 def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
@@ -183,11 +184,14 @@ def charts(record: Mapping[str, Any]) -> list[tuple[str, str, Json]]:
 
 
 def _styles(record: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Colour by engine; the settings of one engine differ by their dashes."""
     engines = [item["engine"] for item in record["models"].values()]
-    return {
-        name: (look(item["engine"], engines).colour, look(item["engine"], engines).dash)
-        for name, item in record["models"].items()
-    }
+    found: dict[str, tuple[str, str]] = {}
+    for index, (name, engine) in enumerate(zip(record["models"], engines, strict=True)):
+        own, earlier = look(engine, engines), engines[:index].count(engine)
+        others = [dash for dash in DASHES if dash != own.dash]
+        found[name] = own.colour, own.dash if earlier == 0 else others[(earlier - 1) % len(others)]
+    return found
 
 
 def _accuracy(record: Mapping[str, Any]) -> Json:

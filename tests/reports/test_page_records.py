@@ -141,3 +141,12 @@ def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_
     assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
     assert "largest rotation 0.5" in shown["histories"][0][2]
     assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")
+
+
+def test_settings_of_one_engine_look_different() -> None:
+    from reports.page_validation import _styles
+
+    models = {"pymunk@dt=0.001": {"engine": "pymunk"}, "pymunk@dt=0.0005": {"engine": "pymunk"}}
+    coarse, fine = _styles({"models": models}).values()
+    assert coarse[0] == fine[0]
+    assert coarse[1] != fine[1]
