@@ -1,0 +1,181 @@
+"""The checks can fail: small wrong changes of the model, each seen by comparing the kernel with an independent reference.
+
+A comparison does not know which side is wrong. So what the kernel is given (its parameters, base and motion) is changed on
+its way into the compiled code, and what stands in its equations (couplings, forces, the impact map) in the reference, whose
+equations are plain Python; either way the two must part by more than is claimed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from analytic import Record, solver
+from analytic import layout as at
+from tests import budgets_reference as budget
+from tests.analytic import reference_kernel, reference_newton
+from tests.analytic.reference_case import Case, Path, full_period, record
+from tests.analytic.reference_cases import paper_case
+from tests.analytic.reference_newton_bodies import Bodies
+
+END_S, GRID_S, STEP_S = 0.9, 0.02, 2e-3
+PEDESTAL: Final = paper_case(0.429, 3.0, pedestal=True, form="consistent")
+LIFTED: Final = replace(PEDESTAL, accel_z=full_period(3.0, 0.7))
+PRESCRIBED: Final = replace(PEDESTAL, ratio=0.875)
+TIMES: Final = np.arange(91) * 0.01
+ACCELS: Final = 4.2 * np.sin(19.0 * TIMES)
+SHAKEN: Final = replace(PEDESTAL, accel_x=record(TIMES.tolist(), ACCELS.tolist()))
+
+
+def parted(a: Path, b: Path) -> bool:
+    """Whether the comparison of tests/analytic/test_reference_kernel.py refuses the two."""
+    shared = min(len(a.samples), len(b.samples))
+    gap = np.max(np.abs(a.samples[:shared] - b.samples[:shared]), axis=0)
+    return bool(abs(len(a.samples) - len(b.samples)) > 1 or gap[1] > budget.KERNEL_RAD or gap[3] > budget.KERNEL_M)
+
+
+def kernel(case: Case) -> Path:
+    return reference_kernel.solve(case, END_S, GRID_S)
+
+
+def reference(case: Case) -> Path:
+    return reference_newton.solve(case, END_S, GRID_S, step=STEP_S)
+
+
+@pytest.fixture(scope="module")
+def truth() -> dict[str, Path]:
+    """The reference's path of each case."""
+    return {name: reference(case) for name, case in CASES.items()}
+
+
+CASES: Final = {"pedestal": PEDESTAL, "lifted": LIFTED, "prescribed": PRESCRIBED, "shaken": SHAKEN}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_without_a_mutant_the_two_agree(name: str, truth: dict[str, Path]) -> None:
+    assert truth[name].times("impact")
+    assert not parted(kernel(CASES[name]), truth[name])
+
+
+PARAMETERS: Final[dict[str, tuple[str, int, Callable[[float], float]]]] = {
+    "ratio off by 1 %": ("prescribed", at.RATIO, lambda r: 1.01 * r),
+    "ratio not used": ("prescribed", at.RATIO, lambda r: -1.0),
+    "inertia off by one in a million": ("pedestal", at.INERTIA, lambda j: j * (1.0 + 1e-6)),
+    "pedestal's mass left out": ("pedestal", at.BASE_MASS, lambda m: 1e-6),
+    "gravity off by one in a million": ("pedestal", at.GRAVITY, lambda g: g * (1.0 + 1e-6)),
+    "slip at the kinetic limit": ("pedestal", at.MU_STATIC, lambda mu: 0.15),
+    "sliding at the static limit": ("pedestal", at.MU_KINETIC, lambda mu: 0.20),
+    "friction of a static normal force": ("pedestal", at.DYNAMIC, lambda flag: 0.0),
+    "pedestal's velocity unchanged at impact": ("pedestal", at.MOMENTUM, lambda flag: 0.0),
+    "pedestal held to the floor": ("pedestal", at.HAS_BASE, lambda flag: 0.0),
+    "tolerance of 1e-4": ("pedestal", at.TOLERANCE, lambda tol: 1e-4),
+}
+
+
+@pytest.mark.parametrize("mutant", PARAMETERS)
+def test_a_wrong_number_in_the_kernel_is_seen(
+    mutant: str, truth: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, index, wrong = PARAMETERS[mutant]
+    right = solver.parameters
+
+    def parameters(*given: Any, **named: Any) -> at.Floats:
+        p = right(*given, **named)
+        p[index] = wrong(float(p[index]))
+        return p
+
+    monkeypatch.setattr(solver, "parameters", parameters)
+    assert parted(kernel(CASES[name]), truth[name])
+
+
+def test_swapped_corners_are_seen(truth: dict[str, Path]) -> None:
+    swapped = replace(PEDESTAL, b_left=PEDESTAL.b_right, b_right=PEDESTAL.b_left)
+    assert parted(kernel(swapped), truth["pedestal"])
+
+
+MOTIONS: Final[dict[str, Callable[[], Record]]] = {
+    "a record read one sample late": lambda: Record(TIMES[:-1], ACCELS[1:]),
+    "a record that ends at its sixtieth sample": lambda: Record(TIMES[:60], ACCELS[:60]),
+    "a record held between samples": lambda: Record(
+        np.repeat(TIMES, 2)[1:] - np.tile([0.0, 1e-9], TIMES.size)[:-1], np.repeat(ACCELS, 2)[:-1]
+    ),
+}
+
+
+@pytest.mark.parametrize("mutant", MOTIONS)
+def test_a_break_at_the_wrong_sample_is_seen(
+    mutant: str, truth: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = reference_kernel.excitation
+
+    def excitation(motion: Any) -> Any:
+        made = right(motion)
+        return MOTIONS[mutant]() if isinstance(made, Record) else made
+
+    monkeypatch.setattr(reference_kernel, "excitation", excitation)
+    assert parted(kernel(SHAKEN), truth["shaken"])
+
+
+EQUATIONS: Final[dict[str, tuple[str, Callable[[np.ndarray, np.ndarray], None]]]] = {
+    "sign of the coupling of rotation and translation": ("pedestal", lambda a, b: _scale(a, (5, 2), -1.0)),
+    "moment of the pivot's horizontal force dropped": ("pedestal", lambda a, b: _scale(a, (2, 4), 0.0)),
+    "statue's weight off by 0.1 %": ("pedestal", lambda a, b: _scale(b, (1,), 1.001)),
+    "floor's friction on the pedestal dropped": ("pedestal", lambda a, b: _scale(a, (3, 7), 0.0)),
+    "statue's push on the pedestal dropped": ("pedestal", lambda a, b: _scale(a, (3, 4), 0.0)),
+    "statue's load on the pedestal dropped": ("pedestal", lambda a, b: _scale(a, (4, 5), 0.0)),
+    "acceleration of the pivot off by 0.1 %": ("pedestal", lambda a, b: _scale(b, (5,), 0.999)),
+    "vertical motion left out of the pedestal": ("lifted", lambda a, b: _scale(b, (4,), 0.9)),
+}
+
+
+def _scale(array: np.ndarray, index: tuple[int, ...], factor: float) -> None:
+    array[index] *= factor
+
+
+@pytest.mark.parametrize("mutant", EQUATIONS)
+def test_a_wrong_term_of_the_equations_is_seen(mutant: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, wrong = EQUATIONS[mutant]
+    right = np.linalg.solve
+
+    def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        if a[3, 3] == PEDESTAL.pedestal_kg and a[7, 2] == 0.0 and a[0, 0] == PEDESTAL.m2:
+            a, b = a.copy(), b.copy()
+            wrong(a, b)
+        return np.asarray(right(a, b))
+
+    monkeypatch.setattr(np.linalg, "solve", solve)
+    try:
+        found = reference_newton.solve(CASES[name], 0.5, GRID_S, step=STEP_S)
+    except (AssertionError, np.linalg.LinAlgError):
+        return  # the mutant has no solution at all
+    monkeypatch.undo()
+    assert parted(reference_kernel.solve(CASES[name], 0.5, GRID_S), found)
+
+
+IMPACTS: Final[dict[str, Callable[[float, float, float], tuple[float, float]]]] = {
+    "statue's rate off by 1 %": lambda rate, v, before: (1.01 * rate, v),
+    "pedestal's velocity kept": lambda rate, v, before: (rate, before),
+    "pedestal stopped": lambda rate, v, before: (rate, 0.0),
+    "pedestal pushed the other way": lambda rate, v, before: (rate, -v),
+    "statue's rate off by one in ten thousand": lambda rate, v, before: (0.9999 * rate, v),
+}
+
+
+@pytest.mark.parametrize("mutant", IMPACTS)
+def test_a_wrong_impact_on_the_pedestal_is_seen(mutant: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = Bodies.impact
+
+    def impact(self: Bodies, side: int, y: np.ndarray, stuck: bool) -> tuple[float, float]:
+        rate, v = right(self, side, y, stuck)
+        return IMPACTS[mutant](rate, v, float(y[3]))
+
+    monkeypatch.setattr(Bodies, "impact", impact)
+    try:
+        found = reference(PEDESTAL)
+    except AssertionError:
+        return  # the mutant has no solution at all
+    assert parted(kernel(PEDESTAL), found)
