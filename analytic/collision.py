@@ -41,8 +41,8 @@ from analytic.track import settle
 from analytic.validity import note_impact
 
 STILL: Final = 1e-15
-"""A pedestal under a landed statue stands when its velocity is this share of gravity times the statue's time constant: its halt
-would come within what the clock resolves."""
+"""Statue and pedestal stand when their velocities are this share of gravity times the statue's time constant: what follows would
+come within what the clock resolves."""
 
 
 @jit
@@ -93,8 +93,8 @@ def land(task: Task, facet: int, residual: float) -> None:
             # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
             if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0 and not stuck:
                 after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
-    if after == 0.0 and abs(moved) <= STILL * p[GRAVITY] * p[TIME_SCALE]:
-        moved = 0.0  # with a prescribed ratio of 0 its halt would lift the statue, whose landing would push it again, for ever
+    if max(abs(after) * z, abs(moved)) <= STILL * p[GRAVITY] * p[TIME_SCALE]:
+        after, moved = 0.0, 0.0  # where each halt lifts the statue, whose landing pushes the pedestal again, for ever
     s[S_OM], s[S_V] = after, moved
     c[IMPACTS] += 1
     change = kinetic(m, total, jn, z, after, moved) - kinetic(m, total, jo, z, omega, rate)

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -126,7 +127,8 @@ def test_free_motion_never_gains_energy(scene: dict[str, Any]) -> None:
     assert np.diff(energy)[pairs].max(initial=0.0) <= 1e3 * ENERGY_RISE_REL * scale
 
 
-def test_a_ratio_of_zero_comes_to_rest_on_its_pedestal() -> None:
+@pytest.mark.parametrize("ratio", [0.0, 0.5])
+def test_a_prescribed_ratio_comes_to_rest_on_its_pedestal(ratio: float) -> None:
     """Each halt of the pedestal lifted the landed statue by rounding, and its landing pushed the pedestal again, without end."""
     run = simulate(
         Block.rectangle(width_m=0.1, height_m=1.0),
@@ -134,7 +136,7 @@ def test_a_ratio_of_zero_comes_to_rest_on_its_pedestal() -> None:
         pedestal=Pedestal(1.0, 0.2, 0.2),
         floor_static=1.0,
         floor_kinetic=1.0,
-        form=Form(restitution=0.0),
+        form=Form(restitution=ratio),
         theta_rate0_rad_s=0.15660459763365828,
         duration_s=1.0,
         accuracy_rad=1e-9,
