@@ -71,7 +71,7 @@ def certify(
     )
     uncertainty, until = _spread(first, others, accuracy_rad)
     sure = all(other.outcome is first.outcome for other in others)
-    return Certified(first, uncertainty, until, sure, _warnings(first, others, until, sure))
+    return Certified(first, uncertainty, until, sure, _warnings(first, others, uncertainty, until))
 
 
 def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) -> tuple[float, float]:
@@ -91,12 +91,14 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) 
     return max(float(spread_at[:reliable].max(initial=0.0)), ROUNDING_RAD), until
 
 
-def _warnings(first: Solution, others: tuple[Solution, ...], until: float, sure: bool) -> tuple[str, ...]:
+def _warnings(first: Solution, others: tuple[Solution, ...], uncertainty_rad: float, until: float) -> tuple[str, ...]:
     told = []
-    if not sure:
+    if any(other.outcome is not first.outcome for other in others):
         ends = ", ".join(sorted({solution.outcome.value for solution in (first, *others)}))
         told.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
-    if until < first.end_s:
+    if until < first.end_s and first.t_s.size == 0:
+        told.append(f"The peak depends on the integrator's rounding: it may be off by {uncertainty_rad:.1e} rad.")
+    elif until < first.end_s:
         told.append(f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted.")
     return (*told, *_doubts(first), *_limits(first))
 

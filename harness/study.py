@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from harness import asking
 from harness.batches import batches, run_batches
 from harness.cases import base_of
 from harness.executors import Crash, Pool
@@ -129,19 +127,3 @@ class _Work:
         self.usage.note(len(batch), finished.busy_s, finished.outside_s)
         self._settled += len(batch)
         self._told(self._settled, self._expected)
-
-
-def audit(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """How the audited cases came out: of those far from a change, how many engines' outcomes differ from the analytic one."""
-    said: dict[tuple[int, str], dict[str, Any]] = defaultdict(dict)
-    for row in rows:
-        if row["run"] is not None:
-            said[(row["number"], row["varied"]["variant"])][row["engine"]] = (row["run"]["outcome"], row["reason"])
-    audited = differ = 0
-    for answers in said.values():
-        reference = answers.get("analytic")
-        for engine, (outcome, reason) in answers.items():
-            if engine != "analytic" and reason == asking.AUDIT and reference is not None:
-                audited += 1
-                differ += outcome != reference[0]
-    return {"audited": audited, "differ": differ}

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import claims, record
+from harness.audits import audit
 from harness.cases import base_of
 from harness.describe import describe
 from harness.ensembles import score_sets
 from harness.record import SCHEMA_VERSION
 from harness.scene import Scene
 from harness.store import Store
-from harness.study import Summary, audit, study_name
+from harness.study import Summary, study_name
 from harness.study_file import StudyFile
 
 Array = NDArray[np.float64]
@@ -62,7 +63,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "seconds": seconds,
         "engine_seconds": _seconds(rows, store),
         "scores": score_sets(rows, history=store.history),
-        "audit": audit(rows) if study.ask.cases == "boundary" else None,
+        "audit": audit(study, rows),
         "versions": record.versions(),
         "machine": record.machine(),
     }

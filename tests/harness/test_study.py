@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from harness import asking, estimate
+from harness.audits import audit
 from harness.cases import Base, base_of, expand
 from harness.errors import InputError
 from harness.executors import Done, LocalPool, Work
@@ -56,6 +57,9 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     assert {row["reason"] for row in left} == {asking.NOT_SENT}
     assert {row["reason"] for row in sent} <= {asking.NEAR, asking.MARGIN, asking.AUDIT}
     assert asking.NEAR in {row["reason"] for row in sent}
+    found = audit(study, rows)
+    assert found is not None
+    assert found["audited"] == sum(row["reason"] == asking.AUDIT for row in sent)
 
 
 @pytest.mark.parametrize(
