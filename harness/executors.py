@@ -151,7 +151,7 @@ class DaskPool:
 
     @property
     def workers(self) -> int:
-        """Threads of all workers of the cluster."""
+        """Threads of all workers of the cluster as it is now."""
         return max(sum(int(count) for count in self._client.nthreads().values()), 1)
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:

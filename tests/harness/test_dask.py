@@ -5,23 +5,25 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from harness.errors import InputError
 from harness.executors import DaskPool, LocalPool
-from harness.store import Store
+from harness.store import Packed, Store
 from harness.study import run_study
 from harness.study_file import load_study
-from tests.harness.small_study import contents, written
+from tests.harness.small_study import CONTACT, contents, written
 
 pytest.importorskip("distributed", reason="the extra [dask] is not installed")
 
 
 @pytest.fixture
-def scheduler(tmp_path: Path) -> Iterator[str]:
+def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
     """A real scheduler and two worker processes on this machine, reached on the loopback interface only."""
     command = [
         sys.executable,
@@ -37,28 +39,63 @@ def scheduler(tmp_path: Path) -> Iterator[str]:
     stream = processes[0].stderr
     assert stream is not None
     address = next(found[0] for line in stream if (found := re.search(r"tcp://127\.0\.0\.1:\d+", line)))
+    workers = []
     for _ in range(2):
-        worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard"]
-        processes.append(subprocess.Popen(worker, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, cwd=tmp_path))
-    yield address
+        worker = [
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_worker",
+            address,
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--no-nanny",
+        ]
+        workers.append(
+            subprocess.Popen(worker, text=True, cwd=tmp_path, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        )
+    processes += workers
+    yield address, workers
     for process in processes:
         process.kill()
         process.wait()
     stream.close()
 
 
-def test_a_study_on_a_cluster_ends_in_the_same_store(scheduler: str, tmp_path: Path) -> None:
-    path = written(tmp_path / "study")
+def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
+    cluster: tuple[str, list[subprocess.Popen[str]]], tmp_path: Path
+) -> None:
+    path = written(tmp_path / "study", CONTACT)
     study = load_study(path)
     with Store(tmp_path / "local.sqlite") as store:
         run_study(study, path, store, LocalPool(1))
-    pool = DaskPool(scheduler)
+    address, workers = cluster
+    pool = DaskPool(address)
+    while pool.workers < 2:
+        time.sleep(0.05)
+    killed: list[int] = []
+    stored: Counter[str] = Counter()
+
+    def told(done: int, total: int) -> None:
+        if done == 5 and not killed:
+            workers[0].kill()
+            killed.append(done)
+
     with Store(tmp_path / "cluster.sqlite") as store:
-        first = run_study(study, path, store, pool)
+        add = store.add
+
+        def counted(results: Sequence[Packed]) -> None:
+            stored.update(str(item.columns[0]) for item in results)
+            add(results)
+
+        store.add = counted  # type: ignore[method-assign]
+        first = run_study(study, path, store, pool, told)
         again = run_study(study, path, store, pool)
     pool.close()
-    assert first.computed == first.distinct == 30
-    assert again.computed == 0
+    assert killed
+    assert first.computed == first.distinct == len(stored) == 24
+    assert set(stored.values()) == {1}, "a result came twice"
+    assert (again.computed, again.found) == (0, 24)
     assert contents(tmp_path / "cluster.sqlite") == contents(tmp_path / "local.sqlite")
 
 
