@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from harness.errors import InputError, Mistake
+from harness.telling import Telling
 
 if TYPE_CHECKING:
     from harness.run import Result
@@ -47,12 +48,12 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but mi
 
 def add_commands(app: typer.Typer) -> None:
     """Mount the computing commands on the application."""
-    app.command("engines")(engines)
+    app.command("engines", epilog="Example:  `rockcheck engines`")(engines)
     app.command(
         "compare", epilog="Examples:  `rockcheck compare scenes/free_rocking.toml`  ·  `rockcheck compare A.csv B.csv`"
     )(compare)
     store = typer.Typer(no_args_is_help=True, help="Look after the stores of studies.")
-    store.command("salvage")(salvage)
+    store.command("salvage", epilog="Example:  `rockcheck store salvage out/map/store.sqlite saved.sqlite`")(salvage)
     app.add_typer(store, name="store")
 
 
@@ -213,29 +214,6 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
         advice = f"did you mean {near[0]}?" if near else ""
         raise InputError(Mistake("--no-skip", "", f"all or one of {', '.join(SKIPS)}", repr(unknown[0]), advice))
     return Want(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
-
-
-class Telling:
-    """Says on stderr what is at work, with a spinner on a terminal; silent when quiet."""
-
-    def __init__(self, quiet: bool) -> None:
-        from rich.console import Console
-
-        self._console = Console(stderr=True, quiet=quiet)
-        self._status = self._console.status("reading the scene")
-
-    def __enter__(self) -> Telling:
-        self._status.__enter__()
-        return self
-
-    def __exit__(self, *details: Any) -> None:
-        self._status.__exit__(None, None, None)
-
-    def engine(self, name: str) -> None:
-        """Tell that an engine has started."""
-        self._status.update(f"running {name}")
-        if not self._console.is_terminal:
-            self._console.print(f"running {name}", highlight=False)
 
 
 def summary(result: Result) -> str:

@@ -57,6 +57,7 @@ class Result:
                 "notes": self.scene.notes,
                 "motion": describe.motion_of(self.scene),
                 "runs": {name: run.as_dict() for name, run in self.runs.items()},
+                "histories": [name for name, run in self.runs.items() if run.history is not None],
                 "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
                 "horizons": {name: horizon.as_dict() for name, horizon in self.horizons.items()},
                 "plan": self.plan,

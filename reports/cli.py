@@ -12,9 +12,11 @@ import typer
 
 from harness import cli as harness_cli
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step
+from harness.telling import Telling
 from reports import cli_input
 
 OUT: Final = Path("out")
+READERS: Final = ("engineer", "conservator")
 
 app = typer.Typer(
     name="rockcheck",
@@ -30,8 +32,8 @@ Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. D
 
 
 @app.command(
-    epilog="Examples:  `rockcheck run scenes/paestum.toml`  ·  "
-    "`rockcheck run scenes/paestum.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4`"
+    epilog="Examples:  `rockcheck run scenes/paestum_floor.toml`  ·  "
+    "`rockcheck run scenes/paestum_floor.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4`"
 )
 def run(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)],
@@ -148,7 +150,9 @@ Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: t
 
 Parts = Annotated[
     str | None,
-    typer.Option("--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."),
+    typer.Option(
+        "--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."
+    ),
 ]
 
 
@@ -160,7 +164,7 @@ def bench(
     from harness import benchmark
 
     folder = out or OUT / "bench"
-    with harness_cli.Telling(quiet or as_json) as telling:
+    with Telling(quiet or as_json) as telling:
         found = benchmark.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
     _say(found, [*found["sentences"], f"report: {page}"], as_json, quiet)
@@ -174,19 +178,32 @@ def stress(
     from harness import stresses
 
     folder = out or OUT / "stress"
-    with harness_cli.Telling(quiet or as_json) as telling:
+    with Telling(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
     _say(found, [*stresses.sentences(found), f"report: {page}"], as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
-@app.command()
+@app.command(epilog="Examples:  `rockcheck report out/maria`  ·  `rockcheck report out/maria --for conservator`")
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
+    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Write the report of a result folder again from its records."""
-    typer.echo(f"report: {_page(folder)}")
+    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
+    from harness.errors import InputError, Mistake
+    from reports.page import CONSERVATOR_NAME
+
+    if reader not in READERS:
+        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
+    page = _page(folder)
+    if reader == "conservator":
+        page = folder / CONSERVATOR_NAME
+        if not page.is_file():
+            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
+    _say({"report": str(page)}, [f"report: {page}"], as_json, quiet)
 
 
 def _names(parts: str | None) -> list[str] | None:

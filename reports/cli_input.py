@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness.cli import Json, Quiet
+from harness.telling import Telling
 
 OUT: Final = Path("out")
 
@@ -183,20 +184,38 @@ def figures(
     model: Annotated[
         str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
     ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write the figures of a result for print."""
     from reports.figures import FORMATS, write_figures
+    from reports.source import telling_damage
 
-    for path in write_figures(folder, formats or FORMATS, width, model):
-        typer.echo(str(path))
+    with telling_damage(folder):
+        written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
+    _written(written, as_json, quiet)
 
 
 def gif(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
     out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
     model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write the replay of a run as an animated picture for slides."""
     from reports.animation import write_gif
+    from reports.source import telling_damage
 
-    typer.echo(str(write_gif(folder, out, model)))
+    with Telling(quiet or as_json) as telling, telling_damage(folder):
+        telling.now("drawing the frames")
+        written = str(write_gif(folder, out, model))
+    _written([written], as_json, quiet)
+
+
+def _written(paths: list[str], as_json: bool, quiet: bool) -> None:
+    """The files that were written: one per line, or as a JSON list, or not at all."""
+    if as_json:
+        typer.echo(json.dumps(paths, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo("\n".join(paths))

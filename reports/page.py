@@ -10,7 +10,7 @@ from typing import Any, Final
 from harness.record import write_text
 from reports.assets import environment, source_text
 from reports.chart_library import chart_library
-from reports.source import read_record
+from reports.source import read_record, telling_damage
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
@@ -34,18 +34,23 @@ def write_report(folder: Path) -> Path:
     Returns the path of the first; raises `InputError` for a broken folder.
     """
     record = read_record(folder)
+    with telling_damage(folder):
+        pages = _pages(folder, record)
+    for name, text in pages.items():
+        write_text(folder / name, text)
+    return folder / REPORT_NAME
+
+
+def _pages(folder: Path, record: dict[str, Any]) -> dict[str, str]:
+    """The texts of a record's pages by file name."""
     build: Callable[[Path, dict[str, Any]], dict[str, Any]] = import_module(PAGES[record["kind"]]).context
     machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
-    page = _render(f"{record['kind']}.html.j2", build(folder, record) | machinery)
-    plain = None
+    pages = {REPORT_NAME: _render(f"{record['kind']}.html.j2", build(folder, record) | machinery)}
     if record["kind"] in CONSERVATOR_KINDS:
         from reports.conservator import context
 
-        plain = _render("conservator.html.j2", context(folder, record))
-    write_text(folder / REPORT_NAME, page)
-    if plain is not None:
-        write_text(folder / CONSERVATOR_NAME, plain)
-    return folder / REPORT_NAME
+        pages[CONSERVATOR_NAME] = _render("conservator.html.j2", context(folder, record))
+    return pages
 
 
 def _render(template: str, values: Mapping[str, Any]) -> str:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
+
+from jinja2 import UndefinedError
 
 from harness.errors import InputError, Mistake
 from harness.history import History
@@ -16,6 +19,7 @@ from harness.record import SCHEMA_VERSION
 RECORD_NAME: Final = "result.json"
 KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
 REWRITE: Final = "write the result anew with this version"
+DAMAGE: Final = (KeyError, TypeError, ValueError, IndexError, AttributeError, UndefinedError)
 
 _TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
 _EVERY: Final = {
@@ -96,15 +100,35 @@ def _check_parts(path: Path, record: dict[str, Any]) -> None:
         raise InputError(mistakes)
 
 
+@contextmanager
+def telling_damage(folder: Path) -> Iterator[None]:
+    """Turn what pages and pictures meet where a part deep inside a record is absent or of another form into an `InputError`."""
+    try:
+        yield
+    except InputError:
+        raise
+    except DAMAGE as error:
+        told = f"{type(error).__name__}: {error}"
+        advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
+        raise InputError(Mistake(str(folder / RECORD_NAME), "", "a whole record", told, advice)) from error
+
+
 def run_source(folder: Path) -> RunSource:
     """The record of a run and its histories; raises `InputError` for a broken folder."""
     record = read_record(folder)
     if record["kind"] != "run":
         raise InputError(Mistake(str(folder / RECORD_NAME), "kind", "run", repr(record["kind"])))
-    histories = {}
-    for name in record["runs"]:
-        path = folder / f"history_{name}.csv"
-        if path.is_file():
-            histories[name] = read_history(path)
+    # Records of older versions do not say which histories they kept: what lies there is all.
+    kept = record.get("histories")
+    names = record["runs"] if kept is None else kept
+    paths = {name: folder / f"history_{name}.csv" for name in names}
+    lost = [path for path in paths.values() if kept is not None and not path.is_file()]
     mesh = folder / "statue.glb"
+    if record["scene"].get("statue", {}).get("mesh") is not None and not mesh.is_file():
+        lost.append(mesh)
+    if lost:
+        raise InputError(
+            [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
+        )
+    histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -150,6 +154,77 @@ def test_a_damaged_record_is_told_by_its_part(tmp_path: Path, part: str) -> None
         with pytest.raises(InputError, match=f"result.json: {part}: wanted a"):
             write_report(tmp_path)
     assert not (tmp_path / "report.html").exists()
+
+
+def test_a_history_that_is_gone_is_told_by_its_file(tmp_path: Path) -> None:
+    write_invented(tmp_path, mesh=True)
+    for name in ("history_pymunk.csv", "statue.glb"):
+        (tmp_path / name).rename(tmp_path / "aside")
+        with pytest.raises(InputError, match=f"{name}: wanted the file that result.json names"):
+            write_report(tmp_path)
+        (tmp_path / "aside").rename(tmp_path / name)
+    write_report(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("scene", "statue", "section_m"), "none"),
+        (("scene", "statue"), {}),
+        (("runs", "analytic", "outcome"), "flies"),
+        (("runs", "pymunk", "patterns"), [[1]]),
+        (("motion", "t_s"), None),
+        (("plan", 0), 7),
+    ],
+)
+def test_damage_deep_inside_a_record_is_told_without_a_traceback(
+    tmp_path: Path, place: tuple[str | int, ...], value: object
+) -> None:
+    write_invented(tmp_path)
+    path = tmp_path / "result.json"
+    record = json.loads(path.read_text())
+    part = record
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    path.write_text(json.dumps(record))
+    done = rockcheck("report", ".", cwd=tmp_path)
+    assert (done.returncode, "Traceback" in done.stderr) == (2, False), done.stderr
+    assert "result.json: wanted a whole record" in done.stderr
+    assert not (tmp_path / "report.html").exists()
+
+
+def every_command() -> list[tuple[str, Any]]:
+    from typer.main import get_command
+
+    from reports.cli import app
+
+    def within(group: Any, words: str) -> Iterator[tuple[str, Any]]:
+        for name, command in group.commands.items():
+            yield from within(command, f"{words}{name} ") if hasattr(command, "commands") else [(words + name, command)]
+
+    return list(within(get_command(app), ""))
+
+
+@pytest.mark.parametrize(("name", "command"), every_command(), ids=lambda item: item if isinstance(item, str) else "")
+def test_every_commands_help_has_examples_of_files_that_exist(root: Path, name: str, command: Any) -> None:
+    examples = re.findall(r"`(rockcheck [^`]+)`", command.epilog or "")
+    assert examples, "no example"
+    known = {option for item in command.params for option in item.opts}
+    for example in examples:
+        words = shlex.split(example)[1:]
+        assert " ".join(words).startswith(f"{name} ") or words == [name]
+        assert [word for word in words if word.startswith("-") and word not in known] == []
+        assert [word for word in words if word.startswith("scenes/") and not (root / word).is_file()] == []
+
+
+@pytest.mark.parametrize("reader", ["engineer", "conservator"])
+def test_the_page_of_a_reader_is_named(tmp_path: Path, reader: str) -> None:
+    write_invented(tmp_path)
+    done = rockcheck("report", ".", "--for", reader, cwd=tmp_path)
+    name = {"engineer": "report.html", "conservator": "conservator.html"}[reader]
+    assert (done.returncode, done.stdout) == (0, f"report: {name}\n"), done.stderr
+    assert rockcheck("report", ".", "--for", "tourist", cwd=tmp_path).returncode == 2
 
 
 def test_quiet_is_quiet_with_every_engine(scene: Path, tmp_path: Path) -> None:

@@ -1,0 +1,61 @@
+"""What a command says on stderr while it works: never longer silent than ten seconds."""
+
+from __future__ import annotations
+
+import time
+from threading import Event, Thread
+from typing import Any, Final
+
+SILENT_S: Final = 10.0
+"""Off a terminal, where nothing can turn, a line comes at least this often."""
+
+
+class Telling:
+    """Says what is at work: a spinner with the time spent on a terminal, lines elsewhere, nothing when quiet."""
+
+    def __init__(self, quiet: bool, silent_s: float = SILENT_S) -> None:
+        from rich.console import Console
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        self._console = Console(stderr=True, quiet=quiet)
+        columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+        self._progress = Progress(*columns, console=self._console, transient=True)
+        self._task = self._progress.add_task("reading", total=None)
+        self._lines = not quiet and not self._console.is_terminal
+        self._silent_s = silent_s
+        self._done = Event()
+        self._now = ("reading", time.monotonic())
+        self._said = time.monotonic()
+
+    def __enter__(self) -> Telling:
+        if self._lines:
+            Thread(target=self._remind, daemon=True).start()
+        elif self._console.is_terminal:
+            self._progress.start()
+        return self
+
+    def __exit__(self, *details: Any) -> None:
+        self._done.set()
+        if not self._lines and self._console.is_terminal:
+            self._progress.stop()
+
+    def engine(self, name: str) -> None:
+        """Tell that an engine has started."""
+        self.now(f"running {name}")
+
+    def now(self, words: str) -> None:
+        """Tell what is at work from now on."""
+        self._now = (words, time.monotonic())
+        self._progress.update(self._task, description=words)
+        if self._lines:
+            self._say(words)
+
+    def _say(self, words: str) -> None:
+        self._said = time.monotonic()
+        self._console.print(words, highlight=False)
+
+    def _remind(self) -> None:
+        while not self._done.wait(max(0.01, self._said + self._silent_s - time.monotonic())):
+            if time.monotonic() - self._said >= self._silent_s:
+                words, since = self._now
+                self._say(f"{words}: {time.monotonic() - since:.0f} s so far")
