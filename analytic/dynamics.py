@@ -1,14 +1,16 @@
 """Taylor coefficients of the motion in each joint state (docs/model.md, section 2), order by order.
 
 About the vertex (x, z) of the base the centroid stands at X = −x cos θ + (h − z) sin θ, Z = x sin θ + (h − z) cos θ from the
-pivot, so that X' = Zθ̇ and Z' = −Xθ̇: no sine or cosine is needed beyond a step's first instant. With σ = sgn u̇ and
-κ = σμ_k, sliding gives
+pivot, so that X' = Zθ̇ and Z' = −Xθ̇: no sine or cosine is needed beyond a step's first instant. The statue obeys
 
-    [J − m²/M Z P] θ̈ = m g_e (X + κZ) − m²/M Z Q θ̇²,   P = Z − κ'X,  Q = X + κ'Z,
+    J θ̈ = m (g_e X − A Z)
+
+throughout; A = a_x while the pedestal is stuck. While it slides, with σ = sgn u̇, κ = σμ_k and P = Z − κ'X,
+
     A = −κ g_e − m/M d(Pθ̇)/dt,
 
-where κ' = κ when the friction follows the true normal force and 0 when it follows M g_e; sticking gives A = a_x and
-J θ̈ = m (g_e X − A Z).
+where κ' = κ when the friction follows the true normal force and 0 when it follows M g_e. Of the new term of A only P₀θ̈ is not yet
+known when that of θ̈ is sought: it makes J into J − m²/M Z₀P₀, the determinant of the sliding system.
 """
 
 from __future__ import annotations
@@ -16,11 +18,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import jit
+from analytic._jit import inlined
 from analytic.borrowed import peek
 from analytic.layout import (
     ABS,
-    ACC,
     AX,
     BASE_MASS,
     BASE_X,
@@ -48,12 +49,9 @@ from analytic.layout import (
     TH,
     TIME_SCALE,
     TOLERANCE,
-    W2,
     WANT_VALIDITY,
     XW,
     ZW,
-    ZX,
-    ZZ,
     Floats,
     Task,
 )
@@ -62,13 +60,13 @@ AIM: Final = 1.25
 """Steps towards an event end beyond its first guess by this factor, so that the event lies inside."""
 
 
-@jit
+@inlined
 def vertex(task: Task, k: int) -> tuple[float, float]:
     """Where vertex k stands: x from below the centroid, and the centroid's height above it, m."""
     return peek(task.address[BASE_X], k), task.p[CENTROID] - peek(task.address[BASE_Z], k)
 
 
-@jit
+@inlined
 def place(task: Task, theta: float, pivot: int) -> float:
     """Write X and Z of the pivot at rotation theta into the workspace; return the statue's inertia about it, kg m²."""
     x, z = vertex(task, pivot)
@@ -81,18 +79,7 @@ def place(task: Task, theta: float, pivot: int) -> float:
     return float(task.p[INERTIA] + task.p[MASS] * (x * x + z * z))
 
 
-@jit
-def _advance(w: Floats, i: int, sx: float, sz: float, acc: float) -> None:
-    """Coefficient i + 1 of θ̇, θ, X and Z from coefficient i of θ̈, Xθ̇ and Zθ̇."""
-    w[XW, i], w[ZW, i] = sx, sz
-    inverse = INVERSE[i + 1]
-    w[OM, i + 1] = acc * inverse
-    w[TH, i + 1] = w[OM, i] * inverse
-    w[PX, i + 1] = sz * inverse
-    w[PZ, i + 1] = -(sx * inverse)
-
-
-@jit
+@inlined
 def _fall(gap: float, speed: float, pull: float) -> float:
     """When gap + speed t + pull t²/2, a gap from 0 on, closes; infinite if it does not."""
     left = speed * speed - 2.0 * pull * gap
@@ -103,7 +90,7 @@ def _fall(gap: float, speed: float, pull: float) -> float:
     return time if time > 0.0 else math.inf
 
 
-@jit
+@inlined
 def _aim(task: Task, h: float) -> float:
     """The step, at most h, that ends a little after the landing foreseen from the first terms."""
     w, pivot = task.w, task.q[PIVOT]
@@ -116,108 +103,60 @@ def _aim(task: Task, h: float) -> float:
     return h
 
 
-@jit
-def _last_products(w: Floats, n: int) -> None:
-    sx, sz = 0.0, 0.0
-    for k in range(n + 1):
-        sx += w[PX, k] * w[OM, n - k]
-        sz += w[PZ, k] * w[OM, n - k]
-    w[XW, n], w[ZW, n] = sx, sz
+@inlined
+def _aim_at_halt(task: Task, h: float) -> float:
+    """The step, at most h, that ends a little after the halt foreseen from the first terms."""
+    rate, accel = task.w[RATE, 0], task.w[RATE, 1]
+    return min(h, AIM * abs(rate / accel)) if rate * accel < 0.0 else h
 
 
-@jit
-def rock_stuck(task: Task, n: int, m_over_j: float, h: float, tol: float) -> tuple[int, float]:
-    """Rocking on a support that follows the floor; returns the order reached, n or less, and the step, h or less."""
-    w, deg_x, deg_z = task.w, task.q[DEGREE], task.q[DEGREE + 1]
-    power, small = 1.0, 0
+@inlined
+def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
+    """Rocking on a support that is stuck or slides; j: inertia about the pivot. Returns the order reached, n or less where the
+    step needs less, and the step."""
+    w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
+    m, kappa = p[MASS], slide * p[MU_KINETIC]
+    ratio = m / (m + p[BASE_MASS]) if slide != 0 else 0.0
+    deg_a = n if slide != 0 else task.q[DEGREE]
+    kappa_n = kappa * p[DYNAMIC]
+    x, z = w[PX, 0], w[PZ, 0]
+    lever = z - kappa_n * x
+    w[DET, 0] = j - m * ratio * z * lever
+    per_det, power, small = m / w[DET, 0], 1.0, 0
+    w[XW, 0], w[ZW, 0] = x * w[OM, 0], z * w[OM, 0]
     for i in range(n):
+        inverse = INVERSE[i + 1]
+        w[TH, i + 1], w[SLIP, i + 1] = w[OM, i] * inverse, w[RATE, i] * inverse
+        w[PX, i + 1], w[PZ, i + 1] = w[ZW, i] * inverse, -(w[XW, i] * inverse)
         sx, sz, moment = 0.0, 0.0, 0.0
-        for k in range(i + 1):
-            sx += w[PX, k] * w[OM, i - k]
-            sz += w[PZ, k] * w[OM, i - k]
+        for k in range(1, i + 2):
+            sx += w[PX, k] * w[OM, i + 1 - k]
+            sz += w[PZ, k] * w[OM, i + 1 - k]
         for k in range(min(i, deg_z) + 1):
             moment += w[GE, k] * w[PX, i - k]
-        for k in range(min(i, deg_x) + 1):
-            moment -= w[AX, k] * w[PZ, i - k]
-        _advance(w, i, sx, sz, m_over_j * moment)
+        for k in range(max(1, i - deg_a), i + 1):
+            moment -= w[ABS, i - k] * w[PZ, k]
+        drawn = ratio * (i + 1) * (sz - kappa_n * sx)
+        held = w[AX, i] if slide == 0 else -(kappa * w[GE, i])
+        acc = per_det * (moment - z * (held - drawn))
+        w[ABS, i] = held - (drawn + ratio * lever * acc)
+        w[OM, i + 1], w[RATE, i + 1] = acc * inverse, (w[ABS, i] - w[AX, i]) * inverse
+        w[XW, i + 1], w[ZW, i + 1] = x * w[OM, i + 1] + sx, z * w[OM, i + 1] + sz
         if i == 0 and tol > 0.0:
-            h = _aim(task, h)
+            h = _aim_at_halt(task, _aim(task, h))
         power *= h
-        pushed = m_over_j * (abs(w[AX, i] * w[PZ, 0]) + abs(w[GE, i] * w[PX, 0])) * INVERSE[i + 1]
-        small = small + 1 if max(abs(w[OM, i + 1]), pushed) * power <= tol else 0
+        # what the floor gives directly may be small for a term while its next one is not
+        pushed = per_det * (abs(w[AX, i] * z) + abs(w[GE, i] * x)) * inverse
+        largest = max(abs(w[OM, i + 1]), pushed, abs(w[RATE, i + 1]) / p[CENTROID])
+        small = small + 1 if largest * power <= tol else 0
         if small >= 2 and i >= 3:
             n = i + 1
             break
-    _last_products(w, n)
-    for k in range(n + 1):
-        w[RATE, k] = 0.0
-        w[ABS, k] = w[AX, k]
-        if k > 0:
-            w[SLIP, k] = 0.0
+    w[ABS, n] = w[AX, n] if slide == 0 else 0.0
     return n, h
 
 
-@jit
-def rock_slide(
-    task: Task, n: int, m: float, m_total: float, j: float, kappa: float, kappa_n: float, h: float, tol: float
-) -> tuple[int, float]:
-    """Rocking on a sliding pedestal; returns as ``rock_stuck``."""
-    w, deg_z, length_m = task.w, task.q[DEGREE + 1], task.p[CENTROID]
-    ratio = m / m_total
-    power, small, per_det = 1.0, 0, 0.0
-    for i in range(n):
-        sx, sz, so, szx, szz = 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(i + 1):
-            sx += w[PX, k] * w[OM, i - k]
-            sz += w[PZ, k] * w[OM, i - k]
-            so += w[OM, k] * w[OM, i - k]
-            szx += w[PZ, k] * w[PX, i - k]
-            szz += w[PZ, k] * w[PZ, i - k]
-        w[W2, i], w[ZX, i], w[ZZ, i] = so, szx, szz
-        w[DET, i] = -(m * ratio) * (szz - kappa_n * szx)
-        if i == 0:
-            w[DET, 0] += j
-            per_det = 1.0 / w[DET, 0]
-        centrifugal = 0.0
-        implicit = 0.0
-        for k in range(i + 1):
-            centrifugal += (w[ZX, k] + kappa_n * w[ZZ, k]) * w[W2, i - k]
-        for k in range(1, i + 1):
-            implicit += w[DET, k] * w[ACC, i - k]
-        weight = 0.0
-        for k in range(min(i, deg_z) + 1):
-            weight += w[GE, k] * (w[PX, i - k] + kappa * w[PZ, i - k])
-        w[ACC, i] = (m * weight - (m * ratio) * centrifugal - implicit) * per_det
-        _slide_coefficient(w, i, ratio, kappa, kappa_n, sx, sz)
-        _advance(w, i, sx, sz, w[ACC, i])
-        if i == 1 and tol > 0.0:
-            h = _aim(task, h)
-            halting = w[RATE, 0] * w[RATE, 1] < 0.0
-            h = min(h, AIM * abs(w[RATE, 0] / w[RATE, 1])) if halting else h
-            power = h
-        # θ̇ does not feel the floor while the pedestal slides; u̇ does, and may need more terms
-        settled = abs(w[RATE, i]) * power <= tol * length_m
-        power *= h
-        small = small + 1 if settled and abs(w[OM, i + 1]) * power <= tol else 0
-        if small >= 2 and i >= 4:
-            n = i + 1
-            break
-    _last_products(w, n)
-    _slide_coefficient(w, n, ratio, kappa, kappa_n, w[XW, n], w[ZW, n])
-    for i in range(n):
-        w[ABS, i] = -(kappa * w[GE, i]) - ratio * (i + 1) * (w[ZW, i + 1] - kappa_n * w[XW, i + 1])
-    return n, h
-
-
-@jit
-def _slide_coefficient(w: Floats, i: int, ratio: float, kappa: float, kappa_n: float, sx: float, sz: float) -> None:
-    """Coefficient i of the sliding velocity: v' = −κ g_e − a_x − m/M (Pθ̇)'."""
-    if i > 0:
-        w[RATE, i] = -(kappa * w[GE, i - 1] + w[AX, i - 1]) * INVERSE[i] - ratio * (sz - kappa_n * sx)
-        w[SLIP, i] = w[RATE, i - 1] * INVERSE[i]
-
-
-@jit
+@inlined
 def at_rest(w: Floats, n: int, slide: int, kappa: float) -> None:
     """The statue standing on its support, which is stuck (slide 0) or slides with A = −κ g_e."""
     for k in range(n + 1):
@@ -233,29 +172,23 @@ def at_rest(w: Floats, n: int, slide: int, kappa: float) -> None:
                 w[SLIP, k] = w[RATE, k - 1] / k
 
 
-@jit
+@inlined
 def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, float]:
     """Taylor coefficients of the motion and the forces in one joint state from the first column of the workspace.
 
     AX and GE must be loaded. Returns the order reached (forces: one less) and the step, h or less, that was aimed at an event.
     """
     p, w = task.p, task.w
-    m, m_total = p[MASS], p[MASS] + p[BASE_MASS]
-    kappa = slide * p[MU_KINETIC]
     tol = p[TOLERANCE] / p[TIME_SCALE] if h < math.inf else 0.0
     if pivot < 0:
-        at_rest(w, n, slide, kappa)
+        at_rest(w, n, slide, slide * p[MU_KINETIC])
     else:
-        j = place(task, w[TH, 0], pivot)
-        if slide == 0:
-            n, h = rock_stuck(task, n, m / j, h, tol)
-        else:
-            n, h = rock_slide(task, n, m, m_total, j, kappa, kappa * p[DYNAMIC], h, tol)
-    _forces(task, n, m, slide == 0 or p[WANT_VALIDITY] > 0.0)
+        n, h = rock(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
+    _forces(task, n, p[MASS], slide == 0 or p[WANT_VALIDITY] > 0.0)
     return n, h
 
 
-@jit
+@inlined
 def _forces(task: Task, n: int, m: float, all_of_them: bool) -> None:
     """V at the pivot and N at the floor to order n − 1; H and F too where they are wanted."""
     w, base = task.w, task.p[BASE_MASS]

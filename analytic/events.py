@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from analytic._jit import jit
+import math
+
+from analytic._jit import inlined, jit
 from analytic.borrowed import peek
 from analytic.layout import (
     AT_LIMIT,
     AT_WALL,
+    BASE_MASS,
     DEGREE,
     DET,
     DYNAMIC,
@@ -19,6 +22,8 @@ from analytic.layout import (
     HALT,
     HAS_BASE,
     IMPACT,
+    MASS,
+    MU_KINETIC,
     MU_STATIC,
     NO_EVENT,
     NO_SOLUTION,
@@ -28,6 +33,8 @@ from analytic.layout import (
     PIVOT,
     PIVOT_V,
     POWER,
+    PX,
+    PZ,
     RATE,
     SLIDE,
     SLIP_EVENT,
@@ -43,6 +50,9 @@ from analytic.states import falling, lift_margin, omega_zeros, rate_zeros, stick
 
 Found = tuple[float, int, int, int, float]
 """Fraction of the step, kind, side, depth of the search, residual relative to the function's terms."""
+
+Rests = tuple[float, float, float, float]
+"""How far the terms from the second on can carry θ, V, N, and F (stuck) or u̇ (sliding)."""
 
 
 @jit
@@ -61,7 +71,7 @@ def _search(task: Task, n: int, lo: int, kind: int, side: int, best: Found) -> F
     return x, kind, side, max(best[3], level), (abs(left) / terms if terms > 0.0 else 0.0)
 
 
-@jit
+@inlined
 def _level(task: Task, row: int, n: int, sign: float, level: float) -> None:
     """EVENT = sign (row − level)."""
     for k in range(n + 1):
@@ -69,19 +79,18 @@ def _level(task: Task, row: int, n: int, sign: float, level: float) -> None:
     task.w[EVENT, 0] = sign * (task.w[row, 0] - level)
 
 
-@jit
+@inlined
 def _clear(task: Task, row: int, sign: float, level: float, rest: float) -> bool:
     """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
     start, first = sign * (task.w[row, 0] - level), sign * task.w[row, 1] * task.w[POWER, 1]
     return bool(start + min(first, 0.0) > rest)
 
 
-@jit
-def _rests(task: Task, n: int) -> tuple[float, float, float, float, float]:
-    """How far the terms from the second on can carry θ, V, N, and F and 0 (stuck) or u̇ and the determinant (sliding)."""
+@inlined
+def _rests(task: Task, n: int) -> Rests:
     w = task.w
-    row, other = (FLOOR, NORMAL) if task.q[SLIDE] == 0 else (RATE, DET)
-    theta, pivot, normal, third, fourth = abs(w[TH, n]) * w[POWER, n], 0.0, 0.0, 0.0, 0.0
+    row = FLOOR if task.q[SLIDE] == 0 else RATE
+    theta, pivot, normal, third = abs(w[TH, n]) * w[POWER, n], 0.0, 0.0, 0.0
     if row == RATE:
         third = abs(w[RATE, n]) * w[POWER, n]
     for k in range(2, n):
@@ -90,11 +99,10 @@ def _rests(task: Task, n: int) -> tuple[float, float, float, float, float]:
         pivot += abs(w[PIVOT_V, k]) * power
         normal += abs(w[NORMAL, k]) * power
         third += abs(w[row, k]) * power
-        fourth += abs(w[other, k]) * power
-    return theta, pivot, normal, third, fourth
+    return theta, pivot, normal, third
 
 
-@jit
+@inlined
 def _rotation(task: Task, n: int, rest: float, best: Found) -> Found:
     """Impact on the facets at either side of the pivot, and the overturning limit."""
     pivot, w, last = task.q[PIVOT], task.w, task.length[FACET_RAD]
@@ -115,8 +123,26 @@ def _rotation(task: Task, n: int, rest: float, best: Found) -> Found:
     return best
 
 
-@jit
-def _contact(task: Task, n: int, rests: tuple[float, float, float, float, float], best: Found) -> Found:
+@inlined
+def _solvable(task: Task, n: int) -> bool:
+    """Whether the sliding system's determinant is positive at any rotation; if not, EVENT is written with its terms."""
+    w, p = task.w, task.p
+    kappa, pull = task.q[SLIDE] * p[MU_KINETIC] * p[DYNAMIC], p[MASS] * p[MASS] / (p[MASS] + p[BASE_MASS])
+    x, z = w[PX, 0], w[PZ, 0]
+    own = w[DET, 0] + pull * z * (z - kappa * x)
+    if own > pull * (x * x + z * z) * math.sqrt(1.0 + kappa * kappa):
+        return True
+    for i in range(n):
+        total = 0.0
+        for k in range(i + 1):
+            total += w[PZ, k] * (w[PZ, i - k] - kappa * w[PX, i - k])
+        w[EVENT, i] = -(pull * total)
+    w[EVENT, 0] = w[DET, 0]
+    return False
+
+
+@inlined
+def _contact(task: Task, n: int, rests: Rests, best: Found) -> Found:
     """Loss of contact and the friction paradox; a statue that already falls may leave its corner without ending the run."""
     q = task.q
     if q[PIVOT] < 0:
@@ -130,13 +156,12 @@ def _contact(task: Task, n: int, rests: tuple[float, float, float, float, float]
     if task.p[HAS_BASE] > 0.0 and not _clear(task, NORMAL, 1.0, 0.0, rests[2]):
         _level(task, NORMAL, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, 0, FLIGHT, 1, best)
-    if q[SLIDE] != 0 and not _clear(task, DET, 1.0, 0.0, rests[4]):
-        _level(task, DET, n - 1, 1.0, 0.0)
+    if q[SLIDE] != 0 and not _solvable(task, n):
         best = _search(task, n - 1, 0, NO_SOLUTION, 0, best)
     return best
 
 
-@jit
+@inlined
 def _uplift(task: Task, n: int, best: Found) -> Found:
     """Uplift of the resting statue to either side."""
     for side in (1, -1):
@@ -146,8 +171,8 @@ def _uplift(task: Task, n: int, best: Found) -> Found:
     return best
 
 
-@jit
-def _friction(task: Task, n: int, rests: tuple[float, float, float, float, float], best: Found) -> Found:
+@inlined
+def _friction(task: Task, n: int, rests: Rests, best: Found) -> Found:
     """Start of the stuck pedestal to either side, or halt of the sliding one."""
     q, w, p = task.q, task.w, task.p
     if q[SLIDE] != 0:
@@ -156,7 +181,7 @@ def _friction(task: Task, n: int, rests: tuple[float, float, float, float, float
             _level(task, RATE, n, q[SLIDE], 0.0)
             best = _search(task, n, lo, HALT, q[SLIDE], best)
         return best
-    rest = 1.0e300 if p[DYNAMIC] == 0.0 or q[PIVOT] < 0 else p[MU_STATIC] * rests[2] + rests[3]
+    rest = math.inf if p[DYNAMIC] == 0.0 or q[PIVOT] < 0 else p[MU_STATIC] * rests[2] + rests[3]
     least = p[MU_STATIC] * (w[NORMAL, 0] - abs(w[NORMAL, 1]) * w[POWER, 1]) - rest
     if least > abs(w[FLOOR, 0]) + abs(w[FLOOR, 1]) * w[POWER, 1]:
         return best
@@ -172,7 +197,7 @@ def first_event(task: Task, n: int) -> Found:
     """The first event within the step whose coefficients and powers of length stand in the workspace."""
     q = task.q
     best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
-    rests = (0.0, 0.0, 0.0, 0.0, 0.0)
+    rests = (0.0, 0.0, 0.0, 0.0)
     if q[PIVOT] < 0:
         best = _uplift(task, n, best)
     else:
@@ -180,7 +205,7 @@ def first_event(task: Task, n: int) -> Found:
         best = _rotation(task, n, rests[0], best)
     if task.p[HAS_BASE] > 0.0:
         if q[PIVOT] < 0 and q[SLIDE] != 0:
-            rests = (0.0, 0.0, 0.0, 1.0e300, 0.0)
+            rests = (0.0, 0.0, 0.0, math.inf)
         best = _friction(task, n, rests, best)
     best = _contact(task, n, rests, best)
     side = int(task.p[WALL_SIDE])

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.borrowed import peek
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
@@ -75,7 +75,7 @@ def encode(motion: Excitation) -> tuple[Floats, Floats, Floats]:
     return row, empty, empty
 
 
-@jit
+@inlined
 def break_at(task: Task, axis: int) -> float:
     """Time of the motion's next break, s; infinite after the last."""
     kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
@@ -88,14 +88,14 @@ def break_at(task: Task, axis: int) -> float:
     return float(task.f[axis, START] if seg == 0 else task.f[axis, END])
 
 
-@jit
+@inlined
 def is_jump(task: Task, axis: int) -> bool:
     """Whether a itself may jump at the break that was passed last."""
     kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
     return bool(kind != HARMONIC and (kind != SAMPLED or seg == 1 or seg == task.length[TIMES + axis]))
 
 
-@jit
+@inlined
 def is_over(task: Task, axis: int) -> bool:
     """Whether the motion is exactly zero from now on."""
     kind, seg = int(task.f[axis, KIND]), task.q[SEG + axis]
@@ -104,14 +104,14 @@ def is_over(task: Task, axis: int) -> bool:
     return bool(kind == NONE or (kind != HARMONIC and seg >= 2))
 
 
-@jit
+@inlined
 def look_ahead(task: Task) -> None:
     """Note how far the motions are smooth, and whether both are over."""
     task.s[LIMIT] = min(break_at(task, ALONG_X), break_at(task, ALONG_Z), task.p[DURATION])
     task.q[OVER] = 1 if is_over(task, ALONG_X) and is_over(task, ALONG_Z) else 0
 
 
-@jit
+@inlined
 def sampled(task: Task, axis: int) -> tuple[float, float, float]:
     """Time and acceleration of the sample that the record has passed last, and the slope to the next; zero outside."""
     seg = task.q[SEG + axis]
@@ -123,7 +123,7 @@ def sampled(task: Task, axis: int) -> tuple[float, float, float]:
     return start, scale * first, slope
 
 
-@jit
+@inlined
 def sampled_at(task: Task, axis: int, time: float) -> float:
     """A record's acceleration at a time within its present segment; the sample itself at its own time."""
     start, first, slope = sampled(task, axis)
@@ -139,7 +139,7 @@ def prepare(task: Task, axis: int) -> None:
         power *= task.f[axis, OMEGA] * INVERSE[k + 1]
 
 
-@jit
+@inlined
 def _oscillation(task: Task, axis: int, row: int, n: int, sine: float, cosine: float) -> None:
     """amplitude sin(ωτ + φ) with sine = sin φ, cosine = cos φ."""
     w, wave = task.w, task.wave
@@ -158,7 +158,7 @@ def _ricker(w: Floats, row: int, n: int, amplitude: float, omega: float, xi: flo
         e0, e1, e2 = -w2 * (xi * e0 + e1) / (k + 1), e0, e1
 
 
-@jit
+@inlined
 def coefficients(task: Task, axis: int, row: int) -> int:
     """Write the Taylor coefficients of the acceleration about the present into the row of the workspace; return the degree.
 

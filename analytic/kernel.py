@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.collision import land
 from analytic.dynamics import expand
 from analytic.energy import decide
@@ -90,7 +90,7 @@ MAX_STEPS: Final = 5_000_000
 """Steps after which a run is given up as undecided."""
 
 
-@jit
+@inlined
 def _length(task: Task, n: int, h: float) -> float:
     """Step at which the last two terms fall below the tolerance, at most h (Jorba and Zou's rule)."""
     w, p = task.w, task.p
@@ -105,7 +105,7 @@ def _length(task: Task, n: int, h: float) -> float:
     return h
 
 
-@jit
+@inlined
 def _expand_step(task: Task, h: float) -> tuple[int, float]:
     """Coefficients of the step that starts now: their order, and the length for which they hold, at most h."""
     q, w = task.q, task.w
@@ -151,7 +151,7 @@ def _handle(task: Task, kind: int, side: int, residual: float) -> None:
         record(task, kind, s[S_OM], s[S_V], 0.0, 0, residual)
 
 
-@jit
+@inlined
 def _pass_breaks(task: Task) -> bool:
     """Count the breaks reached; whether an acceleration may have jumped at one of them."""
     jump = False

@@ -86,14 +86,10 @@ FLOOR: Final = 11  # F, floor on pedestal
 NORMAL: Final = 12  # N, floor on pedestal
 PIVOT_V: Final = 13  # V, support on statue
 PIVOT_H: Final = 14  # H, support on statue
-W2: Final = 15
-ZX: Final = 16
-ZZ: Final = 17
-DET: Final = 18
-ACC: Final = 19
-EVENT: Final = 20
-POWER: Final = 21  # h^k
-N_ROWS: Final = 22
+DET: Final = 15  # determinant of the sliding system, kg m²
+EVENT: Final = 16
+POWER: Final = 17  # h^k
+N_ROWS: Final = 18
 
 # State s and discrete state q.
 T: Final = 0

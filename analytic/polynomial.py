@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.layout import Floats
 
 NO_ROOT: Final = 2.0
@@ -17,7 +17,7 @@ TANGENT_LEVEL: Final = 12
 """An interval this small left undecided means that the function came within 2⁻²⁷ of its curvature to zero."""
 
 
-@jit
+@inlined
 def value(w: Floats, row: int, n: int, x: float) -> float:
     """Value at x of the polynomial with coefficients w[row, 0..n]."""
     s = float(w[row, n])
@@ -26,7 +26,7 @@ def value(w: Floats, row: int, n: int, x: float) -> float:
     return s
 
 
-@jit
+@inlined
 def slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
     """First derivative at x of Σ w[row, lo + k] x^k."""
     s = 0.0
@@ -35,7 +35,7 @@ def slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
     return s
 
 
-@jit
+@inlined
 def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
     s = float(w[row, n])
     for k in range(n - 1, lo - 1, -1):
@@ -112,7 +112,7 @@ def first_root(w: Floats, row: int, lo: int, n: int) -> tuple[float, int]:
             return NO_ROOT, deepest
 
 
-@jit
+@inlined
 def leading(w: Floats, row: int, n: int, scale: float, time_s: float) -> int:
     """Index of the first coefficient that is more than rounding: |w[row, k]| time_s^k above 1e-10 of scale; n + 1 if none."""
     power = 1.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.borrowed import peek
 from analytic.dynamics import expand, vertex
 from analytic.forcing import coefficients
@@ -64,7 +64,7 @@ UNSURE: Final = -1
 """All terms so far are zero."""
 
 
-@jit
+@inlined
 def load(task: Task) -> None:
     """Fill the first column of the workspace, and the floor's accelerations unless they stand there."""
     w, s, q = task.w, task.s, task.q
@@ -76,7 +76,7 @@ def load(task: Task) -> None:
         q[LOADED] = 1
 
 
-@jit
+@inlined
 def corner(task: Task, facet: int, side: int) -> tuple[float, float, float]:
     """X and Z of the facet's corner on that side, resting on the facet, and the statue's inertia about it."""
     k = facet + 1 if side > 0 else facet
@@ -89,7 +89,7 @@ def corner(task: Task, facet: int, side: int) -> tuple[float, float, float]:
     return z * sine - x * cosine, x * sine + z * cosine, j
 
 
-@jit
+@inlined
 def lift_margin(task: Task, side: int, n: int) -> float:
     """Write the coefficients 0..n of the moment that keeps the resting statue down on that side; return their scale."""
     x, z, _ = corner(task, task.q[FACET], side)
@@ -99,7 +99,7 @@ def lift_margin(task: Task, side: int, n: int) -> float:
     return float(abs(w[GE, 0] * x) + abs(w[ABS, 0] * z))
 
 
-@jit
+@inlined
 def stick_margin(task: Task, side: int, n: int) -> float:
     """Write the coefficients 0..n of μ_s N ± F, which falls to zero as the pedestal starts to that side; return their scale."""
     w, p = task.w, task.p
@@ -110,21 +110,21 @@ def stick_margin(task: Task, side: int, n: int) -> float:
     return float(total * (abs(w[GE, 0]) + abs(w[AX, 0])))
 
 
-@jit
+@inlined
 def omega_zeros(task: Task, n: int) -> int:
     """Leading coefficients of θ̇ that are rounding only."""
     scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[ABS, 0])) / task.p[CENTROID]
     return leading(task.w, OM, n, scale, task.p[TIME_SCALE])
 
 
-@jit
+@inlined
 def rate_zeros(task: Task, n: int) -> int:
     """Leading coefficients of u̇ that are rounding only."""
     scale = task.p[TIME_SCALE] * (abs(task.w[GE, 0]) + abs(task.w[AX, 0]))
     return leading(task.w, RATE, n, scale, task.p[TIME_SCALE])
 
 
-@jit
+@inlined
 def falling(task: Task) -> bool:
     """Whether the statue leans beyond its balance point and moves away: losing its corner then ends no run."""
     pivot, w = task.q[PIVOT], task.w
@@ -132,7 +132,7 @@ def falling(task: Task) -> bool:
     return bool(right or (pivot == 0 and w[PX, 0] < 0.0 and w[OM, 0] < 0.0))
 
 
-@jit
+@inlined
 def _holds(task: Task, scale: float, n: int) -> int:
     """1 if the margin in the EVENT row is positive or zero for ever, 0 if not, UNSURE if that takes more than n terms."""
     lead = leading(task.w, EVENT, n, scale, task.p[TIME_SCALE])
@@ -141,7 +141,7 @@ def _holds(task: Task, scale: float, n: int) -> int:
     return 1 if task.w[EVENT, lead] > 0.0 else 0
 
 
-@jit
+@inlined
 def _moves(task: Task, row: int, lead: int, n: int, sign: int) -> int:
     """1 if the rate in the row grows to that side, 0 if not, UNSURE if that takes more than n terms."""
     if lead > n:
@@ -149,7 +149,7 @@ def _moves(task: Task, row: int, lead: int, n: int, sign: int) -> int:
     return 1 if task.w[row, lead] * sign >= 0.0 else 0
 
 
-@jit
+@inlined
 def _keeps(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool, n: int) -> int:
     """1 if the accelerations of the expanded joint state keep its signs, 0 if not, UNSURE if that takes more than n terms."""
     if rock_free and pivot >= 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.borrowed import poke
 from analytic.layout import (
     BREAK,
@@ -69,13 +69,13 @@ def _crossing(task: Task, row: int, n: int, tau: float, sign: float) -> float:
     return min(x, 1.0) * tau
 
 
-@jit
+@inlined
 def _peak(task: Task, theta: float, time: float) -> None:
     if abs(theta) > abs(task.r[PEAK]):
         task.r[PEAK], task.r[PEAK_TIME] = theta, time
 
 
-@jit
+@inlined
 def move(task: Task, n: int, tau: float) -> float:
     """Set the state to the step's polynomials at tau; return X there."""
     s, w = task.s, task.w
@@ -101,7 +101,7 @@ def _fill(task: Task, n: int, until: float) -> None:
         q[GRID] += 1
 
 
-@jit
+@inlined
 def follow(task: Task, n: int, tau: float, until: float) -> None:
     """Move the state to the end of a step of length tau, at until, and keep what is wanted of it; the clock stays."""
     w, s, q, r = task.w, task.s, task.q, task.r
