@@ -20,6 +20,7 @@ from harness.history import Outcome
 from harness.plan import plan
 from harness.record import SCHEMA_VERSION, Run
 from harness.scene import Scene
+from harness.standstill import standstill
 
 if TYPE_CHECKING:
     from harness.comparator import Scores
@@ -175,6 +176,9 @@ def run_scene(
         )
         for a, b in itertools.combinations(answers, 2)
     }
+    still = standstill(scene, answers)
+    if still is not None:
+        scene = scene.but(notes=(*scene.notes, still))
     plain = [step.as_dict() for step in steps]
     return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons)
 

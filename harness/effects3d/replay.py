@@ -10,6 +10,7 @@ from harness.effects3d.conditions import BASELINE, amplified, changed_scene
 from harness.effects3d.search import peak_g
 from harness.run import run_scene, write_result
 from harness.scene import Scene
+from harness.standstill import motion_sized
 
 PLANAR: Final = "analytic"
 
@@ -48,15 +49,12 @@ def write_replay(found: Mapping[str, Any], scene: Scene, folder: Path) -> dict[s
 def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:
     """The command that runs the same case by itself; empty where the motion has no single key for its size."""
     given: Mapping[str, Any] = scene.given
-    motion = given.get("motion", {}).get("x", {})
-    keys = {"pulse": "amplitude_g", "harmonic": "amplitude_g", "record": "scale"}
-    key = keys.get(str(motion.get("kind")))
-    if key is None or scene.source is None:
+    sized = motion_sized(scene, peak / peak_g(scene))
+    if not sized or scene.source is None:
         return ""
-    value = peak if key == "amplitude_g" else float(motion.get("scale", 1.0)) * peak / peak_g(scene)
     turn = float(given["statue"]["mesh"].get("azimuth_deg", 0.0)) - azimuth_deg
     still = "".join(f" --set motion.{axis}=none" for axis in "yz" if axis in given["motion"])
     return (
         f"rockcheck run {scene.source.name} -e {PLANAR} -e {engine} --dt {dt_s:g} --set statue.mesh.azimuth_deg={turn:g}"
-        f" --set motion.x.{key}={value:.6g}{still}"
+        f" --set {sized}{still}"
     )

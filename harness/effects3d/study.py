@@ -56,19 +56,25 @@ class Summary:
     found: int
     runs: int
     failed: int
+    cpu_s: float
 
     def __str__(self) -> str:
-        parts = [f"{self.directions} directions", f"{self.asked} searches", f"{self.runs} runs"]
+        parts = [
+            f"{self.directions} directions",
+            f"{self.asked} searches",
+            f"{self.runs} runs, {self.cpu_s:.0f} s of processor time",
+        ]
         parts += [f"{self.found} searches found finished"] if self.found else []
         parts += [f"{self.failed} failed"] if self.failed else []
         return ", ".join(parts)
 
 
-def answer(task: Task) -> Answer:
-    """What a worker does."""
+def answer(task: Task) -> tuple[Answer, float]:
+    """What a worker does, and the processor time, s, that it took."""
+    begin = time.process_time()
     scene = task.base.scene({})
     kinds: dict[str, Callable[..., Answer]] = {"search": find, "band": band, "departure": departure}
-    return kinds[task.kind](scene, *task.arguments)
+    return kinds[task.kind](scene, *task.arguments), time.process_time() - begin
 
 
 class Ledger:
@@ -77,19 +83,20 @@ class Ledger:
     def __init__(self, path: Path) -> None:
         self._path = path
         self.known: dict[str, dict[str, Any]] = {}
+        self.spent_s: dict[str, float] = {}
         if path.is_file():
             for line in path.read_text(encoding="utf-8").splitlines():
                 try:
                     entry = json.loads(line)
                 except json.JSONDecodeError:
                     continue
-                self.known[entry["key"]] = entry["answer"]
+                self.known[entry["key"]], self.spent_s[entry["key"]] = entry["answer"], entry["seconds"]
 
-    def put(self, key: str, found: Answer) -> None:
-        """Keep an answer."""
-        self.known[key] = record.to_plain(asdict(found))
+    def put(self, key: str, found: Answer, seconds: float) -> None:
+        """Keep an answer and the processor time that it took."""
+        self.known[key], self.spent_s[key] = record.to_plain(asdict(found)), seconds
         with self._path.open("a", encoding="utf-8") as stream:
-            stream.write(json.dumps({"key": key, "answer": self.known[key]}) + "\n")
+            stream.write(json.dumps({"key": key, "seconds": round(seconds, 4), "answer": self.known[key]}) + "\n")
 
 
 class Questions:
@@ -100,6 +107,7 @@ class Questions:
         everything = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
         self._digest = scene_digest(scene, everything)
         self.asked = self.found = self.runs = self.failed = 0
+        self.seconds = 0.0
 
     def ask(self, kind: str, questions: Sequence[tuple[Any, ...]]) -> list[dict[str, Any]]:
         """The answers in the questions' order; one whose process died is left out and counted."""
@@ -109,7 +117,7 @@ class Questions:
         self.found += len(tasks) - len(left)
         finished = 0
 
-        def done(task: Task, found: Answer | BaseException) -> None:
+        def done(task: Task, found: tuple[Answer, float] | BaseException) -> None:
             nonlocal finished
             finished += 1
             self._told(finished, len(left))
@@ -118,13 +126,14 @@ class Questions:
                 return
             if isinstance(found, BaseException):
                 raise found
-            self._ledger.put(task.key, found)
+            self._ledger.put(task.key, *found)
 
         if left:
             self._told(0, len(left))
             self._pool.run(answer, left, done)
         answers = [self._ledger.known[task.key] for task in tasks if task.key in self._ledger.known]
         self.runs += sum(int(item.get("runs", 1)) for item in answers)
+        self.seconds += sum(self._ledger.spent_s.get(task.key, 0.0) for task in tasks)
         return answers
 
     def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
@@ -160,7 +169,9 @@ def run_effects(
         "machine": record.machine(),
     }
     found["replay"] = write_replay(found, scene, folder / "replay")
-    summary = Summary(study.directions, questions.asked, questions.found, questions.runs, questions.failed)
+    summary = Summary(
+        study.directions, questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
+    )
     found["summary"] = {"sentence": str(summary), **asdict(summary)}
     found["seconds"] = time.perf_counter() - start
     plain: dict[str, Any] = record.to_plain(found)

@@ -204,9 +204,10 @@ def test_the_band_holds_the_model_and_narrows_without_errors(block: Scene) -> No
 
 def test_a_cut_line_of_the_ledger_is_left_out(tmp_path: Path, block: Scene) -> None:
     file = tmp_path / "searches.jsonl"
-    Ledger(file).put("a", find(block, BASELINE, 0.0, "analytic", SEARCH))
+    Ledger(file).put("a", find(block, BASELINE, 0.0, "analytic", SEARCH), 0.5)
     file.write_text(file.read_text() + '{"key": "b", "ans')
     assert set(Ledger(file).known) == {"a"}
+    assert Ledger(file).spent_s == {"a": 0.5}
 
 
 def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
@@ -276,6 +277,7 @@ def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path
     out = tmp_path / "out"
     found, summary = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1), lambda done, total: None)
     assert summary.failed == 0
+    assert summary.cpu_s > 0.0
     assert found["left_out"] == {"base planed flat": "the base is flat"}
     assert {row["condition"] for row in found["rows"]} == {BASELINE, "centroid 3 % higher"}
     assert found["replay"] is not None
