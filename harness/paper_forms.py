@@ -199,6 +199,11 @@ centroid) with and without its pedestal, μ_s = 0.20, μ_k = 0.15. Each column c
 A cell holds the largest rotation in radians of a statue that stands, or the side to which it overturns and the time of no return.
 Where a column differs from `consistent` in outcome, that reading decides the answer; overturning to the other side counts as
 another outcome. Readings that concern only the pedestal are left out on the floor.
+
+A history over {duration:.0f} s goes beyond its horizon of prediction (one to a few seconds on the pedestal, docs/scores.md).
+Where a statue rocks on for long, its peak and slip are one possibility among several, and rounding alone moves them: between two
+builds of this program that agree to 1e-8 rad within the first 2 s, peaks moved by up to 0.01 rad, slips by up to 20 mm. A change
+smaller than that says nothing.
 """
 
 UNCOUNTED: Final = """## What has no number
