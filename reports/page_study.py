@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from reports.assets import source_text
-from reports.design_figures import design_figures
+from reports.design_figures import best_designs, design_figures
 from reports.map_figures import map_axes, map_figures
 from reports.numbers import heading, label, listed, plain, short, unit
 from reports.pedestal_effect import pedestal_effect
@@ -106,6 +106,8 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
         f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
         for first, second, same, total in pairs
     ]
+    keys = [key for key in record["vary"] if key in varying_keys(found)]
+    points += best_designs(models, found, map_axes(found, keys))
     points += left_domain(record["rows"])
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     tone = "agree" if same == total else "differ"
