@@ -123,9 +123,7 @@ class Lagrange:
         k = self.case
         f = self.forces(side, slide, y[0], y[1], ax, az)
         turned = side * y[0]
-        found = {"lift_off": min(f.normal, f.pivot_normal)}
-        if self.falling(side, y):  # there only the pedestal may not be lifted
-            found = {"lift_off": f.normal} if k.pedestal_kg is not None else {}
+        found = {"lift_off": self.carried(f, side, y)}
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:
@@ -144,6 +142,12 @@ class Lagrange:
                     found["friction_paradox"] = f.determinant
         return found
 
+    def carried(self, f: Forces, side: int, y: NDArray[np.float64]) -> float:
+        """What must stay positive for contact: in a fall only the pedestal may not be lifted."""
+        if self.falling(side, y):
+            return f.normal if self.case.pedestal_kg is not None else math.inf
+        return min(f.normal, f.pivot_normal)
+
     def falling(self, side: int, y: NDArray[np.float64]) -> bool:
         """Beyond its balance point and moving away: leaving the corner there is part of overturning."""
         return bool(self.case.gap(side) == math.inf and side * y[0] > self.lean(side) and side * y[1] > 0.0)
@@ -157,7 +161,7 @@ class Lagrange:
         f = self.forces(side, slide, y[0], y[1], ax, az)
         if side and slide and f.determinant <= 0.0:
             return "friction_paradox"
-        if (f.normal if self.falling(side, y) else min(f.normal, f.pivot_normal)) <= 0.0:
+        if self.carried(f, side, y) <= 0.0:
             return "lift_off"
         return "holds" if self.feasible(f, side, slide, y, az, slip) else "fails"
 
