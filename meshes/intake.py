@@ -40,6 +40,8 @@ def read_mesh(path: str | Path) -> RawMesh:
         raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
     if file.stat().st_size == 0:
         raise MeshError(f"{file}: wanted a mesh, got an empty file — export it again")
+    if file.suffix.lower() == ".stl":
+        _must_be_stl(file)
     vertices, faces = _triangles(file)
     if not np.isfinite(vertices).all():
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
@@ -84,10 +86,24 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
     return vertices, faces
 
 
+def _must_be_stl(file: Path) -> None:
+    """Refuse a file that is neither of the two forms of STL before a reader guesses at its encoding."""
+    size = file.stat().st_size
+    with file.open("rb") as stream:
+        head = stream.read(1024)
+    count = int.from_bytes(head[80:84], "little")
+    text = head.lstrip().startswith(b"solid") and b"facet" in head
+    if not text and (len(head) < 84 or size != 84 + 50 * count):
+        raise MeshError(
+            f"{file}: wanted an STL, got {size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in"
+            " text (solid … facet …) — export it again"
+        )
+
+
 def _reason(error: Exception) -> str:
     """What the reader stumbled over, in a few words; its own errors are often those of an array that did not fit."""
     text = " ".join(str(error).split())
-    plain = isinstance(error, ValueError | KeyError | IndexError | TypeError) or not text
+    plain = isinstance(error, ValueError | LookupError | TypeError | ImportError) or not text
     return f"its content is not that of such a file: {text[:80] or type(error).__name__}" if plain else text[:160]
 
 

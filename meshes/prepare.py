@@ -20,6 +20,9 @@ from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 from meshes.stance import find_stance, turn_axis
 from meshes.topology import EdgeCount
 
+WIDEST = 2.0
+"""No statue's diagonal exceeds the tallest's height by more."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -91,6 +94,7 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     """Prepare a mesh already read; `suffix` tells whether its format fixes the unit (GLB and GLTF are in metres)."""
     state = Prepared(mesh, Account(mesh.source))
     _must_have_thickness(mesh)
+    _must_be_of_a_statue_s_size(mesh, wanted)
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
     state = _scaled(state, wanted, suffix)
@@ -110,6 +114,18 @@ def _must_have_thickness(mesh: RawMesh) -> None:
             f"{mesh.source}: wanted a body, got a flat sheet of {extent[0]:.4g} × {extent[1]:.4g} × {extent[2]:.4g}"
             f" units"
             " — scan it from all sides"
+        )
+
+
+def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
+    """Refuse an absurd unit before the up axis is looked for: whichever it is, no statue has such a diagonal."""
+    if wanted.unit is None:
+        return
+    size = unit_length_m(wanted.unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
+        raise MeshError(
+            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got a body of {size:.4g} m from"
+            f" corner to corner with unit {wanted.unit} — check the unit the scan was exported in"
         )
 
 

@@ -11,7 +11,7 @@ from meshes import MeshError, Solid, load_solid
 from meshes.loft import union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
-from tests.meshes.scanner import write
+from meshes.scanner import write
 from tests.meshes.shapes import box
 
 METRES = Wanted(unit="m", up="z")
@@ -29,6 +29,8 @@ def test_missing_empty_foreign_and_broken_files(tmp_path: Path) -> None:
         ("empty.obj", "", "empty file"),
         ("statue.txt", "x", "one of .ply"),
         ("broken.ply", "ply\nnonsense", "does not parse"),
+        ("text.stl", "hello, no mesh\n" * 20, "neither a binary one"),
+        ("noise.stl", "\x8f\x01\xfe" * 400, "neither a binary one"),
         ("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no face|does not parse"),
     ):
         (tmp_path / name).write_text(content)
@@ -73,6 +75,12 @@ def test_absurd_units(unit: str | float, said: str) -> None:
     vertices, faces = box(0.4, 0.7, 1.5)
     with pytest.raises(MeshError, match=said):
         prepare_mesh(RawMesh(10.0 * vertices, faces, "block"), Wanted(unit=unit, up="z"))
+
+
+def test_kilometres_are_told_before_an_up_axis_is_asked_for() -> None:
+    vertices, faces = box(4e3, 7e3, 7e3)
+    with pytest.raises(MeshError, match="from corner to corner with unit m"):
+        prepare_mesh(RawMesh(vertices, faces, "mountain"), Wanted(unit="m"))
 
 
 def test_no_unit_is_never_guessed() -> None:

@@ -31,10 +31,12 @@ class Faults:
 
 def scan(solid: Solid, faults: Faults) -> RawMesh:
     """The solid's surface as scanned: dense, noisy, open below, with crumbs, in the wrong axes and unit."""
-    from trimesh.remesh import subdivide_to_size
+    from trimesh import remesh
 
     random = np.random.default_rng(faults.seed)
-    vertices, faces = subdivide_to_size(solid.vertices_m, solid.faces, max_edge=faults.edge_m)
+    vertices, faces = remesh.subdivide_to_size(  # type: ignore[no-untyped-call]
+        solid.vertices_m, solid.faces, max_edge=faults.edge_m
+    )
     mesh = weld_exact(np.asarray(vertices), np.asarray(faces, dtype=np.int64))
     if faults.open_below:
         mesh = _without_base(mesh, faults.ragged_m)
