@@ -182,19 +182,22 @@ def _iii(answers: Sequence[Answer]) -> tuple[int, int, str]:
     if not cases:
         return 0, 0, "no pairs"
     low_text, high_text = (f"{np.mean(gains[low]):+.3f} rad" for low in (True, False))
-    return held, cases, f"mean advantage {low_text} up to {LOW_HZ:g} Hz, {high_text} above; in {held} of {cases} series"
+    text = f"mean advantage {low_text} up to {LOW_HZ:g} Hz, {high_text} above (an overturned statue counts with the rotation "
+    return held, cases, f"{text}at which its run ends); in {held} of {cases} series"
 
 
 def _iv(answers: Sequence[Answer]) -> tuple[int, int, str]:
     series: dict[tuple[Any, ...], list[Answer]] = {}
     for item in answers:
         series.setdefault((item.restitution, item.amplitude_g, item.pedestal), []).append(item)
-    falls = steps = 0
+    falls = steps = fallen = 0
     for members in series.values():
-        peaks = [item.peak_rad for item in sorted(members, key=lambda item: item.frequency_hz)]
-        steps += len(peaks) - 1
-        falls += sum(after <= before for before, after in pairwise(peaks))
-    return falls, steps, f"the peak falls in {falls} of {steps} steps to the next frequency"
+        ordered = sorted(members, key=lambda item: item.frequency_hz)
+        steps += len(ordered) - 1
+        falls += sum(after.peak_rad <= before.peak_rad for before, after in pairwise(ordered))
+        fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
+    text = f"the peak does not rise in {falls} of {steps} steps to the next frequency; in {fallen} both overturn"
+    return falls, steps, text
 
 
 def _v(answers: Sequence[Answer]) -> tuple[int, int, str]:
