@@ -3,8 +3,9 @@
 The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene`, `label`, `group` = `ladder` | `accuracy` |
 `default` | `peer`, `dt_s`, `error_rad`, `cpu_s` (processor time), `wall_s`, `steps`, `real_time_factor`, `reference`,
 `chosen` (what the target accuracy takes), `stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each
-`engine`, `quantity`, `value`, `wall_s`, `memory_mb`), `coverage` by engine (`inside` of `total`), `sentences` computed from
-the rows, `versions`, `machine`, `seconds`.
+`engine`, `quantity`, `value`, `wall_s`, `memory_mb`), `coverage` by engine (`inside` of `total`), `choice`,
+`skips`, `solvers`, `throughput`, `overhead`, `parts` (reports/bench_tables.py), `sentences` computed from the rows,
+`versions`, `machine`, `seconds`.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from reports.bench_tables import tables
 from reports.numbers import digits, heading, unit
 from reports.palette import HAIRLINE, INK, MUTED, look
 from reports.words import Verdict
@@ -38,7 +40,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "chips": [],
         "charts": charts,
         "scaling": scaling,
-        "coverage": [(name, f"{item['inside']} of {item['total']}") for name, item in record["coverage"].items()],
+        "extra": tables(record),
         "heads": [
             "engine",
             "setting",
@@ -135,9 +137,9 @@ def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: 
     }  # fmt: skip
     axis = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
     layout = {
-        "height": 430, "xaxis": {**axis, "title": {"text": "time to compute  [s]"}}, "shapes": [shape],
-        "yaxis": {**axis, "title": {"text": "error  [rad]"}}, "margin_top": 60,
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+        "height": 600, "margin_bottom": 250, "xaxis": {**axis, "title": {"text": "time to compute  [s]"}}, "shapes": [shape],
+        "yaxis": {**axis, "dtick": 2, "title": {"text": "error  [rad]"}}, "margin_top": 20,
+        "legend": {"orientation": "h", "y": -0.28, "yanchor": "top"},
     }  # fmt: skip
     return {"data": data, "layout": layout}
 

@@ -151,7 +151,21 @@ def write_bench(folder: Path) -> Path:
             "target_rad": 1e-3,
             "rows": bench_rows(),
             "scaling": scaling,
-            "coverage": {"pymunk": {"inside": 15, "total": 15}, "pybullet": {"inside": 14, "total": 15}},
+            "coverage": {"pymunk": {"inside": 15, "total": 15}, "pybullet": {"inside": 14, "total": 15, "missed": [7]}},
+            "choice": [
+                {"engine": "pymunk", "scenes": 3, "met": 3, "total_s": 0.3, "fixed_s": 1.2, "share": 0.25}
+                | {"worst_times": 2.5, "worst_scene": "harmonic, pedestal"},
+                {"engine": "pybullet", "scenes": 3, "met": 2, "total_s": 3.0, "fixed_s": None, "share": None}
+                | {"worst_times": None, "worst_scene": None},
+            ],
+            "skips": [
+                {"skip": "all together", "engine": "analytic", "scenes": 48, "on_s": 0.1, "off_s": 0.8, "gain": 8.0}
+                | {"same": True, "changed": []},
+                {"skip": "quiet_end", "engine": "pymunk", "scenes": 1, "on_s": 1.0, "off_s": 3.0, "gain": 3.0}
+                | {"same": False, "changed": ["stands, without overturned_left"], "apart_rad": 1e-7},
+                {"skip": "quiet_start", "engine": "pymunk", "failed": "no record here"},
+            ],
+            "parts": [{"part": "precision", "wall_s": 60.0, "tasks": 3, "left": []}],
             "sentences": ["pymunk meets 1e-3 rad at 250 times real time"],
         },
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.record import write_json
+from reports.bench_tables import tables as bench_tables
 from reports.page import write_report
 from reports.page_bench import bench_verdict, on_front
 from reports.page_stress import stress_verdict
@@ -150,3 +151,22 @@ def test_settings_of_one_engine_look_different() -> None:
     coarse, fine = _styles({"models": models}).values()
     assert coarse[0] == fine[0]
     assert coarse[1] != fine[1]
+
+
+def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
+    record = read_record(invented_records.write_bench(tmp_path))
+    found = bench_tables(record)
+    assert [row[0] for row in found["skips"][0][2]] == [
+        "all together, analytic",
+        "quiet end, pymunk",
+        "quiet start, pymunk",
+    ]
+    texts = [row[1][-1] for row in found["skips"][0][2]]
+    assert texts == ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
+    assert found["choice"][0][2][0][1][:4] == ["3 of 3", "0.30", "1.2", "0.25"]
+    assert found["choice"][0][2][1][1][2:] == ["–", "–", "–", "–"]
+    assert found["choice"][1][2][1][1] == ["14 of 15", "7"]
+    assert found["others"] == [], "what is not measured has no empty table"
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "What is left out" in page
+    assert "Beside other solvers" not in page
