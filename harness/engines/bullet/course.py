@@ -20,9 +20,12 @@ from harness.engines.bullet.stepper import Record, Row, Stepper, reader
 from harness.engines.bullet.world import World
 from harness.plan import first_motion_s, limit_of_rest_m_s2
 from harness.scene import Scene
+from meshes.footprint import margin_m, reach_m
 
 Array = NDArray[np.float64]
 
+SAME_SHARE = 1.0 - 1e-9
+"""A distance is the same as another when it is no smaller than by rounding."""
 FLAT_BASE_M = 1e-9
 """Base vertices at heights closer than this stand on one plane."""
 
@@ -144,12 +147,11 @@ def quiet_start_s(scene: Scene, setup: Setup) -> float:
     polygon = scene.statue.footprint_m
     if setup.rest.lean_rad > 0.0 or float(np.ptp(polygon[:, 2])) > FLAT_BASE_M:
         return 0.0
-    if not isinstance(scene.shake.y, Rest):
-        sides = np.roll(polygon, -1, axis=0) - polygon
-        across = polygon[:, 0] * sides[:, 1] - polygon[:, 1] * sides[:, 0]
-        margin = float(np.min(across / np.hypot(sides[:, 0], sides[:, 1])))
-        if margin < min(scene.statue.corner_left_m, scene.statue.corner_right_m):
-            return 0.0
+    # Pushed along x a body lifts where the push leaves its base, which may be met obliquely before its outermost corner.
+    along_x = isinstance(scene.shake.y, Rest)
+    margin = float(np.min(reach_m(polygon, [0.0, 180.0]))) if along_x else margin_m(polygon)
+    if margin < SAME_SHARE * min(scene.statue.corner_left_m, scene.statue.corner_right_m):
+        return 0.0
     if scene.contact.statue * scene.gravity_m_s2 < limit_of_rest_m_s2(scene):
         return 0.0
     return first_motion_s(scene)
