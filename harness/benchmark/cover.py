@@ -10,7 +10,7 @@ from harness.benchmark.precision import TARGET_RAD
 from harness.coverage import FIRST_SEED, coverage
 from harness.parts import Row
 
-SEEDS: Final = {"pybullet": 24, "pymunk": 96}
+SEEDS: Final = {"pybullet": 12, "pymunk": 48}
 """Seeded scenes, as many as the bench's time allows: `python -m harness.coverage` takes as many as are asked."""
 QUICK_SEEDS: Final = 2
 PIECE: Final = {"pybullet": 2, "pymunk": 8}

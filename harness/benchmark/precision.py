@@ -61,6 +61,12 @@ RIVALS: Final = (
 """The peer is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
 
 
+def tasks(quick: bool) -> list[str]:
+    """The scenes of the standard set, the longest first."""
+    names = [item.name for item in standard_set()]
+    return names[:3] if quick else sorted(names, key=lambda name: "Maria" not in name)
+
+
 def of(quick: bool, name: str) -> list[Row]:
     """All rows of one scene of the standard set; one that says why where a file of it is absent."""
     item = next(item for item in standard_set() if item.name == name)
@@ -69,6 +75,12 @@ def of(quick: bool, name: str) -> list[Row]:
     except InputError as error:
         return [{"scene": name, "absent": str(error)}]
     return list(rows_of(item, scene, list(engines.REGISTRY), quick=quick))
+
+
+def died(name: str) -> list[Row]:
+    """A scene whose process died: one row that says so."""
+    item = next(item for item in standard_set() if item.name == name)
+    return [_row(item, "any", "ladder", "all", failed="the process died")]
 
 
 def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[Row]:
@@ -157,17 +169,18 @@ def _rivals(item: Standard, scene: Scene, name: str, exact: Run | None) -> Itera
         t_s, theta = module.run(scene, settings)
         spent = cost(partial(module.run, scene, settings))
         row = _row(item, name, rival.group, rival.label, dt_s=settings.dt_s, spent=spent, scene=scene)
-        largest = _largest(t_s, theta, exact)
-        if not np.isfinite(largest):
+        apart = largest(t_s, theta, exact)
+        if not np.isfinite(apart):
             row |= {"failed": "its numbers diverged"}
-        yield row | {"error_rad": largest if np.isfinite(largest) else None, "steps": t_s.size - 1}
+        yield row | {"error_rad": apart if np.isfinite(apart) else None, "steps": t_s.size - 1}
 
 
-def _largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
+def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
+    """Largest difference of samples from the exact rotation, rad; infinite where a sample is not finite."""
     if exact.history is None or not np.all(np.isfinite(theta_rad)):
         return float("inf")
     inside = t_s <= exact.end_s
-    return float(np.max(np.abs(theta_rad[inside] - exact.history.at(t_s[inside]))))
+    return float(np.max(np.abs(theta_rad[: t_s.size][inside] - exact.history.at(t_s[inside]))))
 
 
 def error(run: Run, judge: Run, until_s: float | None = None) -> float:

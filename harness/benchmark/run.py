@@ -42,10 +42,10 @@ def run(
 
 
 def all_parts(quick: bool) -> list[Part]:
-    """The parts in the order in which they are measured: what is only counted on all cores, what is timed alone."""
+    """The parts as they are measured: by processor time on all cores, then those that are timed by the clock, alone."""
     return [
+        Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
         Part("coverage", cover.tasks(quick), cover.compute, cover.died),
-        Part("precision", [item.name for item in standard_set()[: 3 if quick else None]], partial(precision.of, quick)),
         Part("skips", skips.tasks(quick), skips.compute),
         Part("alone", alone.tasks(quick), alone.compute),
         Part("scaling", scaling.tasks(quick), scaling.compute),
@@ -57,7 +57,8 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
-    timed = [row for row in rows["precision"] if "absent" not in row]
+    order = [item.name for item in standard_set()]
+    timed = sorted((row for row in rows["precision"] if "absent" not in row), key=lambda row: order.index(row["scene"]))
     spent = parts.seconds(measured)
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,

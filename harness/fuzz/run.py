@@ -78,8 +78,8 @@ def fuzz(inputs: int, seed: int = 0) -> list[Row]:
 
 
 def tasks(inputs: int, seed: int = 0) -> list[str]:
-    """The work in pieces that can be computed apart: a kind and the first and last of its seeds."""
-    each = inputs // len(kinds())
+    """At least so many inputs in pieces that can be computed apart: a kind and the first and last of its seeds."""
+    each = -(-inputs // len(kinds()))
     return [
         f"{kind.name}: {begin} to {min(begin + PIECE, seed + each) - 1}"
         for kind in kinds()

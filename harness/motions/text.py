@@ -56,6 +56,8 @@ def fixed_width(
 
     `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing or none.
     """
+    if width < 1:
+        raise mistake(where, what, "columns of one character or more", f"a format of {width}", "the file is damaged")
     padded = [line.rstrip() for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
     try:

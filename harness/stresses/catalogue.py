@@ -103,7 +103,7 @@ def _sizes() -> list[Hard]:
     for height in (0.01, 100.0):
         scale = math.sqrt(height)
         content = leaning(body(0.2 * height, height), 0.5, 3.0 * scale, output={"dt_s": 1e-3 * scale})
-        found.append(Hard(f"{height:g} m high", content, "stands", dt_s=5e-4 * scale))
+        found.append(Hard(f"{height:g} m high", content, "stands", dt_s=2.5e-4 * scale))
     return found
 
 

@@ -167,7 +167,7 @@ def _hulls() -> Row:
             statue = replace(scene.statue, mass_kg=300.0, inertia_kg_m2=26.0, centroid_height_m=0.5)
             scene = scene.but(statue=replace(statue, inertia_tensor_kg_m2=np.diag([26.0, 26.0, 2.0])))
             for engine in _here(ALL):
-                peaks[engine.name].append(_run(engine, scene, 1e-3).peak_theta_rad)
+                peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():
         spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
         found[name] = spread <= HULL_RAD, f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices"

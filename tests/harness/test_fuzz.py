@@ -9,7 +9,7 @@ import pytest
 
 from harness.fuzz.mutate import BINARY, TEXT, mutated
 from harness.fuzz.originals import SCENE, Kind, kinds, obj, ply, prepare
-from harness.fuzz.records import esm, smc
+from harness.fuzz.records import cosmos, esm, smc
 from harness.fuzz.run import attempt, died, fuzz, summed, tasks
 
 FOUND = {
@@ -38,6 +38,7 @@ FOUND = {
         esm().replace(b"NDATA: 40", b"NDATA: inf"),
         esm().replace(b"PGA_CM/S^2: ", b"PGA_CM/S^2: x"),
     ),
+    "motion COSMOS": (cosmos().replace(b"(10I8)", b"(10I0)", 1), cosmos().replace(b"(8F10.5)", b"(0F10.5)", 1)),
     "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
 }
 """Inputs that once ended in a traceback or never, by kind."""

@@ -14,7 +14,7 @@ from harness.engine import Want
 from harness.history import History, Outcome
 from harness.record import Run
 from harness.scene import Scene
-from harness.stresses import checks, more, scenes, stability
+from harness.stresses import checks, explained, more, scenes, stability
 from harness.stresses.catalogue import catalogue, leaning
 
 QUICK = ("released 1e-3 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
@@ -82,21 +82,37 @@ def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     assert stability.judge(scene, crashed, exact, False) == ("diverged", "died")
 
 
-def cell(setting: str, category: str, **more: Any) -> stability.Cell:
-    return stability.Cell("pymunk", setting, "hard", category, "evidence", **more)
+def cell(setting: str, category: str, **more: Any) -> explained.Cell:
+    return explained.Cell("pymunk", setting, "hard", category, "evidence", **more)
+
+
+def why(*row: explained.Cell, tightest: explained.Cell | None = None) -> list[str]:
+    return [item.explained for item in explained.explained(row, lambda: tightest)]
 
 
 def test_only_what_numbers_explain_is_explained() -> None:
-    row = [cell("a", "inaccurate", error_rad=1.0), cell("b", "stable", error_rad=1e-4)]
-    assert [item.explained for item in stability.explained(row)] == [
-        "the step is too long for this scene: b is stable",
-        "",
-    ]
-    worse = [cell("a", "inaccurate", error_rad=0.1), cell("b", "inaccurate", error_rad=0.2)]
-    assert [item.explained for item in stability.explained(worse)] == ["", ""]
-    falling = [cell("a", "drifting", gained_j=1.0), cell("b", "drifting", gained_j=0.3)]
-    assert "falls with the step" in list(stability.explained(falling))[1].explained
-    assert list(stability.explained([cell("a", "stable"), cell("b", "diverged")]))[1].explained == ""
+    wrong, stable = cell("a", "inaccurate", error_rad=1.0), cell("b", "stable", error_rad=1e-4)
+    assert why(wrong, stable) == ["the step is too long for this scene: b is stable", ""]
+    assert why(cell("a", "inaccurate", error_rad=0.1), cell("b", "inaccurate", error_rad=0.2)) == ["", ""]
+    better = cell("b", "inaccurate", error_rad=0.3)
+    assert "at b the error is 3.0e-01" in why(wrong, better)[0]
+    assert "the error falls with the step, from 1.0e+00" in why(wrong, better)[1]
+    falling = why(cell("a", "drifting", gained_j=1.0), cell("b", "drifting", gained_j=0.3))
+    assert all("falls with the step" in text for text in falling)
+    assert why(cell("a", "drifting", gained_j=1.0), cell("b", "drifting", gained_j=1.0)) == ["", ""]
+    assert why(cell("a", "stable"), cell("b", "diverged")) == ["", ""]
+
+
+def test_a_short_run_is_compared_over_its_own_time_only() -> None:
+    long = cell("a", "inaccurate", error_rad=1.0, early_rad=2e-3)
+    assert why(long, cell("b", "inaccurate", error_rad=2e-3, early_rad=2e-3, short=True)) == ["", ""]
+    assert all(why(long, cell("b", "inaccurate", error_rad=1e-3, early_rad=1e-3, short=True)))
+
+
+def test_the_finest_rung_explains_what_the_step_does_not() -> None:
+    stuck = cell("a", "inaccurate", error_rad=5e-3, early_rad=5e-3)
+    assert "unconverged: with tight" in why(stuck, tightest=cell("tight", "stable", early_rad=1e-4))[0]
+    assert why(stuck, tightest=cell("tight", "inaccurate", early_rad=4.9e-3)) == [""]
 
 
 @pytest.mark.parametrize("question", [more._repeated, more._mirrored, more._permuted, more._refined, more._no_motion])

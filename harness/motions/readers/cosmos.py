@@ -63,7 +63,7 @@ def _channel(
     lines: list[str], i: int, data: re.Match[str], numbers: dict[str, list[float]], head: str, where: str
 ) -> tuple[Channel, str]:
     count, duration, unit = int(data.group(1)), float(data.group(2)), data.group(3).strip().lower()
-    per_line, width = int(data.group(4) or 1), int(data.group(5))
+    per_line, width = max(int(data.group(4) or 1), 1), int(data.group(5))
     if unit not in _UNITS:
         raise mistake(
             where, f"line {i + 1}", "accelerations in cm/s² or g", repr(unit), "raw counts (V0): take V1 or V2"
