@@ -42,8 +42,10 @@ def drop_crumbs(mesh: RawMesh, largest_share: float) -> Mended:
 
 
 def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
-    """The faces at edges with more than two faces removed, to be closed as holes; raises MeshError if they are too
-    many."""
+    """At edges with more than two faces those that stick out removed, else all, to be closed as holes.
+
+    Raises MeshError if they are too many.
+    """
     edges = Edges.of(mesh.faces)
     branching = np.repeat(edges.faces_at > 2, edges.faces_at)
     count = int((edges.faces_at > 2).sum())
@@ -56,6 +58,13 @@ def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
             " — in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve"
         )
     bad = np.unique(edges.face[branching])
+    free = np.unique(edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
+    fins = np.intersect1d(bad, free)
+    if len(fins):
+        trimmed = mesh.with_faces(np.delete(mesh.faces, fins, axis=0))
+        if EdgeCount.of(trimmed.faces).branching == 0:
+            what = f"{count} edges with more than two faces: {len(fins)} faces that stick out there removed"
+            return trimmed, Change("non-manifold", what, len(fins))
     kept = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
     what = f"{count} edges with more than two faces: {len(bad)} faces there removed, to be closed as holes"
     return kept, Change("non-manifold", what, len(bad))
