@@ -26,6 +26,8 @@ from analytic.layout import (
     OVERTURN,
     OVERTURNED_LEFT,
     OVERTURNED_RIGHT,
+    PEAK,
+    PEAK_TIME,
     PIVOT,
     PX,
     PZ,
@@ -37,6 +39,7 @@ from analytic.layout import (
     TOUCHES_WALL,
     WALL_ROTATION,
     WALL_SIDE,
+    T,
     Task,
 )
 from analytic.states import corner
@@ -66,6 +69,13 @@ def _sticks(task: Task, j: float, energy: float, reach: float, lowest: float, ra
 
 
 @jit
+def _reach(task: Task, theta: float) -> None:
+    """Note a rotation that will be reached, at a time after this one that is not computed."""
+    if abs(theta) > abs(task.r[PEAK]):
+        task.r[PEAK], task.r[PEAK_TIME] = theta, task.s[T]
+
+
+@jit
 def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tuple[int, float]:
     """Outcome of moving to a side where no facet lies ahead, UNKNOWN with angle 0 to turn back, 1 to integrate."""
     p = task.p
@@ -79,9 +89,12 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
         if abs(margin) < NEAR_TIE:
             return UNKNOWN, 1.0
         if margin < 0.0:
+            _reach(task, side * (balance - math.acos(max(energy / weight, -1.0))))
             return UNKNOWN, 0.0
     if wall < p[OVERTURN]:
+        _reach(task, side * wall)
         return TOUCHES_WALL, 0.0
+    _reach(task, side * p[OVERTURN])
     return (OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT), 0.0
 
 

@@ -211,7 +211,7 @@ def _step(task: Task) -> None:
 @jit
 def _has_moved(task: Task) -> bool:
     """Whether the statue has rocked or the pedestal slid before."""
-    return bool(task.r[PEAK] > 0.0 or task.r[PEAK_SLIP] > 0.0)
+    return bool(task.r[PEAK] != 0.0 or task.r[PEAK_SLIP] > 0.0)
 
 
 @jit

@@ -46,7 +46,7 @@ class Capabilities:
     `dimensions` 2 or 3; `certifies` states its own uncertainty (no ladder needed); `uses_mesh` takes base and inertia from
     the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`,
     `flies` compute what the two-block model only reports; `moving_table` can move the table instead of the frame;
-    `forces` records contact forces.
+    `forces` records contact forces; `skips` are those of `SKIPS` that it has, each with its switch in `Want`.
     """
 
     dimensions: int
@@ -58,6 +58,7 @@ class Capabilities:
     flies: bool = False
     moving_table: bool = False
     forces: bool = False
+    skips: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,7 @@ class Bullet3D(Engine):
         flies=True,
         moving_table=True,
         forces=True,
+        skips=frozenset({"quiet_start", "quiet_end", "base_only", "no_history"}),
     )
     order: ClassVar[float] = 1.0
 
@@ -102,7 +103,7 @@ class Bullet3D(Engine):
             stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
             outcome=fall,
             rested=found.record.rested,
-            with_history=want.history,
+            with_history=want.history or not want.may_skip("no_history"),
             validity=_validity(path.extra, setup, found),
             work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
             skipped=found.skipped,

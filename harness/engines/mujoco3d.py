@@ -55,8 +55,9 @@ class Mujoco3D(Engine):
 
     name: ClassVar[str] = "mujoco"
     capabilities: ClassVar[Capabilities] = Capabilities(
-        dimensions=3, uses_mesh=True, own_impact=True, pedestal_tips=True, statue_slips=True, flies=True, forces=True
-    )
+        dimensions=3, uses_mesh=True, own_impact=True, pedestal_tips=True, statue_slips=True, flies=True, forces=True,
+        skips=frozenset({"no_history", "stop_at_overturn"}),
+    )  # fmt: skip
     order: ClassVar[float] = 1.0
 
     def missing(self) -> str | None:
@@ -90,6 +91,7 @@ class Mujoco3D(Engine):
         edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
         gravity = frame.apparent_gravity(scene, edges)
         states, work = _march(mujoco, model, scene, own, gravity, want)
+        marched = len(states) - 1
         states = states[: _until_fallen(states)]
         trajectory = _trajectory(scene, own, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
         base = scene.statue.corner_left_m + scene.statue.corner_right_m
@@ -98,7 +100,7 @@ class Mujoco3D(Engine):
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
-            steps=len(states) - 1,
+            steps=marched,
             wall_s=0.0,
             outcome=fall,
             resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),

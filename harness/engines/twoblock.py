@@ -39,7 +39,12 @@ class TwoBlock(Engine):
     """Event-driven Taylor integration of the two-block model; rolls over the base profile of a scanned statue."""
 
     name: ClassVar[str] = "analytic"
-    capabilities: ClassVar[Capabilities] = Capabilities(dimensions=2, certifies=True, uses_mesh=True)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=2,
+        certifies=True,
+        uses_mesh=True,
+        skips=frozenset({"quiet_start", "quiet_end", "energy_outcome", "no_history"}),
+    )
     order: ClassVar[float] = 8.0
 
     def missing(self) -> str | None:
@@ -67,6 +72,7 @@ class TwoBlock(Engine):
         from analytic import AnalyticInputError, certify
 
         chosen = _own(settings)
+        keep = want.history or not want.may_skip("no_history")
         start = time.perf_counter()
         try:
             certified = certify(
@@ -76,7 +82,7 @@ class TwoBlock(Engine):
                 accuracy_rad=RELIABLE_RAD,
                 base_accuracy_rad=chosen.accuracy_rad,
                 step_cap_s=chosen.step_cap_s,
-                dt_s=scene.output_dt_s if want.history else None,
+                dt_s=scene.output_dt_s if keep else None,
                 skip_start=want.may_skip("quiet_start"),
                 skip_rest=want.may_skip("quiet_end"),
                 skip_energy=want.may_skip("energy_outcome"),
@@ -84,7 +90,7 @@ class TwoBlock(Engine):
             )
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
-        return _run(scene, chosen, certified, time.perf_counter() - start, want)
+        return _run(scene, chosen, certified, time.perf_counter() - start, keep)
 
 
 def _own(settings: Settings) -> TwoBlockSettings:
@@ -176,16 +182,16 @@ def _ratio(after: float, before: float) -> float:
     return after / before if before != 0.0 else 0.0
 
 
-def _skipped(solution: Solution, want: Want) -> tuple[str, ...]:
+def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
     work, told = solution.work, []
     if work.skipped_s > 0.0:
         told.append(
             f"{work.skipped_s:.4g} s in which no limit of rest is reached ({work.quiet_samples_skipped} samples of the motion) "
             "were looked through, not integrated."
         )
-    if work.ended_by_energy and solution.end_s > 0.0 and not want.history:
+    if work.ended_by_energy and solution.end_s > 0.0 and not keep:
         told.append(f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone.")
-    if not want.history:
+    if not keep:
         told.append("No history and no list of impacts was kept: only the outcome was asked.")
     if solution.overturn_time_s is not None:
         told.append("The run ends when the statue has overturned.")
@@ -204,13 +210,13 @@ def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
     return {name: value for name, value in plain.items() if np.isfinite(value) and (name != "dt_s" or value > 0.0)}
 
 
-def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s: float, want: Want) -> Run:
+def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s: float, keep: bool) -> Run:
     solution = certified.solution
     work = solution.work
     return Run(
         engine=TwoBlock.name,
         outcome=Outcome(solution.outcome.value),
-        history=_history(solution) if want.history else None,
+        history=_history(solution) if keep else None,
         settings=_settings(settings),
         steps=work.steps,
         wall_s=wall_s,
@@ -228,6 +234,6 @@ def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s:
         numerical_uncertainty_rad=certified.uncertainty_rad,
         reliable_until_s=certified.reliable_until_s,
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
-        skipped=_skipped(solution, want),
+        skipped=_skipped(solution, keep),
         warnings=_warnings(scene, certified),
     )

@@ -56,11 +56,15 @@ def test_rest_after_the_motion_is_detected() -> None:
 @pytest.mark.parametrize("factor", [0.5, 0.8, 1.0, 1.3, 1.7, 2.5, 4.0])
 def test_energy_decides_as_integration_does(scene: dict[str, object], factor: float) -> None:
     motion = Pulse("one_sine", -2.5 * factor, 0.7)
-    outcomes = {}
+    outcomes, peaks = {}, []
     for name, options in (("energy", {}), ("integrated", {"skip_energy": False}), ("history", {"dt_s": 0.01})):
         run = simulate(STATUE, motion, **({"dt_s": None} | scene | options))  # type: ignore[arg-type]
         outcomes[name] = run.outcome
+        peaks.append(run.peak_signed_rad)
     assert len(set(outcomes.values())) == 1, outcomes
+    assert max(peaks) - min(peaks) <= SKIP_RAD, (
+        "the largest rotation may lie after the time at which the energy decides"
+    )
 
 
 def test_energy_ends_runs_early() -> None:

@@ -52,4 +52,17 @@ def test_a_formula_has_no_quiet_start() -> None:
 def test_every_skip_that_is_off_says_so() -> None:
     steps = plan(paestum(0.3, 2.0), [engines.load("pybullet")], Want(skips=frozenset()))
     assert {step.skip for step in steps} <= set(SKIPS)
-    assert all(step.reason == "switched off" and not step.applies for step in steps)
+    own = [step for step in steps if step.engine == "pybullet"]
+    assert {step.skip for step in own} == engines.load("pybullet").capabilities.skips
+    assert all(step.reason == "switched off" and not step.applies for step in own)
+
+
+def test_what_the_harness_leaves_out_says_how_to_have_it() -> None:
+    scene = paestum(0.3, 2.0)
+    found = {step.skip: step for step in plan(scene, [engines.load("analytic")], Want())}
+    assert found["planar"].applies
+    assert "-e" in found["planar"].reason
+    assert found["lazy_engines"].reason.startswith("pymunk, pybullet, mujoco not asked")
+    every = {step.skip: step for step in plan(scene, [engines.load(name) for name in engines.REGISTRY], Want())}
+    assert not every["planar"].applies
+    assert not every["lazy_engines"].applies

@@ -53,6 +53,7 @@ class Munk2D(Engine):
         flies=True,
         moving_table=True,
         forces=True,
+        skips=frozenset({"quiet_start", "quiet_end", "no_history", "stop_at_overturn"}),
     )
     order: ClassVar[float] = 1.0
 
