@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from analytic.excitation import Excitation, Rest
-from harness.engine import Engine, Want
+from harness.engine import SKIPS, Engine, Want
+from harness.engines import REGISTRY
 from harness.scene import OVERTURN_RAD, Scene, Statue
 
 LEVEL_M: Final = 1e-9
@@ -35,21 +35,21 @@ class Step:
 
 
 def plan(scene: Scene, engines: Sequence[Engine], want: Want) -> tuple[Step, ...]:
-    """All decisions for a scene, one for each skip and engine that it concerns."""
-    steps = [_quiet_start(scene, want), _quiet_end(scene, want), _energy(scene, want)]
-    steps += [_base_only(scene, engine, want) for engine in engines if engine.capabilities.dimensions == 3]
-    steps += [
-        _step("no_history", want, not want.history, "only the outcome is asked", "histories are asked"),
-        _planar(scene, engines, want),
-        _step("stop_at_overturn", want, True, f"a run ends at |θ| = {OVERTURN_RAD:g} rad", ""),
-    ]
-    return tuple(steps)
+    """All decisions for a scene: each engine's own skips, then those of the harness."""
+    own = [_decided(name, scene, engine, want) for engine in engines for name in SKIPS if name in _skips_of(engine)]
+    return (*own, _planar(scene, engines), _lazy(engines), _cached())
 
 
-def _step(skip: str, want: Want, applies: bool, yes: str, no: str, engine: str = "*") -> Step:
-    if skip not in want.skips:
-        return Step(skip, engine, False, "switched off")
-    return Step(skip, engine, applies, yes if applies else no)
+def _skips_of(engine: Engine) -> frozenset[str]:
+    return engine.capabilities.skips
+
+
+def _decided(name: str, scene: Scene, engine: Engine, want: Want) -> Step:
+    """One skip of one engine."""
+    if name not in want.skips:
+        return Step(name, engine.name, False, "switched off")
+    applies, reason = DECISIONS[name](scene, want)
+    return Step(name, engine.name, applies, reason)
 
 
 def limit_of_rest_m_s2(scene: Scene) -> float:
@@ -117,45 +117,81 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[An
     return np.unique(np.clip(np.concatenate(found), 0.0, duration_s))
 
 
-def _quiet_start(scene: Scene, want: Want) -> Step:
+def _quiet_start(scene: Scene, want: Want) -> Decision:
     quiet = first_motion_s(scene)
-    yes = f"nothing can move before {quiet:.4g} s"
-    return _step(
-        "quiet_start", want, quiet > 0.0, yes, "the motion is not quiet at its start, or the statue starts off rest"
-    )
+    if quiet > 0.0:
+        return True, f"nothing can move before {quiet:.4g} s"
+    return False, "the motion is not quiet at its start, or the statue starts off rest"
 
 
-def _quiet_end(scene: Scene, want: Want) -> Step:
+def _quiet_end(scene: Scene, want: Want) -> Decision:
     end = scene.shake.end_s
-    yes = f"the floor is still after {end:.4g} s: the run ends once the statue is at rest"
-    return _step("quiet_end", want, end < scene.duration_s, yes, "the floor moves until the end")
+    if end < scene.duration_s:
+        return True, f"the floor is still after {end:.4g} s: the run ends once the statue is at rest"
+    return False, "the floor moves until the end"
 
 
-def _energy(scene: Scene, want: Want) -> Step:
+def _energy(scene: Scene, want: Want) -> Decision:
+    if want.history:
+        return False, "histories are asked"
     end = scene.shake.end_s
-    possible = math.isfinite(end) and end < scene.duration_s and not want.history
-    why = "histories are asked" if want.history else "the floor moves until the end"
-    yes = f"after {end:.4g} s the energy decides the outcome, where the pedestal is shown to hold"
-    return _step("energy_outcome", want, possible, yes, why)
+    if end < scene.duration_s:
+        return True, f"after {end:.4g} s the energy decides the outcome, where the pedestal is shown to hold"
+    return False, "the floor moves until the end"
 
 
-def _base_only(scene: Scene, engine: Engine, want: Want) -> Step:
-    yes = "nothing but the base can touch before the statue has overturned"
+def _base_only(scene: Scene, want: Want) -> Decision:
+    told = "nothing but the base can touch before the statue has overturned"
     if scene.pedestal is not None:
-        yes = "the base alone touches until the body can meet the pedestal's edge; from there on the full shape is used"
+        told = (
+            "the base alone touches until the body can meet the pedestal's edge; from there on the full shape is used"
+        )
     if scene.wall is not None:
-        yes += "; the wall's contact follows from the silhouette"
-    return _step("base_only", want, True, yes, "", engine.name)
+        told += "; the wall's contact follows from the silhouette"
+    return True, told
 
 
-def _planar(scene: Scene, engines: Sequence[Engine], want: Want) -> Step:
+def _no_history(scene: Scene, want: Want) -> Decision:
+    return (False, "histories are asked") if want.history else (True, "only the outcome is asked")
+
+
+def _stop(scene: Scene, want: Want) -> Decision:
+    return True, f"a run ends at |θ| = {OVERTURN_RAD:g} rad"
+
+
+Decision = tuple[bool, str]
+DECISIONS: Final[Mapping[str, Callable[[Scene, Want], Decision]]] = {
+    "quiet_start": _quiet_start,
+    "quiet_end": _quiet_end,
+    "energy_outcome": _energy,
+    "base_only": _base_only,
+    "no_history": _no_history,
+    "stop_at_overturn": _stop,
+}
+"""Whether a skip that an engine has applies to a scene, and why; switched with `--no-skip`."""
+
+
+def _planar(scene: Scene, engines: Sequence[Engine]) -> Step:
+    """Switched by naming a 3D engine."""
     solid = [engine.name for engine in engines if engine.capabilities.dimensions == 3]
-    asked = bool(solid)
-    names = ", ".join(solid)
-    return _step(
-        "planar",
-        want,
-        scene.planar and not asked,
-        "no 3D engine is asked: the scene is planar",
-        f"{names} asked by name: computed in 3D" if asked else "the scene is not planar",
+    if solid:
+        return Step("planar", "*", False, f"{', '.join(solid)} asked: computed in 3D (leave it out with -e)")
+    if not scene.planar:
+        return Step("planar", "*", False, "the scene is not planar, but no 3D engine is asked (name one with -e)")
+    return Step("planar", "*", True, "the scene is planar and no 3D engine is asked (name one with -e)")
+
+
+def _lazy(engines: Sequence[Engine]) -> Step:
+    """Switched by naming the engine."""
+    asked = {engine.name for engine in engines}
+    idle = [name for name in REGISTRY if name not in asked]
+    if not idle:
+        return Step("lazy_engines", "*", False, "every engine is asked")
+    return Step("lazy_engines", "*", True, f"{', '.join(idle)} not asked (-e): not imported")
+
+
+def _cached() -> Step:
+    """Switched by another folder for the store."""
+    return Step(
+        "cached", "*", False, "one run is always computed; a study finds what its store has (--out elsewhere: anew)"
     )
