@@ -44,13 +44,11 @@ def stress_verdict(record: Mapping[str, Any]) -> Verdict:
     scenes = record["scenes"]
     wrong = [scene["name"] for scene in scenes if not scene["holds"]]
     counts = Counter(cell["category"] for cell in record["cells"])
-    unexplained = [
-        cell for cell in record["cells"] if cell["category"] in ("drifting", "diverged") and not cell["explained"]
-    ]
+    unexplained = [cell for cell in record["cells"] if cell["category"] != "stable" and not cell["explained"]]
     held = ", ".join(f"{counts[name]} {name}" for name in SIGNS if counts[name])
     points = [f"Cells of the stability maps: {held}."] if counts else []
     if unexplained:
-        points.append(f"{len(unexplained)} cells of the maps are drifting or diverged without an explanation.")
+        points.append(f"{len(unexplained)} cells of the maps that are not stable stand without an explanation.")
     inputs = sum(item["inputs"] for item in record["fuzz"])
     bad = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in record["fuzz"])
     if inputs:

@@ -208,7 +208,7 @@ def _no_motion() -> Row:
                 found[what] = False, "read as a motion"
     good = all(item[0] for item in found.values())
     said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in found.items())
-    return _row("motions with NaN, without samples, with one sample", {"scene": (good, said)}, "refused")
+    return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
 
 
 QUESTIONS: Final[Mapping[str, Callable[[], Row]]] = {

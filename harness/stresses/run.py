@@ -36,13 +36,16 @@ def run(
     stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
     measured = parts.measure(folder, listed, only, stamp, told)
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
+    order = {row.name: place for place, row in enumerate(stability.difficulties())}
     spent = parts.seconds(measured)
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
         "kind": "stress",
         "title": "Numerical stability",
         "scenes": [*rows["scenes"], *rows["questions"]],
-        "cells": rows["maps"],
+        "cells": sorted(
+            rows["maps"], key=lambda cell: (stability.ENGINES.index(cell["engine"]), order[cell["difficulty"]])
+        ),
         "fuzz": fuzz.summed(rows["fuzz"]),
         "parts": spent,
         "seconds": sum(item["wall_s"] for item in spent),
