@@ -107,7 +107,7 @@ class Questions:
         everything = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
         self._digest = scene_digest(scene, everything)
         self.asked = self.found = self.runs = self.failed = 0
-        self.seconds = 0.0
+        self._asked_keys: set[str] = set()
 
     def ask(self, kind: str, questions: Sequence[tuple[Any, ...]]) -> list[dict[str, Any]]:
         """The answers in the questions' order; one whose process died is left out and counted."""
@@ -133,8 +133,13 @@ class Questions:
             self._pool.run(answer, left, done)
         answers = [self._ledger.known[task.key] for task in tasks if task.key in self._ledger.known]
         self.runs += sum(int(item.get("runs", 1)) for item in answers)
-        self.seconds += sum(self._ledger.spent_s.get(task.key, 0.0) for task in tasks)
+        self._asked_keys |= {task.key for task in tasks}
         return answers
+
+    @property
+    def seconds(self) -> float:
+        """Processor time of all answers, whenever they were found."""
+        return sum(self._ledger.spent_s.get(key, 0.0) for key in self._asked_keys)
 
     def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
         text = json.dumps([self._digest, kind, repr(arguments), record.versions()], sort_keys=True)
