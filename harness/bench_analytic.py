@@ -1,178 +1,274 @@
-"""The analytic model against other integrators on the same scenes: error and time side by side.
+"""The analytic model against public integrators on the same scenes, its throughput, and what it costs to start.
 
-Errors are measured against a run of 1e-13, at the end of the scene; times are the best of several after a first, compiling
-call. A rival that is not installed is a row that says so.
+Errors are the largest difference of θ from a run of 1e-13 at twenty instants of the scene; times are processor time, the least
+of several runs after a first, compiling one. A rival that is not installed is a row that says so.
 """
 
 from __future__ import annotations
 
 import math
+import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
-from analytic import Block, Harmonic, simulate
+import numpy as np
+from numpy.typing import NDArray
 
-GRAVITY_M_S2: Final = 9.81
-BLOCK: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
-MOTION: Final = Harmonic(0.28 * GRAVITY_M_S2, 1.1)
-THETA0_RAD: Final = 0.05
-DURATION_S: Final = 10.0
-TOLERANCES: Final = (1e-6, 1e-8, 1e-10, 1e-12)
+from analytic import Block, Excitation, Form, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
+from analytic import layout as at
+from analytic.kernel import run
+from analytic.solver import OVERTURN_RAD, parameters, prepare
+from harness.bench_rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
+
+COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
+STATUE: Final = Block.two_corners(
+    mass_kg=707.0, centroid_height_m=0.774, inertia_kg_m2=152.4, corner_left_m=0.3585, corner_right_m=0.0682
+)
+FRICTIONLESS: Final = Friction(0.0, 0.0)
 REFERENCE_RAD: Final = 1e-13
 REPEATS: Final = 5
+INSTANTS: Final = 20
+RECORD_STEP_S: Final = 0.01
+"""Sampling of the record of 60 s."""
+
+
+def record_60s(peak_m_s2: float, seed: int) -> Record:
+    """Smoothed noise under the envelope (t/8) exp(1 − t/8), 60 s, always the same."""
+    t = np.arange(6001) * RECORD_STEP_S
+    noise = np.convolve(np.random.default_rng(seed).normal(size=t.size), np.hanning(15), "same")
+    shaped = noise * (t / 8.0) * np.exp(1.0 - t / 8.0)
+    return Record(t, peak_m_s2 / np.abs(shaped).max() * shaped)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """θ at the end of the scene, rad, and the work counted by the solver's own measure."""
+class Case:
+    """One scene on which solvers are compared: errors must not be amplified by chance, so that every one can be exact."""
 
-    theta_rad: float
-    work: int
+    name: str
+    block: Block
+    motion: Excitation
+    duration_s: float
+    pedestal: Pedestal | None = None
+    friction: Friction = FRICTIONLESS
+    theta0_rad: float = 0.0
 
+    @property
+    def at_s(self) -> NDArray[np.float64]:
+        """Instants of comparison."""
+        return np.linspace(0.0, self.duration_s, INSTANTS + 1)[1:]
 
-Solver = Callable[[float], Answer]
-
-
-def _ours(tolerance: float) -> Answer:
-    run = simulate(
-        BLOCK,
-        MOTION,
-        theta0_rad=THETA0_RAD,
-        duration_s=DURATION_S,
-        gravity_m_s2=GRAVITY_M_S2,
-        accuracy_rad=tolerance,
-        dt_s=DURATION_S,
-        events=False,
-        validity=False,
-    )
-    return Answer(float(run.theta_rad[-1]), run.work.steps)
-
-
-def _numbers() -> tuple[float, float, float, float]:
-    """m R/J, α, A, ω of the single block."""
-    inertia = BLOCK.inertia_corner_kg_m2(1)
-    return BLOCK.mass_kg * BLOCK.radius_m(1) / inertia, BLOCK.alpha_rad(1), MOTION.amplitude_m_s2, MOTION.omega_rad_s
+    def ours(self, tolerance: float, **options: Any) -> Any:
+        """The analytic model's run."""
+        settings: dict[str, Any] = {"events": False, "validity": False, "dt_s": self.duration_s / INSTANTS}
+        return simulate(
+            self.block, self.motion, pedestal=self.pedestal, floor_static=self.friction.static,
+            floor_kinetic=self.friction.kinetic, theta0_rad=self.theta0_rad, duration_s=self.duration_s,
+            gravity_m_s2=GRAVITY_M_S2, accuracy_rad=tolerance, **(settings | options),
+        )  # fmt: skip
 
 
-def _ratio() -> float:
-    inertia, offset = BLOCK.inertia_corner_kg_m2(1), 2.0 * BLOCK.mass_kg * BLOCK.profile_m[1][0] ** 2
-    return 1.0 - offset / inertia
+FORCED: Final = Case("block, harmonic", COLUMN, Harmonic(0.28 * GRAVITY_M_S2, 1.1), 10.0, theta0_rad=0.05)
+CASES: Final = (
+    FORCED,
+    Case("block, record of 60 s", COLUMN, record_60s(0.4 * GRAVITY_M_S2, 4), 60.0),
+    Case(
+        "two blocks, harmonic",
+        COLUMN,
+        Harmonic(0.4 * GRAVITY_M_S2, 2.0),
+        10.0,
+        Pedestal(500.0, 0.8, 0.2),
+        Friction(0.3, 0.25),
+    ),
+    Case(
+        "two blocks, record of 60 s",
+        STATUE,
+        record_60s(0.3 * GRAVITY_M_S2, 3),
+        60.0,
+        Pedestal(250.0, 0.6, 0.2),
+        Friction(0.2, 0.15),
+    ),
+)
+OUR_TOLERANCES: Final = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12)
+SCIPY_HARMONIC: Final = ((1e-7, False), (1e-9, False), (1e-11, False), (1e-13, False))
+SCIPY_RECORD: Final = ((1e-7, False), (1e-9, False), (1e-9, True), (1e-11, True))
+"""Tolerances, and whether no step crosses a kink of the record."""
+HEYOKA_TOLERANCES: Final = (1e-8, 1e-10, 1e-12)
+
+Answer = tuple[NDArray[np.float64], int]
+"""θ at the instants, rad, and the work by the solver's own measure."""
 
 
-def _scipy(tolerance: float) -> Answer:
-    from scipy import integrate
-
-    solve_ivp: Any = integrate.solve_ivp
-
-    factor, alpha, amplitude, omega = _numbers()
-    ratio, t, y, side, work = _ratio(), 0.0, [THETA0_RAD, 0.0], 1.0, 0
-
-    def motion(now: float, state: Any, s: float) -> list[float]:
-        phi = alpha - s * state[0]
-        push = amplitude * math.sin(omega * now) * math.cos(phi)
-        return [state[1], -factor * (push + s * GRAVITY_M_S2 * math.sin(phi))]
-
-    def impact(now: float, state: Any, s: float) -> float:
-        return float(state[0]) * s
-
-    impact.terminal, impact.direction = True, -1.0  # type: ignore[attr-defined]
-    while t < DURATION_S:
-        found = solve_ivp(
-            motion, (t, DURATION_S), y, "DOP853", args=(side,), events=impact, rtol=tolerance, atol=tolerance
-        )
-        work += int(found.nfev)
-        t, y = float(found.t[-1]), [float(found.y[0, -1]), float(found.y[1, -1])]
-        if found.status != 1:
-            break
-        side, y = -side, [0.0, ratio * y[1]]
-    return Answer(y[0], work)
+def _ours(case: Case, tolerance: float) -> Answer:
+    found = case.ours(tolerance)
+    return found.theta_rad[1:], found.work.steps
 
 
-def heyoka_solver(tolerance: float) -> Solver:
-    """A solver that runs heyoka's Taylor integrator, built and compiled once, to the tolerance; raises ImportError."""
-    import heyoka
+def scipy_of(case: Case, tolerance: float, stops: bool = False) -> Answer:
+    model = Model.of(case.block, case.pedestal, case.friction)
+    motion, stops_s = case.motion, None
+    if isinstance(motion, Record):
+        # a float and two lists: numpy's own interpolation costs ten times the sum that it replaces
+        stops_s = motion.t_s if stops else None
+        a = [*motion.samples_m_s2.tolist(), 0.0, 0.0]
 
-    factor, alpha, amplitude, omega = _numbers()
-    ratio = _ratio()
-    theta, rate = heyoka.make_vars("theta", "rate")
-    side, phi = heyoka.par[0], alpha - heyoka.par[0] * theta
-    push = amplitude * heyoka.sin(omega * heyoka.time) * heyoka.cos(phi)
-    system = [(theta, rate), (rate, -factor * (push + side * GRAVITY_M_S2 * heyoka.sin(phi)))]
+        def accel(t: float) -> float:
+            i = int(t / RECORD_STEP_S)
+            return float(a[i] + (a[i + 1] - a[i]) * (t / RECORD_STEP_S - i))
 
-    def land(integrator: Any, sign: int) -> bool:
-        integrator.state[0], integrator.state[1] = 0.0, ratio * integrator.state[1]
-        integrator.pars[0] = -integrator.pars[0]
-        return True
+    else:
+        assert isinstance(motion, Harmonic)
+        amplitude, omega = motion.amplitude_m_s2, motion.omega_rad_s
 
-    built = heyoka.taylor_adaptive(
-        system, [THETA0_RAD, 0.0], pars=[1.0], tol=tolerance, t_events=[heyoka.t_event(theta, callback=land)]
-    )
+        def accel(t: float) -> float:
+            return amplitude * math.sin(omega * t)
 
-    def solve(_: float) -> Answer:
-        built.reset_cooldowns()
-        built.time = 0.0
-        built.state[:] = [THETA0_RAD, 0.0]
-        built.pars[0] = 1.0
-        steps = built.propagate_until(DURATION_S)[3]
-        return Answer(float(built.state[0]), int(steps))
-
-    return solve
+    return scipy_run(model, accel, case.theta0_rad, case.at_s, tolerance, RECORD_STEP_S, stops_s)
 
 
-def _row(solver: str, tolerance: float, solve: Solver, exact: float, repeats: int) -> dict[str, Any]:
-    answer = solve(tolerance)
-    best = math.inf
+def _row(
+    case: Case, solver: str, tolerance: float, solve: Callable[[], Answer], exact: Any, repeats: int
+) -> dict[str, Any]:
+    best, answer = math.inf, (np.empty(0), 0)
     for _ in range(repeats):
-        start = time.perf_counter()
-        answer = solve(tolerance)
-        best = min(best, time.perf_counter() - start)
-    error = abs(answer.theta_rad - exact)
-    return {"solver": solver, "tolerance": tolerance, "error_rad": error, "seconds": best, "work": answer.work}
+        start = time.process_time()
+        answer = solve()
+        best = min(best, time.process_time() - start)
+    known = min(len(answer[0]), len(exact))
+    error = float(np.abs(answer[0][:known] - exact[:known]).max())
+    return {
+        "case": case.name, "solver": solver, "tolerance": tolerance, "error_rad": error, "seconds": best, "work": answer[1],
+    }  # fmt: skip
 
 
 def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """Rows (solver, tolerance, error_rad, seconds, work) of the single block under a harmonic motion of 10 s."""
-    exact = _ours(REFERENCE_RAD).theta_rad
-    rows = [_row("analytic", tolerance, _ours, exact, repeats) for tolerance in TOLERANCES]
-    rows += [_row("scipy DOP853", tolerance, _scipy, exact, 1) for tolerance in TOLERANCES]
-    for tolerance in TOLERANCES:
+    """Rows (case, solver, tolerance, error_rad, seconds, work) of all scenes and solvers."""
+    rows = []
+    for case in CASES:
+        exact = _ours(case, REFERENCE_RAD)[0]
+        for tolerance in OUR_TOLERANCES:
+            rows.append(_row(case, "analytic", tolerance, partial(_ours, case, tolerance), exact, 4 * repeats))
+        for tolerance, stops in SCIPY_RECORD if isinstance(case.motion, Record) else SCIPY_HARMONIC:
+            solve = partial(scipy_of, case, tolerance, stops)
+            # a record costs seconds: the first call's import is lost in them, and spent on the scene before
+            rows.append(
+                _row(case, "scipy DOP853", tolerance, solve, exact, 1 if isinstance(case.motion, Record) else 3)
+            )
+    return rows + taylor(repeats)
+
+
+def taylor(repeats: int) -> list[dict[str, Any]]:
+    """The single block under its harmonic motion by heyoka, built and compiled beforehand, and by the kernel alone, packed
+    beforehand: the integration and nothing else. θ at the last instant only: neither keeps a history."""
+    exact = _ours(FORCED, REFERENCE_RAD)[0][-1:]
+    rows = []
+    for tolerance in HEYOKA_TOLERANCES:
+        task = packed(FORCED, tolerance)
+
+        def kernel(task: Any = task) -> Answer:
+            run(task.runs)
+            return task.s[at.S_TH : at.S_TH + 1].copy(), int(task.c[at.STEPS])
+
+        rows.append(_row(FORCED, "analytic, kernel alone", tolerance, kernel, exact, 20 * repeats))
+        assert isinstance(FORCED.motion, Harmonic)
         try:
-            rows.append(_row("heyoka", tolerance, heyoka_solver(tolerance), exact, repeats))
+            other = heyoka_solver(FORCED.block, FORCED.motion, FORCED.theta0_rad, FORCED.duration_s, tolerance)
+            rows.append(_row(FORCED, "heyoka", tolerance, other, exact, 20 * repeats))
         except ImportError as error:
-            rows.append({"solver": "heyoka", "tolerance": tolerance, "failed": str(error)})
+            rows.append({"case": FORCED.name, "solver": "heyoka", "tolerance": tolerance, "failed": str(error)})
     return rows
+
+
+def packed(case: Case, tolerance: float) -> Any:
+    """The kernel's task of a case, for the outcome only."""
+    p = parameters(
+        case.block, pedestal=case.pedestal, friction=case.friction, statue_friction=math.inf, form=Form(),
+        theta0_rad=case.theta0_rad, theta_rate0_rad_s=0.0, duration_s=case.duration_s, gravity_m_s2=GRAVITY_M_S2, wall=None,
+        overturn_rad=OVERTURN_RAD, accuracy_rad=tolerance, dt_s=None, step_cap_s=math.inf, skip_start=True, skip_rest=True,
+        skip_energy=True, validity=False,
+    )  # fmt: skip
+    return prepare(case.block, p, case.motion, Rest(), 0)
+
+
+def _map(size: int, pedestal: bool) -> dict[str, Any]:
+    """An overturning map of the paper's statue: sweep and scene."""
+    sweep = {
+        "amplitude_m_s2": np.linspace(0.05, 0.8, size)[:, None] * GRAVITY_M_S2,
+        "frequency_hz": np.linspace(0.5, 8.0, size)[None, :],
+    }
+    scene = {"pedestal": Pedestal(250.0, 0.6, 0.2), "floor_static": 0.2, "floor_kinetic": 0.15} if pedestal else {}
+    return {"sweep": sweep, "duration_s": 10.0, **scene}
 
 
 def throughput(runs: int = 2000, threads: int = 1) -> dict[str, Any]:
     """Outcome-only two-block runs of 10 s per second at 1e-6, over an amplitude × frequency map of the paper's statue."""
-    import numpy as np
-
-    from analytic import Pedestal, ensemble
-
-    statue = Block.two_corners(
-        mass_kg=707.0, centroid_height_m=0.774, inertia_kg_m2=152.4, corner_left_m=0.3585, corner_right_m=0.0682
-    )
     side = max(math.isqrt(runs), 1)
-    sweep = {
-        "amplitude_m_s2": np.linspace(0.05, 0.8, side)[:, None] * GRAVITY_M_S2,
-        "frequency_hz": np.linspace(0.5, 8.0, side)[None, :],
-    }
     found = {}
-    for name, scene in (
-        ("two_block", {"pedestal": Pedestal(250.0, 0.6, 0.2), "floor_static": 0.2, "floor_kinetic": 0.15}),
-        ("single_block", {}),
-    ):
-        options: dict[str, Any] = {"sweep": sweep, "duration_s": DURATION_S, "threads": threads, **scene}
-        ensemble(statue, Harmonic(1.0, 1.0), **(options | {"sweep": {"amplitude_m_s2": [1.0]}}))
+    for name, pedestal in (("two_block", True), ("single_block", False)):
+        ensemble(STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(1, pedestal))
         start, cpu = time.perf_counter(), time.process_time()
-        result = ensemble(statue, Harmonic(1.0, 1.0), **options)
+        result = ensemble(STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(side, pedestal))
         wall, used = time.perf_counter() - start, time.process_time() - cpu
         found[name] = {
             "runs": side * side,
             "runs_per_s": side * side / wall,
             "runs_per_core_s": side * side / used,
             "steps_per_run": float(result.steps.mean()),
+            "us_per_step": 1e6 * used / float(result.steps.sum()),
         }
     return found
+
+
+def map_time(size: int = 200, threads: int = 2) -> dict[str, Any]:
+    """Seconds of a size × size overturning map on a pedestal: by the clock, and of the processor in all threads."""
+    ensemble(STATUE, Harmonic(1.0, 1.0), **_map(1, True))
+    start, cpu = time.perf_counter(), time.process_time()
+    result = ensemble(STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(size, True))
+    wall, used = time.perf_counter() - start, time.process_time() - cpu
+    return {
+        "size": size,
+        "threads": threads,
+        "wall_s": wall,
+        "cpu_s": used,
+        "overturned": float(result.overturned.mean()),
+    }
+
+
+_MODELS_OWN: Final = "import analytic as a; b = a.Block.rectangle(width_m=0.2, height_m=1.0); r = a.Rest()"
+_STARTS: Final = {
+    "numpy and numba": ("import numpy, numba", ""),
+    "analytic": ("import analytic; analytic.simulate", ""),
+    "trivial kernel": ("from harness.bench_trivial import add", "add(1.0)"),
+    "analytic kernel": (_MODELS_OWN + "; f = a.simulate", "f(b, r, duration_s=0.01)"),
+}
+_PROGRAM: Final = """
+import time
+s = time.process_time()
+{imports}
+m = time.process_time()
+{call}
+print(m - s, time.process_time() - m)
+"""
+
+
+def startup(repeats: int = REPEATS) -> dict[str, Any]:
+    """Processor seconds to import analytic against numpy and numba, and of a first call from the cache against a trivial one."""
+    times: dict[str, list[list[float]]] = {name: [] for name in _STARTS}
+    for turn in range(repeats + 1):
+        for name, (imports, call) in _STARTS.items():
+            program = _PROGRAM.format(imports=imports, call=call)
+            told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+            if turn > 0:
+                times[name].append([float(word) for word in told.split()])
+    least = {name: [statistics.median(row[k] for row in rows) for k in (0, 1)] for name, rows in times.items()}
+    imported, called = least["analytic"][0], least["analytic kernel"][1]
+    return {
+        "import_s": imported,
+        "import_ratio": imported / least["numpy and numba"][0],
+        "first_call_s": called,
+        "first_call_ratio": called / least["trivial kernel"][1],
+    }

@@ -24,3 +24,19 @@ SAME_RAD: Final = 1e-9
 """What a skip may change of a peak that is integrated either way: the certified model's own reliable error is 1e-6."""
 SKIP_RAD: Final = 2e-4
 """What a skip may change in a contact engine: contacts settle anew where integration begins, within the rung's own error."""
+
+RIVAL_RAD: Final = 1e-6
+"""DOP853 asked for 1e-10 errs by up to ten thousand times that: it finds events on an interpolant of lower order."""
+
+KERNEL_WORK: Final = {
+    "block, harmonic": {1e-6: (86, 1050), 1e-9: (100, 1540)},
+    "block, record of 60 s": {1e-6: (1450, 8000), 1e-9: (1550, 10200)},
+    "two blocks, harmonic": {1e-6: (142, 1755), 1e-9: (173, 2590)},
+    "two blocks, record of 60 s": {1e-6: (1650, 8000), 1e-9: (2050, 11100)},
+}
+"""Steps and Taylor coefficients of each case of the bench: a tenth above what was counted."""
+
+MAP_STEPS: Final = 335
+"""Steps of a run of the 10 × 10 overturning map on a pedestal: a tenth above what was counted."""
+MAP_STEPS_ON_FLOOR: Final = 160
+"""The same without a pedestal."""

@@ -142,18 +142,25 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
 
 
 def test_other_solvers_are_compared_at_equal_error() -> None:
+    case = {"case": "block"}
     solvers = [
-        {"solver": "analytic", "error_rad": 1e-10, "seconds": 0.001},
-        {"solver": "analytic", "error_rad": 1e-4, "seconds": 0.0001},
-        {"solver": "scipy DOP853", "error_rad": 1e-7, "seconds": 0.2},
-        {"solver": "heyoka", "failed": "not installed"},
+        case | {"solver": "analytic", "error_rad": 1e-10, "seconds": 0.001},
+        case | {"solver": "analytic", "error_rad": 1e-4, "seconds": 0.0001},
+        case | {"solver": "scipy DOP853", "error_rad": 1e-7, "seconds": 0.2},
+        case | {"solver": "heyoka", "failed": "not installed"},
+        {"case": "two blocks", "solver": "analytic", "error_rad": 1e-10, "seconds": 0.001},
     ]
-    rates = {"two_block": {"runs_per_core_s": 9000.0}}
-    found = {"solvers": solvers, "throughput": rates, "overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}}
+    rates = {"two_block": {"runs_per_core_s": 9000.0}, "map": {"size": 200, "threads": 2, "wall_s": 4.0}}
+    ratios = {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}
+    start = {"import_ratio": 1.2, "first_call_ratio": 2.5}
+    found = {"solvers": solvers, "throughput": rates, "startup": start, "overhead": ratios}
     told = others.sentences(found)
-    assert "200 times as fast as scipy DOP853 (at least 100 wanted)" in told[0]
-    assert told[1] == "No tolerance of scipy DOP853 reached 1e-09 rad."
+    assert "block: at 1e-06 rad analytic is 200 times as fast as scipy DOP853 (at least 100 wanted)" in told[0]
+    assert told[1] == "block: no tolerance of scipy DOP853 reached 1e-09 rad."
     assert "not installed" in told[2]
     assert "9e+03 a second and core (short of the 10000 wanted)" in told[3]
-    assert "0.50 times a bare loop (at most" in told[4]
-    assert "1.20 times a bare loop (above" in told[5]
+    assert "takes 4 s on 2 cores (at most 5 wanted)" in told[4]
+    assert "Importing analytic takes 1.20 times" in told[5]
+    assert "2.50 times that of a trivial cached kernel (above 2 wanted)" in told[6]
+    assert "0.50 times a bare loop (at most" in told[7]
+    assert "1.20 times a bare loop (above" in told[8]

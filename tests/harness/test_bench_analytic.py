@@ -1,0 +1,80 @@
+"""The bench's other solvers solve the same problem, its rows are errors and work, and the kernel's work stays bounded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic import Friction, Harmonic, Pedestal
+from analytic.kernel import run
+from analytic.layout import S_TH
+from harness import bench_analytic as bench
+from harness.bench_rivals import Model, heyoka_solver, scipy_run
+from tests import budgets_bench as budgets
+
+SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]
+
+
+@pytest.mark.parametrize("case", SHORT, ids=lambda case: case.name)
+def test_scipy_solves_the_same_problem(case: bench.Case) -> None:
+    ours, theirs = case.ours(1e-12).theta_rad[1:], bench.scipy_of(case, 1e-10)[0]
+    assert np.abs(ours).max() > 0.0
+    assert np.abs(ours - theirs).max() <= budgets.RIVAL_RAD
+
+
+def test_a_wrong_rival_is_seen() -> None:
+    case = SHORT[2]
+    assert isinstance(case.motion, Harmonic)
+    stiff = Model.of(case.block, case.pedestal, Friction(case.friction.static, 0.9 * case.friction.kinetic))
+    amplitude, omega = case.motion.amplitude_m_s2, case.motion.omega_rad_s
+    theirs, _ = scipy_run(stiff, lambda t: amplitude * float(np.sin(omega * t)), 0.0, case.at_s, 1e-9, 0.01)
+    assert np.abs(case.ours(1e-12).theta_rad[1:] - theirs).max() > 100.0 * budgets.RIVAL_RAD
+
+
+def test_heyoka_solves_the_same_problem() -> None:
+    pytest.importorskip("heyoka")
+    case = bench.FORCED
+    assert isinstance(case.motion, Harmonic)
+    theirs, steps = heyoka_solver(case.block, case.motion, case.theta0_rad, case.duration_s, 1e-10)()
+    assert steps > 0
+    assert abs(theirs[0] - case.ours(1e-12).theta_rad[-1]) <= budgets.RIVAL_RAD
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize("case", bench.CASES, ids=lambda case: case.name)
+def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> None:
+    run, exact = case.ours(tolerance), case.ours(bench.REFERENCE_RAD)
+    assert np.abs(run.theta_rad - exact.theta_rad).max() <= tolerance
+    steps, terms = budgets.KERNEL_WORK[case.name][tolerance]
+    assert run.work.steps <= steps
+    assert run.work.taylor_coefficients <= terms
+
+
+def test_the_kernel_alone_is_the_same_run() -> None:
+    task = bench.packed(bench.FORCED, 1e-10)
+    run(task.runs)
+    assert task.s[S_TH] == bench.FORCED.ours(1e-10).theta_rad[-1]
+
+
+def test_work_of_an_overturning_map() -> None:
+    found = bench.throughput(100)
+    assert found["two_block"]["steps_per_run"] <= budgets.MAP_STEPS
+    assert found["single_block"]["steps_per_run"] <= budgets.MAP_STEPS_ON_FLOOR
+    assert bench.map_time(4)["overturned"] > 0.0
+
+
+def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*_: object) -> None:
+        raise ImportError("no heyoka here")
+
+    monkeypatch.setattr(bench, "heyoka_solver", missing)
+    rows = [row for row in bench.taylor(1) if row["solver"] == "heyoka"]
+    assert {row["failed"] for row in rows} == {"no heyoka here"}
+    assert len(rows) == len(bench.HEYOKA_TOLERANCES)
+
+
+def test_cases_are_what_they_are_called() -> None:
+    assert [case.duration_s for case in bench.CASES] == [10.0, 60.0, 10.0, 60.0]
+    assert [isinstance(case.pedestal, Pedestal) for case in bench.CASES] == [False, False, True, True]
