@@ -20,6 +20,7 @@ from reports.display_mesh import display_mesh
 from reports.palette import look
 from reports.posing import SOLID_COLUMNS, Section, posed_in_space_m, section
 from reports.replay import default_model
+from reports.silhouette import silhouette_m
 from reports.source import RunSource, run_source
 
 if TYPE_CHECKING:
@@ -175,10 +176,10 @@ def _frame(stage: Stage, t_s: float, chart: Image, start_s: float, end_s: float)
     image = chart.copy()
     draw = ImageDraw.Draw(image)
     solid = stage.source.histories[stage.solid]
-    theta, slip = _at(solid, t_s)
+    theta = _at(solid, t_s)[0]
     floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)[0]
     draw.polygon([tuple(point) for point in floor.tolist()], fill=PAPER, outline=STONE)
-    faces, shades = _faces(stage, _posed(stage, solid, t_s), slip)
+    faces, shades = _faces(stage, _posed(stage, solid, t_s), solid, t_s)
     for polygon, shade in zip(faces, shades, strict=True):
         draw.polygon([tuple(point) for point in polygon.tolist()], fill=shade)
     if stage.ghost is not None:
@@ -210,12 +211,12 @@ def _posed(stage: Stage, history: History, t_s: float) -> Array:
     return posed
 
 
-def _faces(stage: Stage, posed: Array, slip: float) -> tuple[Sequence[Array], Sequence[int]]:
+def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> tuple[Sequence[Array], Sequence[int]]:
     """Visible faces of pedestal and statue from far to near with their shades."""
     groups = [(posed, stage.faces, GREYS - 1)]
     pedestal = stage.source.scene["pedestal"]
     if pedestal is not None:
-        groups.insert(0, (*_box(stage, pedestal, slip), GREYS // 2))
+        groups.insert(0, (*_box(stage, pedestal, history, t_s), GREYS // 2))
     polygons: list[Array] = []
     shades: list[int] = []
     for vertices, faces, bright in groups:
@@ -235,17 +236,29 @@ def _faces(stage: Stage, posed: Array, slip: float) -> tuple[Sequence[Array], Se
     return polygons, shades
 
 
-def _box(stage: Stage, pedestal: Any, slip: float) -> tuple[Array, NDArray[np.int64]]:
+def _box(stage: Stage, pedestal: Any, history: History, t_s: float) -> tuple[Array, NDArray[np.int64]]:
+    """The pedestal at a time: slid, and tilted, turned and shifted across where the engine recorded that."""
+    slip, tilt, yaw, across = (
+        _value(history, name, t_s) for name in ("slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
+    )
+    w, d, h = 0.5 * pedestal["width_m"], 0.5 * pedestal["depth_m"], 0.5 * pedestal["height_m"]
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    c, s, cy, sy = math.cos(tilt), math.sin(tilt), math.cos(yaw), math.sin(yaw)
+    turn = np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
     centre = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + float(pedestal["offset_m"]) + slip
-    w, d, h = 0.5 * pedestal["width_m"], 0.5 * pedestal["depth_m"], pedestal["height_m"]
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (0, 1)], dtype=np.float64)
-    vertices = signs * [w, d, h] + [centre, 0.0, 0.0]
+    vertices = (signs * [w, d, h]) @ turn.T + [centre, across, h * c + w * abs(s)]
     quads = [(0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5), (1, 5, 7, 3), (0, 2, 6, 4)]
     return vertices, np.array([tri for a, b, c, e in quads for tri in ((a, b, c), (a, c, e))], dtype=np.int64)
 
 
+def _value(history: History, name: str, t_s: float) -> float:
+    """A column of a history at a time, 0 where the engine does not record it."""
+    values = history.slip_m if name == "slip_m" else history.extra.get(name)
+    return 0.0 if values is None else float(np.interp(min(t_s, float(history.t_s[-1])), history.t_s, values))
+
+
 def _outline(stage: Stage, theta: float, slip: float) -> list[tuple[float, float]]:
     """The ghost's silhouette in the plane of its base's middle."""
-    posed = stage.shape.posed_m(stage.shape.outline_m, theta, slip)[0]
+    posed = stage.shape.posed_m(silhouette_m(stage.source.scene, stage.source.mesh), theta, slip)[0]
     points = np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m])
     return [(float(x), float(y)) for x, y in stage.pixels(points)[0]]

@@ -71,6 +71,20 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
 }
 
 
+SKIP_WORDS: Final[Mapping[str, str]] = {
+    "quiet_start": "the time before anything can move",
+    "quiet_end": "the time after everything has come to rest for good",
+    "energy_outcome": "what follows once the outcome is certain",
+    "base_only": "contact of parts other than the base",
+    "no_history": "the histories",
+    "planar": "the third dimension",
+    "stop_at_overturn": "what follows after the statue has fallen",
+}
+"""What each skip leaves out."""
+BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
+"""Motion patterns of a statue without a pedestal."""
+
+
 def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, list[str]]]:
     """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
     known: dict[str, None] = dict.fromkeys(SCORE_WORDS)

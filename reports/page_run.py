@@ -10,7 +10,7 @@ from harness.history import Outcome
 from harness.record import PATTERN_NAMES
 from reports.assets import source_text, three_js
 from reports.chart_histories import histories_figure
-from reports.glossary import score_rows, validity_rows
+from reports.glossary import BARE_PATTERNS, SKIP_WORDS, score_rows, validity_rows
 from reports.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.palette import PATTERN_LOOKS, look
 from reports.replay import default_model, replay_payload
@@ -56,7 +56,11 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record["motion"], source.scene),
         "patterns": [
-            {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
+            {
+                "words": words if record["scene"]["pedestal"] else BARE_PATTERNS.get(name, words),
+                "name": name,
+                "colour": PATTERN_LOOKS[name][0],
+            }
             for name, words in PATTERN_NAMES.items()
             if any(which == name for run in source.runs.values() for _, _, which in run["patterns"])
         ],
@@ -72,6 +76,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         ],
         "validity": {name: validity_rows(run["validity"]) for name, run in source.runs.items() if run["validity"]},
         "plan": record["plan"],
+        "skip_words": SKIP_WORDS,
         "skipped": [(name, text) for name, run in source.runs.items() for text in run["skipped"]],
         "warnings": record["warnings"],
         "notes": record["notes"],

@@ -85,7 +85,8 @@ def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
     for name, found in values.items():
         if name.startswith("y") and found and isinstance(found[0], str):
             left = max(left, 24.0 + LETTER * max(len(text) for text in found))
-    inner = {"x": (left, width - MARGIN["right"]), "y": (height - MARGIN["bottom"], MARGIN["top"])}
+    bottom = float(layout.get("margin_bottom", MARGIN["bottom"]))
+    inner = {"x": (left, width - MARGIN["right"]), "y": (height - bottom, MARGIN["top"])}
     made = {}
     for name, spec in specs.items():
         start, end = inner[name[0]]

@@ -26,7 +26,7 @@ const fitted = (layout) => {
   return {
     ...layout,
     font: { family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif", size: narrow ? 11 : 13, color: "#1c2430" },
-    margin: { l: narrow ? 46 : 66, r: narrow ? 10 : 22, t: layout.margin_top || 40, b: narrow ? 42 : 48 },
+    margin: { l: narrow ? 46 : 66, r: narrow ? 10 : 22, t: layout.margin_top || 40, b: layout.margin_bottom || (narrow ? 42 : 48) },
     paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: narrow ? false : "zoom",
     hoverlabel: { font: { size: 12 }, bgcolor: "rgba(255,255,255,.94)" },
   };
