@@ -74,6 +74,34 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8")) == found
 
 
+def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, AMPLITUDES, azimuth_deg="0;90;180")
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
+        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", want=Want(history=False))
+        row["observed"] = FELL if true.outcome.overturned else true.outcome.value
+        row["share"] = "fit" if number % 2 else "rest"
+    rest = rows[::2]
+    assert [row["observed"] for row in rest] == ["stands", "stands", FELL, FELL]
+    # Two wrong observations in the share that is scored: one fall that the model has and one that it has not.
+    rest[0]["observed"], rest[2]["observed"] = FELL, "stands"
+    found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], quiet=True)
+    model = found["models"]["analytic"]
+    assert set(model["fitted"]["azimuth_deg"].values()) == {180.0}
+    assert model["fitted"]["accuracy"] == 1.0
+    scores = model["outcomes"]
+    assert (scores["cases"], scores["undecided"], scores["within_uncertainty"]) == (4, 0, 0)
+    # Of two predicted falls one was seen, of two seen falls one was predicted.
+    assert {name: scores[name]["value"] for name in ("accuracy", "precision", "recall", "f1", "matthews")} == {
+        "accuracy": 0.5,
+        "precision": 0.5,
+        "recall": 0.5,
+        "f1": 0.5,
+        "matthews": 0.0,
+    }
+
+
 def test_a_wrong_observation_costs_exactly_itself(tmp_path: Path) -> None:
     path = write_experiments(tmp_path, AMPLITUDES)
     before = validate(path, tmp_path / "out", models=["analytic"], quiet=True)
