@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.benchmark import alone, others, precision, sentences, skips
+from harness.benchmark import alone, cover, others, precision, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.benchmark.timing import cost
 from harness.engine import EngineFailure, Want
@@ -164,3 +164,27 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
     assert "2.50 times that of a trivial cached kernel (above 2 wanted)" in told[6]
     assert "0.50 times a bare loop (at most" in told[7]
     assert "1.20 times a bare loop (above" in told[8]
+
+
+def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
+    from harness.benchmark.run import all_parts, assembled
+    from harness.parts import Measured
+
+    listed = all_parts(False)
+    rows = {"free rocking": [row("pymunk", "free rocking", "coarse", 1e-4, 0.001)], "one sine pulse": []}
+    measured = {part.name: Measured(left=tuple(part.tasks)) for part in listed}
+    measured["precision"] = Measured(rows=rows, busy_s=2.0, wall_s=1.0)
+    found = assembled(listed, measured)
+    assert [item["scene"] for item in found["rows"]] == ["free rocking"]
+    assert found["seconds"] == 1.0
+    assert any(text.startswith("Not measured yet: coverage") for text in found["sentences"])
+    assert {part.name for part in listed if part.died} == {"precision", "coverage"}, (
+        "what is timed by the clock is alone"
+    )
+
+
+def test_coverage_counts_what_was_missed_and_what_died() -> None:
+    kept = [{"engine": "pymunk", "seed": 1, "covered": True}, {"engine": "pymunk", "seed": 2, "covered": False}]
+    assert cover.counted([*kept, *cover.died("pymunk: seeds 3 to 4")]) == {
+        "pymunk": {"inside": 1, "total": 4, "missed": [2, 3, 4]}
+    }
