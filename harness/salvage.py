@@ -29,13 +29,16 @@ def salvage(damaged: Path, fresh: Path) -> int:
     with closing(sqlite3.connect(fresh)) as db, db:
         for table, found in rows.items():
             if found:
-                marks = ",".join("?" * len(found[0]))
-                db.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", found)
+                width = len(db.execute(f"SELECT * FROM {table} LIMIT 0").description)
+                # A store of an earlier version kept histories otherwise: its outcomes are still worth having.
+                if len(found[0]) == width:
+                    marks = ",".join("?" * width)
+                    db.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", found)
     return len(rows["run"])
 
 
 def _readable(path: Path, table: str) -> Iterator[tuple[Any, ...]]:
-    """Rows of a table from its first to the first damaged page, then from its last page backwards; by key where it has no rows."""
+    """Rows of a table to the first damaged page, then from its last page backwards; by key where rows have no number."""
     seen: set[tuple[Any, ...]] = set()
     for order in ("rowid ASC", "rowid DESC", "1 ASC", "1 DESC"):
         try:
