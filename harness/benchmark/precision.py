@@ -88,6 +88,8 @@ def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) 
     exact = engines.load("analytic").simulate(scene, engines.load("analytic").ladder(scene)[-1], Want())
     for name in names:
         engine = engines.load(name)
+        if item.spatial and engine.capabilities.dimensions < 3:
+            continue
         reason = engine.missing()
         if reason is not None:
             yield _row(item, name, "ladder", "not here", failed=reason)

@@ -32,13 +32,14 @@ class Standard:
     """One scene of the set: its name, its content as in a scene file, and its reference.
 
     `reference`: `analytic` where the two-block model is exact for the scene, `own` for each engine's own finest rung.
-    `block`: given by numbers alone, so that every engine is asked for its speed.
+    `block`: given by numbers alone, so that every engine is asked for its speed. `spatial`: asked of 3D engines alone.
     """
 
     name: str
     content: Mapping[str, Any]
     reference: Literal["analytic", "own"]
     block: bool = True
+    spatial: bool = False
 
     def scene(self) -> Scene:
         """The scene resolved; raises `InputError` where a file that it names is absent."""
@@ -106,6 +107,7 @@ def standard_set() -> Sequence[Standard]:
             {"duration_s": 3.0, "statue": scan, "contact": {"statue": 1.0}, "motion": {"x": west, "y": north}},
             "own",
             block=False,
+            spatial=True,
         ),
     )  # fmt: skip
 
