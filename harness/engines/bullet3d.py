@@ -26,12 +26,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LADDER: Final = (
-    BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10, impact_substeps=80),
-    BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4, residual=3e-10),
+    BulletSettings(dt_s=2e-3, expected_error_rad=2.5e-3, residual=1e-10),
+    BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10),
+    BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4),
     BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, iterations=400),
+    BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, residual=1e-9, iterations=400),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=0.0, iterations=1000),
 )
+FLOOR_RAD: Final = 5e-4
+"""Error of the coarsest rung without a pedestal."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""
 SWEEPS_ALONE: Final = 300
@@ -70,7 +73,8 @@ class Bullet3D(Engine):
         """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
         if scene.pedestal is not None:
             return LADDER
-        return (*LADDER[:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
+        coarsest = replace(LADDER[0], expected_error_rad=FLOOR_RAD)
+        return (coarsest, *LADDER[1:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer rung's settings with the expert's step."""

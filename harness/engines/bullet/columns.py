@@ -17,8 +17,6 @@ Array = NDArray[np.float64]
 
 JUMP_IN_G: Final = 10.0
 """An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
-WHOLE: Final = 1e-3
-"""A time is a whole number of steps within this share of one; sub-steps are much farther off."""
 
 
 def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Trajectory:
@@ -55,7 +53,7 @@ def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Traj
 
 def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Array]:
     """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
-    t_s, rows = np.array(record.t_s), record.rows.copy()
+    t_s, kick_s, rows = np.array(record.t_s), np.array(record.kick_s), record.rows.copy()
     jump = JUMP_IN_G * scene.gravity_m_s2
     for columns, limit in (
         (slice(7, 10), jump),
@@ -63,9 +61,8 @@ def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Ar
         (slice(20, 23), jump),
     ):
         if columns.stop <= rows.shape[1]:
-            rows[:, columns] = _synchronous(rows[:, columns], t_s, step_s, limit)
-    number = t_s / step_s
-    whole = np.abs(number - np.round(number)) < WHOLE
+            rows[:, columns] = _synchronous(rows[:, columns], t_s, kick_s, limit)
+    whole = t_s == np.round(t_s / step_s) * step_s
     whole[-1] = True
     t_s, rows = t_s[whole], rows[whole]
     if t_s[0] > 0.0:
@@ -74,18 +71,17 @@ def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Ar
     return t_s, rows
 
 
-def _synchronous(values: Array, t_s: Array, step_s: float, jump: float) -> Array:
-    """Velocities (n, 3) at the samples' own times from those half a step before; the first is synchronous already.
+def _synchronous(values: Array, t_s: Array, kick_s: Array, jump: float) -> Array:
+    """Velocities (n, 3) at the samples' own times from those of `kick_s`, at most half a step before; the last stays as it is.
 
-    Between two steps the value is interpolated, except where the acceleration is an impact's: there the one before holds.
+    Between two samples the value is interpolated, except where the acceleration is an impact's: there the one before holds.
     """
     result = values.copy()
-    if len(values) < 3:
-        return result
-    half = 0.5 * np.minimum(np.diff(t_s), step_s)
-    accel = (values[2:] - values[1:-1]) / (half[:-1] + half[1:])[:, None]
-    smooth = np.max(np.abs(accel), axis=1) < jump
-    result[1:-1] += np.where(smooth[:, None], accel * half[:-1, None], 0.0)
+    between = np.diff(kick_s)
+    # An impact's step takes no time for velocities.
+    accel = np.diff(values, axis=0) / np.where(between > 0.0, between, 1.0)[:, None]
+    smooth = (between > 0.0) & (np.max(np.abs(accel), axis=1) < jump)
+    result[:-1] += np.where(smooth[:, None], accel * (t_s - kick_s)[:-1, None], 0.0)
     return result
 
 

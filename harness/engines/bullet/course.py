@@ -14,9 +14,11 @@ from harness.engine import Want
 from harness.engines.bullet import feet, loop, pose
 from harness.engines.bullet.edge import EdgeWatch
 from harness.engines.bullet.loop import Watch
+from harness.engines.bullet.march import March
 from harness.engines.bullet.schedule import Schedule
 from harness.engines.bullet.settings import BulletSettings
-from harness.engines.bullet.stepper import Record, Row, Stepper, reader
+from harness.engines.bullet.stepper import Record, Stepper, reader
+from harness.engines.bullet.touch import Touch
 from harness.engines.bullet.world import World
 from harness.plan import first_motion_s, limit_of_rest_m_s2
 from harness.scene import Scene
@@ -71,16 +73,15 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     count = step_count(scene.duration_s, rung.dt_s)
     quiet_s = quiet_start_s(scene, setup) if want.may_skip("quiet_start") else 0.0
     first = min(int(quiet_s / rung.dt_s), count - 1)
-    schedule = Schedule(scene, rung.dt_s, rung.impact_substeps, first, count)
+    schedule = Schedule(scene, rung.dt_s, first, count)
     full = scene.pedestal is not None and not want.may_skip("base_only")
     watch = _watch(scene, rung, setup, want, full)
-    record = _part(scene, rung, setup, schedule, watch, full=full, row=None, start=first)
+    record = _part(scene, rung, setup, schedule, watch, full=full)
     full_from = 0.0 if full else None
-    done = round(record.t_s[-1] / rung.dt_s)
-    if watch.halt is not None and done < count and watch.halt(record.last):
+    if watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
         # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
         full_from = record.t_s[-1]
-        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=True, row=record.last, start=done)
+        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=True, done=record)
         record = _joined(record, rest_of)
     return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from)
 
@@ -99,7 +100,14 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
         impose=scene.contact.restitution is not None,
         halt=halt,
         stop=want.stop,
+        touch=touch_of(scene, setup, rung) if rung.events else None,
     )
+
+
+def touch_of(scene: Scene, setup: Setup, rung: BulletSettings) -> Touch:
+    """What finds the impacts of the base."""
+    half = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
+    return Touch(scene, setup.feet_m, half, rung.dt_s)
 
 
 def _part(
@@ -110,10 +118,9 @@ def _part(
     watch: Watch,
     *,
     full: bool,
-    row: Row | None,
-    start: int,
+    done: Record | None = None,
 ) -> Record:
-    """One world from step `start`: from the scene's start, or from the state in `row`."""
+    """One world: from the scene's start, or from where another one has come to."""
     statue = scene.statue
     pedestal = wall = None
     if scene.pedestal is not None:
@@ -124,17 +131,20 @@ def _part(
     hull = setup.hull_m if full else None
     with World(rung) as world:
         world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, hull, setup.start))
-        if row is None:
-            row = reader(world)()
+        stepper = Stepper(world, scene, schedule)
+        if done is None:
+            march = March(stepper, reader(world)(), schedule.first, schedule.first * rung.dt_s, even=True)
         else:
-            Stepper(world, scene, schedule).restore(row)
-        return loop.integrate(world, scene, schedule, watch, row, start)
+            stepper.restore(done.last)
+            march = March(stepper, done.last, round(done.t_s[-1] / rung.dt_s), done.kick_s[-1], even=False)
+        return loop.integrate(scene, schedule, watch, march)
 
 
 def _joined(before: Record, after: Record) -> Record:
     return Record(
         before.width,
         before.t_s + after.t_s[1:],
+        before.kick_s + after.kick_s[1:],
         before.flat + after.flat[after.width :],
         before.repeated + after.repeated,
         before.imposed + after.imposed,

@@ -12,7 +12,8 @@ from harness.scene import Scene
 
 def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     """Put both bodies upright with the velocities after the model's impact; `lean_rad` is what little is left to fall."""
-    statue, side = scene.statue, 1 if lean_rad > 0.0 else -1
+    # It came down from the side against which it turns, whether or not the last digits of the lean have passed zero.
+    statue, side = scene.statue, 1 if row[11] < 0.0 else -1
     body, pedestal = bodies(row)
     table_x, table_y = stepper.table_rate[0], stepper.table_rate[1]
     slip = 0.0 if pedestal is None else pedestal.velocity_m_s[0] - table_x

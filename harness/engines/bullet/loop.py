@@ -1,28 +1,26 @@
-"""The loop: whole steps, sub-steps through impacts, when to stop."""
+"""The loop: whole steps, shorter ones around events, when to stop."""
 
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
+from harness.engines.bullet.march import APPROACH, EARLIER, IMPACT_SHARE, MOST_PARTS, PRECISE, SHORTEST, March
 from harness.engines.bullet.schedule import Schedule, Vector
-from harness.engines.bullet.stepper import Record, Row, Stepper, axis_of
-from harness.engines.bullet.world import World
+from harness.engines.bullet.stepper import Record, Row, axis_of
+from harness.engines.bullet.touch import LEAST_RATE_RAD_S, Touch
 from harness.scene import Scene
 
 AHEAD: Final = 1.5
-"""An impact expected within this many steps is passed in sub-steps: the rate changes little in so short a time."""
-LEAST_RATE_RAD_S: Final = 3e-3
-"""A slower approach is no impact: what such a rate can lift is below a hundred-thousandth of a radian."""
-LEAST_LEAN_RAD: Final = 1e-5
-"""With a rate below `LEAST_RATE_RAD_S`, a lean that counts as none."""
+"""Steps between the last look at an event and the step in which it may fall."""
 LEAST_SHARE: Final = 0.1
 """Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
+IMPOSED_PARTS: Final = 40
+"""Parts of a step in which a prescribed impact falls."""
 ALONE: Final = 13
 """Numbers in a row without a pedestal."""
 RESTING_FREE: Final = 4
@@ -48,7 +46,7 @@ class Watch:
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
     run is not ended at rest). `halt` is asked now and then whether the statue would touch what this world leaves out, `stop` with
-    time and rotation whether the run may end.
+    time and rotation whether the run may end. `touch` finds impacts; None leaves them to whole steps.
     """
 
     axis: Vector
@@ -57,95 +55,106 @@ class Watch:
     impose: bool
     halt: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
+    touch: Touch | None = None
 
 
-def integrate(world: World, scene: Scene, schedule: Schedule, watch: Watch, first: Row, start: int) -> Record:
-    """Run from step `start` with state `first` to the schedule's end, an overturn, rest, or a halt."""
-    stepper = Stepper(world, scene, schedule)
-    record = Record(len(first), [start * schedule.step_s], array("d", first))
+def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> Record:
+    """Run `march` to the schedule's end, an overturn, rest, or a halt."""
     pull = _greatest_pull(scene)
-    bound, kinetic = 2.0 * pull / scene.statue.centroid_height_m, scene.contact.floor_kinetic * scene.gravity_m_s2
-    number, row, was_near, fine_before, still, cut, look = start, first, False, False, Still(watch), -1, start
-    while number < schedule.count:
+    kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
+    still, look, record = Still(watch), march.number, march.record
+    while march.number < schedule.count:
+        row = march.row
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and fallen(zx, zy, zz):
             break
-        if watch.halt is not None and watch.halt(row):
-            break
-        if watch.stop is not None and number >= look:
-            look = number + LOOK_STEPS
-            if watch.stop(record.t_s[-1], math.atan2(zx, zz)):
+        if march.on_grid:
+            if watch.halt is not None and watch.halt(row):
                 break
-        if still.lasts(number, row, zx, zy):
-            record.rested = True
-            break
-        free = _free_steps(row, zx - watch.rest[0], zy - watch.rest[1], schedule.step_s, bound)
-        if len(row) > ALONE and len(record.t_s) > 1:
-            free = min(free, _free_of_halt(stepper, record, row, pull, kinetic))
-        if free == 0 or was_near or number == cut:
-            row = _through(stepper, scene, watch, record, number, row, fine_before)
-            was_near, fine_before = free == 0, True
-            number += 1
-            continue
-        if fine_before:
-            world.set_step(schedule.step_s)
-            row = _whole(stepper, record, [schedule.after_fine(number)], number, row)
-            fine_before, number = False, number + 1
-            continue
-        begin = number - schedule.first
-        taken = len(record.t_s)
-        row = _whole(stepper, record, schedule.coarse[begin : begin + free], number, row)
-        number += len(record.t_s) - taken
-        # A step that ends earlier found the pedestal let loose inside it: that step is taken again in sub-steps.
-        cut = number if len(record.t_s) - taken < free else -1
-    record.repeated = stepper.repeated
+            if watch.stop is not None and march.number >= look:
+                look = march.number + LOOK_STEPS
+                if watch.stop(march.t_s, math.atan2(zx, zz)):
+                    break
+            if still.lasts(march.number, row, zx, zy):
+                record.rested = True
+                break
+        free = RESTING_FREE
+        if watch.touch is not None:
+            free = _touched(march, scene, watch.touch, watch)
+            if free == 0:
+                continue
+            if len(row) > ALONE and len(record.t_s) > 1:
+                free = min(free, _halted(march, pull, kinetic))
+                if free == 0:
+                    continue
+        if march.even:
+            begin = march.number - schedule.first
+            march.wholes(schedule.coarse[begin : begin + free])
+        else:
+            march.to_next()
+    record.repeated = march.stepper.repeated
     return record
 
 
-def _whole(stepper: Stepper, record: Record, pulls: list[Vector], number: int, row: Row) -> Row:
-    """Whole steps from `number` on, one for each gravity; ends before a step in which static friction was passed."""
-    step_s, keep, taken = stepper.schedule.step_s, record.flat.extend, len(pulls)
-    if stepper.plain:
-        advance = stepper.advance
-        for gravity in pulls:
-            row = advance(gravity)
-            keep(row)
+def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
+    """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
+    stepper, step_s = march.stepper, march.step_s
+    coming, soonest, foot = touch(march.row, stepper.table_place[2], stepper.table_rate[2])
+    if watch.impose:
+        return _imposed(march, scene, watch, soonest)
+    latest = march.next_s + EARLIER * step_s
+    if march.t_s + coming > latest:
+        return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
+    for _ in range(MOST_PARTS):
+        if coming <= PRECISE * step_s:
+            break
+        end = march.t_s + APPROACH * coming
+        march.to(end, 0.5 * (march.t_s + end))
+        floor = stepper.table_place[2], stepper.table_rate[2]
+        coming = touch.until(march.row, foot, *floor)
+        if march.t_s + coming > latest:
+            # It comes later than it seemed.
+            march.to_next()
+            return 0
+    # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
+    march.lower(touch.drift_m(march.row, stepper.table_place[2]))
+    last = march.next_s - IMPACT_SHARE * step_s
+    meeting = min(march.t_s + max(coming, SHORTEST * step_s), max(last, march.t_s + SHORTEST * step_s))
+    march.to(meeting, meeting)
+    # All feet of an edge meet their support in one step.
+    early = 3.0 * (EARLIER + IMPACT_SHARE) * step_s
+    march.lower(touch.drift_m(march.row, stepper.table_place[2], coming_s=early))
+    if meeting >= last:
+        march.to_next(meeting)
     else:
-        for index, gravity in enumerate(pulls):
-            after = stepper.step(gravity, (number + index) * step_s, step_s, row)
-            if stepper.just_released:
-                stepper.take_back(row)
-                taken = index
-                break
-            row = after
-            keep(row)
-    record.t_s.extend((number + index) * step_s for index in range(1, taken + 1))
-    return row
+        march.to(meeting + IMPACT_SHARE * step_s, meeting)
+    return 0
 
 
-def _through(
-    stepper: Stepper, scene: Scene, watch: Watch, record: Record, number: int, row: Row, fine_before: bool
-) -> Row:
-    """One step in sub-steps."""
-    schedule = stepper.schedule
-    sub_s, start_s = schedule.substep_s, number * schedule.step_s
-    if not fine_before:
-        stepper.world.set_step(sub_s)
-    for index, gravity in enumerate(schedule.fine(number, fine_before)):
-        if watch.impose and _comes_down(row, watch, sub_s):
-            lean = axis_of(row, watch.axis)[0] - watch.rest[0]
-            row = imposing.impose(stepper, scene, row, lean)
-            record.imposed += 1
-        row = stepper.step(gravity, start_s + index * sub_s, sub_s, row)
-        record.t_s.append(start_s + (index + 1) * sub_s)
-        record.flat.extend(row)
-    return row
+def _imposed(march: March, scene: Scene, watch: Watch, soonest: float) -> int:
+    """The same where impacts are prescribed: a step in which the statue passes upright goes in parts, the impact between two."""
+    step_s = march.step_s
+    if _upright(march, watch) > AHEAD * step_s:
+        return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
+    start, part = march.t_s, (march.next_s - march.t_s) / IMPOSED_PARTS
+    for index in range(1, IMPOSED_PARTS + 1):
+        if _upright(march, watch) <= part:
+            march.row = imposing.impose(
+                march.stepper, scene, march.row, axis_of(march.row, watch.axis)[0] - watch.rest[0]
+            )
+            march.record.imposed += 1
+        end = start + index * part
+        if index == IMPOSED_PARTS:
+            march.to_next(march.next_s - 0.5 * part)
+        else:
+            march.to(end, end - 0.5 * part)
+    return 0
 
 
-def _comes_down(row: Row, watch: Watch, step_s: float) -> bool:
-    """Whether the statue passes upright within the coming step."""
-    lean, rate = axis_of(row, watch.axis)[0] - watch.rest[0], row[11]
-    return lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S and abs(lean) <= abs(rate) * step_s
+def _upright(march: March, watch: Watch) -> float:
+    """Time, s, until the statue passes upright; infinite when it does not come down."""
+    lean, rate = axis_of(march.row, watch.axis)[0] - watch.rest[0], march.row[11]
+    return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
 
 
 def _greatest_pull(scene: Scene) -> float:
@@ -154,39 +163,29 @@ def _greatest_pull(scene: Scene) -> float:
     return scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
 
 
-def _free_of_halt(stepper: Stepper, record: Record, row: Row, pull: float, kinetic: float) -> int:
-    """Number of whole steps in which the pedestal cannot come to a halt: 0 when it is about to, at most `MOST_FREE`.
+def _halted(march: March, pull: float, kinetic: float) -> int:
+    """Number of whole steps in which the pedestal cannot come to a halt; 0 when it was about to and its halt has been met.
 
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
     """
-    step_s, before = stepper.schedule.step_s, record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
+    stepper, row, record, step_s = march.stepper, march.row, march.record, march.step_s
+    before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
     vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
     speed = math.hypot(vx, vy)
     if speed <= LEAST_SHARE * kinetic * step_s:
         return RESTING_FREE
-    last_s = min(record.t_s[-1] - record.t_s[-2], step_s)
+    last_s = record.kick_s[-1] - record.kick_s[-2]
+    if last_s <= 0.0:
+        return 1
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
     slowing = -(vx * ax + vy * ay) / speed
-    if slowing > LEAST_SHARE * kinetic and speed <= AHEAD * step_s * slowing:
-        return 0
+    if slowing > LEAST_SHARE * kinetic:
+        halt_s = march.kick_s + speed / slowing
+        if halt_s <= 0.5 * (march.t_s + march.next_s):
+            march.halt(halt_s)
+            return 0
     return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
-
-
-def _free_steps(row: Row, zx: float, zy: float, step_s: float, bound: float) -> int:
-    """Number of whole steps in which no edge of the base can come down: 0 when one is about to, at most `MOST_FREE`."""
-    wx, wy = row[10], row[11]
-    lean, rate = math.hypot(zx, zy), math.hypot(wx, wy)
-    if rate <= LEAST_RATE_RAD_S and lean <= LEAST_LEAN_RAD:
-        return RESTING_FREE
-    reach = AHEAD * step_s
-    if zx * wy < 0.0 and abs(wy) > LEAST_RATE_RAD_S and abs(zx) <= abs(wy) * reach:
-        return 0
-    if zy * wx > 0.0 and abs(wx) > LEAST_RATE_RAD_S and abs(zy) <= abs(wx) * reach:
-        return 0
-    # Time in which the greater lean could be undone, whatever pulls.
-    soonest = (math.sqrt(rate * rate + 2.0 * bound * max(abs(zx), abs(zy))) - rate) / bound
-    return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE)
 
 
 class Still:

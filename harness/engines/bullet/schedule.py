@@ -22,14 +22,13 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Schedule:
-    """Steps of `step_s` from number `first` to `count`; each may be cut into `substeps`.
+    """Steps of `step_s` from number `first` to `count`; `moving` says that the table itself moves, so that gravity is constant.
 
-    `moving` says that the table itself moves, so that gravity is constant. A gravity is what acts for a whole step, m/s².
+    A gravity is what acts for a whole step, m/s².
     """
 
     scene: Scene
     step_s: float
-    substeps: int
     first: int
     count: int
 
@@ -38,28 +37,17 @@ class Schedule:
         """Whether the table moves instead of the frame."""
         return self.scene.table == "moving"
 
-    @property
-    def substep_s(self) -> float:
-        """Length of a sub-step."""
-        return self.step_s / self.substeps
-
     @cached_property
     def coarse(self) -> list[Vector]:
         """Gravity of every whole step that follows a whole step, from number `first` on."""
         middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
         return self._gravity(np.concatenate([[self.first * self.step_s], middles]), self.step_s)
 
-    def fine(self, number: int, after_fine: bool) -> list[Vector]:
-        """Gravity of the sub-steps of step `number`, which follows a sub-step or a whole step."""
-        start, sub = number * self.step_s, self.substep_s
-        before = 0.0 if number == self.first else 0.5 * (sub if after_fine else self.step_s)
-        edges = np.concatenate([[start - before], start + (np.arange(self.substeps) + 0.5) * sub])
-        return self._gravity(edges, sub)
-
-    def after_fine(self, number: int) -> Vector:
-        """Gravity of the whole step `number` after a sub-step."""
-        start = number * self.step_s
-        return self._gravity(np.array([start - 0.5 * self.substep_s, start + 0.5 * self.step_s]), self.step_s)[0]
+    def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
+        """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
+        if end_s <= start_s:
+            return 0.0, 0.0, 0.0
+        return self._gravity(np.array([start_s, end_s]), step_s)[0]
 
     def _gravity(self, edges_s: Array, step_s: float) -> list[Vector]:
         """Impulse per mass between edges, spread over a step."""

@@ -13,25 +13,27 @@ REFERENCE_DT_S: Final = 2.5e-4
 
 @dataclass(frozen=True)
 class BulletSettings(Settings):
-    """One rung: step, sub-steps through an impact, solver, contact.
+    """One rung: step, whether events inside a step are met by shorter ones, solver, contact.
 
-    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early (0: never).
-    `foot_radius_m` is the radius of the spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal:
-    the same solution, reached by more sweeps.
+    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early (0: never);
+    around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
+    spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, reached by more sweeps.
     """
 
-    impact_substeps: int = 40
+    events: bool = True
     iterations: int = 200
-    residual: float = 1e-9
+    residual: float = 3e-10
     breaking_threshold_m: float = 1e-4
+    event_iterations: int = 1000
+    event_residual: float = 1e-3
     erp: float = 0.02
     foot_radius_m: float = 1e-5
     cone_friction: bool = True
     reversed_bodies: bool = False
 
-    def residual_for(self, step_s: float) -> float:
-        """Threshold for a step of `step_s`."""
-        return self.residual * (step_s / REFERENCE_DT_S) ** 2
+    def residual_for(self) -> float:
+        """Threshold for this rung's step."""
+        return self.residual * (self.dt_s / REFERENCE_DT_S) ** 2
 
     def erp_for(self, step_s: float) -> float:
         """Share of a penetration corrected in a step of `step_s`: in proportion, so that a sub-step pushes no faster."""

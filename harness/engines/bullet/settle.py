@@ -23,10 +23,11 @@ from harness.engines import load
 from harness.engines.bullet import course, shapes
 from harness.engines.bullet.columns import trajectory
 from harness.engines.bullet.loop import Watch, integrate
+from harness.engines.bullet.march import March
 from harness.engines.bullet.schedule import Schedule
 from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.settle_text import TEXT
-from harness.engines.bullet.stepper import Record, reader
+from harness.engines.bullet.stepper import Record, Stepper, reader
 from harness.engines.bullet.world import World
 from harness.record import machine, versions
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
@@ -118,12 +119,14 @@ def _box_moments(p: Pedestal) -> Array:
 def measure(scene: Scene, rung: BulletSettings, build: Build = _ours) -> tuple[Record, float]:
     """Samples of a run with the given bodies, and processor time per step, µs."""
     setup = course.prepare(scene)
-    schedule = Schedule(scene, rung.dt_s, rung.impact_substeps, 0, round(scene.duration_s / rung.dt_s))
-    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False)
+    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
+    touch = course.touch_of(scene, setup, rung) if rung.events else None
+    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, touch=touch)
     with World(rung) as world:
         build(world, scene, setup)
         start = time.process_time()
-        record = integrate(world, scene, schedule, watch, reader(world)(), 0)
+        march = March(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
+        record = integrate(scene, schedule, watch, march)
         spent = time.process_time() - start
     return record, 1e6 * spent / (len(record.t_s) - 1)
 
@@ -131,7 +134,7 @@ def measure(scene: Scene, rung: BulletSettings, build: Build = _ours) -> tuple[R
 def bare_us(scene: Scene, rung: BulletSettings) -> float:
     """Processor time per whole step, µs, of nothing but gravity, step and read-outs kept in a list, with the same bodies."""
     setup = course.prepare(scene)
-    schedule = Schedule(scene, rung.dt_s, rung.impact_substeps, 0, round(scene.duration_s / rung.dt_s))
+    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
     rows = []
     set_gravity, step = pybullet.setGravity, pybullet.stepSimulation
     with World(rung) as world:
@@ -194,10 +197,7 @@ def variations() -> Iterator[str]:
     """One setting changed at a time."""
     changes: list[tuple[str, dict[str, Any]]] = [
         ("chosen", {}),
-        ("no sub-steps", {"impact_substeps": 1}),
-        ("10 sub-steps", {"impact_substeps": 10}),
-        ("20 sub-steps", {"impact_substeps": 20}),
-        ("80 sub-steps", {"impact_substeps": 80}),
+        ("events left inside whole steps", {"events": False}),
         ("radius of the spheres 1 cm", {"foot_radius_m": 1e-2}),
         ("1 mm", {"foot_radius_m": 1e-3}),
         ("0.1 mm", {"foot_radius_m": 1e-4}),
@@ -230,7 +230,7 @@ def overhead() -> Iterator[str]:
     """Whole loop against a bare one."""
     for pedestal in (False, True):
         scene = scene_of(0.334, 2.0, pedestal=pedestal)
-        pairs = [(bare_us(scene, CHOSEN), measure(scene, replace(CHOSEN, impact_substeps=1))[1]) for _ in range(5)]
+        pairs = [(bare_us(scene, CHOSEN), measure(scene, replace(CHOSEN, events=False))[1]) for _ in range(5)]
         bare, whole = (min(column) for column in zip(*pairs, strict=True))
         where = "on the pedestal" if pedestal else "on the floor"
         yield f"| {where} | {bare:.1f} | {whole:.1f} | {whole / bare - 1.0:+.1%} |"

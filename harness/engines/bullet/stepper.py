@@ -28,10 +28,14 @@ HALTED: Final = 0.3
 
 @dataclass(eq=False)
 class Record:
-    """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal)."""
+    """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
+
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
+    """
 
     width: int
     t_s: list[float] = field(default_factory=list)
+    kick_s: list[float] = field(default_factory=list)
     flat: array[float] = field(default_factory=lambda: array("d"))
     repeated: int = 0
     imposed: int = 0
@@ -41,6 +45,12 @@ class Record:
     def rows(self) -> Array:
         """The rows, shape (n, 13) or (n, 26)."""
         return np.frombuffer(self.flat, dtype=np.float64).reshape(-1, self.width)
+
+    def keep(self, t_s: float, kick_s: float, row: Row) -> None:
+        """Append a sample."""
+        self.t_s.append(t_s)
+        self.kick_s.append(kick_s)
+        self.flat.extend(row)
 
     @property
     def last(self) -> Row:
@@ -103,6 +113,7 @@ class Stepper:
         self.stuck = True
         self.repeated = 0
         self.just_released = False
+        self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
 
@@ -110,8 +121,8 @@ class Stepper:
         """Advance the world from `before` at `t_s` by `step_s`."""
         if self.schedule.moving:
             self.table_before = self.table_rate
-            place, self.table_rate = self.schedule.table(t_s, step_s)
-            self.world.move_table(place, self.table_rate)
+            self.table_place, self.table_rate = self.schedule.table(t_s, step_s)
+            self.world.move_table(self.table_place, self.table_rate)
         self.just_released = False
         row = self.advance(gravity)
         if not self.switches:

@@ -43,7 +43,7 @@ class World:
 
     def __enter__(self) -> Self:
         pybullet.resetSimulation(physicsClientId=self.client)
-        self.set_step(self.settings.dt_s)
+        self._set_engine(self.settings.dt_s)
         return self
 
     def __exit__(
@@ -52,25 +52,35 @@ class World:
         pybullet.resetSimulation(physicsClientId=self.client)
         pybullet.disconnect(self.client)
 
-    def set_step(self, step_s: float) -> None:
+    def _set_engine(self, step_s: float) -> None:
         """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
-        s, erp = self.settings, self.settings.erp_for(step_s)
         pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=step_s,
             numSubSteps=0,
-            numSolverIterations=s.iterations,
-            solverResidualThreshold=s.residual_for(step_s),
-            contactBreakingThreshold=s.breaking_threshold_m,
-            enableConeFriction=int(s.cone_friction),
-            erp=erp,
-            contactERP=erp,
-            frictionERP=erp,
+            contactBreakingThreshold=self.settings.breaking_threshold_m,
+            enableConeFriction=int(self.settings.cone_friction),
             globalCFM=0.0,
             contactSlop=0.0,
             restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
             deterministicOverlappingPairs=1,
             enableFileCaching=0,
             constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
+            physicsClientId=self.client,
+        )
+        self.set_length(step_s)
+
+    def set_length(self, step_s: float) -> None:
+        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
+
+        A step of another length than the rung's holds an event, whose impulses are solved more tightly.
+        """
+        s, erp, whole = self.settings, self.settings.erp_for(step_s), step_s == self.settings.dt_s
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            erp=erp,
+            contactERP=erp,
+            frictionERP=erp,
+            numSolverIterations=s.iterations if whole else max(s.iterations, s.event_iterations),
+            solverResidualThreshold=s.residual_for() * (1.0 if whole else s.event_residual),
             physicsClientId=self.client,
         )
 

@@ -1,0 +1,133 @@
+"""One step after another: whole ones, and shorter ones around an event. Places and velocities keep clocks of their own.
+
+Bullet changes velocities first and places after. A step is therefore two numbers: how far the places go, and up to when the
+velocities are taken (`kick_s`, the middle of a whole step). Around an impact the velocities are brought to its instant and the
+places to the contact; the impact is a step of its own in which nothing pulls.
+"""
+
+from __future__ import annotations
+
+from array import array
+from typing import Final
+
+from harness.engines.bullet.schedule import Vector
+from harness.engines.bullet.stepper import Record, Row, Stepper
+
+SHORTEST: Final = 2e-3
+"""Share of a step below which none is taken."""
+IMPACT_SHARE: Final = 0.01
+"""Length of the step that is an impact, in steps."""
+EARLIER: Final = 0.005
+"""An impact so little after a whole step, in steps, is met before it."""
+APPROACH: Final = 0.95
+"""Share of the time to an impact that a first step takes, so that a second one meets it."""
+PRECISE: Final = 0.01
+"""Nearer than this share of a step the velocities are brought to the impact as well."""
+MOST_PARTS: Final = 6
+LEAST_REST: Final = 0.04
+"""A rest of a step shorter than this goes with the part before it."""
+PAST_HALT: Final = 0.01
+"""Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
+RELEASE_PARTS: Final = 10
+"""Parts of a step in which static friction gives way."""
+
+
+class March:
+    """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
+
+    `even` says that both clocks stand as after a whole step, so that another one may follow.
+    """
+
+    def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
+        self.stepper, self.schedule, self.row = stepper, stepper.schedule, row
+        self.step_s, self.number = stepper.schedule.step_s, start
+        self.t_s, self.kick_s = start * self.step_s, kick_s
+        self.length_s, self.even = self.step_s, even
+        self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
+
+    @property
+    def next_s(self) -> float:
+        """The next whole step's time."""
+        return (self.number + 1) * self.step_s
+
+    @property
+    def on_grid(self) -> bool:
+        """Whether the places stand at a whole step."""
+        return self.t_s == self.number * self.step_s
+
+    def to(self, t_s: float, kick_s: float) -> Row:
+        """One step of places to `t_s` and of velocities to `kick_s`."""
+        length = t_s - self.t_s
+        self._set(length)
+        gravity = self.schedule.between(self.kick_s, kick_s, length)
+        self.row = self.stepper.step(gravity, self.t_s, length, self.row)
+        self.t_s, self.kick_s, self.even = t_s, kick_s, False
+        self.record.keep(t_s, kick_s, self.row)
+        return self.row
+
+    def to_next(self, kick_s: float | None = None) -> None:
+        """To the next whole step, velocities to the middle of the way or to `kick_s`."""
+        end = self.next_s
+        on_grid = kick_s is None and self.on_grid
+        self.to(end, 0.5 * (self.t_s + end) if kick_s is None else kick_s)
+        self.number += 1
+        self.even = on_grid
+
+    def wholes(self, pulls: list[Vector]) -> None:
+        """Whole steps, one for each gravity; ends before one in which static friction gives way, and takes that in parts."""
+        self._set(self.step_s)
+        stepper, row, record, taken = self.stepper, self.row, self.record, len(pulls)
+        if stepper.plain:
+            advance, keep = stepper.advance, record.flat.extend
+            for gravity in pulls:
+                row = advance(gravity)
+                keep(row)
+        else:
+            for index, gravity in enumerate(pulls):
+                after = stepper.step(gravity, (self.number + index) * self.step_s, self.step_s, row)
+                if stepper.just_released:
+                    stepper.take_back(row)
+                    taken = index
+                    break
+                row = after
+                record.flat.extend(row)
+        self.row = row
+        for number in range(self.number + 1, self.number + taken + 1):
+            record.t_s.append(number * self.step_s)
+            record.kick_s.append((number - 0.5) * self.step_s)
+        if taken:
+            self.number += taken
+            self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
+        if taken < len(pulls):
+            self.release()
+
+    def release(self) -> None:
+        """A step in which static friction gives way, in parts."""
+        start, part = self.t_s, (self.next_s - self.t_s) / RELEASE_PARTS
+        for index in range(1, RELEASE_PARTS):
+            self.to(start + index * part, start + (index - 0.5) * part)
+        self.to(self.next_s, self.next_s - 0.5 * part)
+        self.number += 1
+
+    def halt(self, halt_s: float) -> None:
+        """Velocities to the instant at which the pedestal halts."""
+        kick = halt_s + PAST_HALT * (halt_s - self.kick_s)
+        shortest = LEAST_REST * self.step_s
+        end = self.t_s + max(2.0 * (kick - self.t_s), shortest)
+        if end > self.next_s - shortest:
+            self.to_next(kick)
+        else:
+            self.to(end, kick)
+
+    def lower(self, gap_m: float) -> None:
+        """Take back what the standing foot has drifted off its support, as a step too short would not close the gap."""
+        if gap_m == 0.0:
+            return
+        place = self.row[2] - gap_m
+        self.row = (*self.row[:2], place, *self.row[3:])
+        self.stepper.restore(self.row)
+
+    def _set(self, length_s: float) -> None:
+        if length_s != self.length_s:
+            self.stepper.world.set_length(length_s)
+            self.length_s = length_s
