@@ -192,10 +192,10 @@ def compute(
 
 def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None, *, as_json: bool = False) -> str:
     """The plan of a scene as text, or as a JSON list of its steps."""
-    from harness.engines import DEFAULT_ENGINES, load
+    from harness.engines import DEFAULT_ENGINES, REGISTRY, load
     from harness.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip))
+    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
     if as_json:
         return json.dumps([step.as_dict() for step in steps], indent=1, ensure_ascii=False)
     return "\n".join(map(str, steps))

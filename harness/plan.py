@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from analytic.excitation import Excitation, Rest
 from harness.engine import SKIPS, Engine, Want
-from harness.engines import REGISTRY
 from harness.scene import OVERTURN_RAD, Scene, Statue
 
 LEVEL_M: Final = 1e-9
@@ -34,10 +33,13 @@ class Step:
         return f"{'skip' if self.applies else 'keep'} {self.skip} ({self.engine}): {self.reason}"
 
 
-def plan(scene: Scene, engines: Sequence[Engine], want: Want) -> tuple[Step, ...]:
-    """All decisions for a scene: each engine's own skips, then those of the harness."""
+def plan(scene: Scene, engines: Sequence[Engine], want: Want, registered: Iterable[str] = ()) -> tuple[Step, ...]:
+    """All decisions for a scene: each engine's own skips, then those of the harness.
+
+    `registered` names all engines there are: those that are not among `engines` are not imported.
+    """
     own = [_decided(name, scene, engine, want) for engine in engines for name in SKIPS if name in _skips_of(engine)]
-    return (*own, _planar(scene, engines), _lazy(engines), _cached())
+    return (*own, _planar(scene, engines), _lazy(engines, registered), _cached())
 
 
 def _skips_of(engine: Engine) -> frozenset[str]:
@@ -181,10 +183,10 @@ def _planar(scene: Scene, engines: Sequence[Engine]) -> Step:
     return Step("planar", "*", True, "the scene is planar and no 3D engine is asked (name one with -e)")
 
 
-def _lazy(engines: Sequence[Engine]) -> Step:
+def _lazy(engines: Sequence[Engine], registered: Iterable[str]) -> Step:
     """Switched by naming the engine."""
     asked = {engine.name for engine in engines}
-    idle = [name for name in REGISTRY if name not in asked]
+    idle = [name for name in registered if name not in asked]
     if not idle:
         return Step("lazy_engines", "*", False, "every engine is asked")
     return Step("lazy_engines", "*", True, f"{', '.join(idle)} not asked (-e): not imported")

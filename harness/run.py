@@ -155,7 +155,7 @@ def run_scene(
     check_target(accuracy_rad, dt_s)
     want = want or Want()
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
-    steps = plan(scene, loaded, want)
+    steps = plan(scene, loaded, want, engines.REGISTRY)
     start = time.perf_counter()
     left = [item for item in loaded if item.name not in (stored or {})]
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]

@@ -59,10 +59,13 @@ def test_every_skip_that_is_off_says_so() -> None:
 
 def test_what_the_harness_leaves_out_says_how_to_have_it() -> None:
     scene = paestum(0.3, 2.0)
-    found = {step.skip: step for step in plan(scene, [engines.load("analytic")], Want())}
+    found = {step.skip: step for step in plan(scene, [engines.load("analytic")], Want(), engines.REGISTRY)}
     assert found["planar"].applies
     assert "-e" in found["planar"].reason
     assert found["lazy_engines"].reason.startswith("pymunk, pybullet, mujoco not asked")
-    every = {step.skip: step for step in plan(scene, [engines.load(name) for name in engines.REGISTRY], Want())}
+    every = {
+        step.skip: step
+        for step in plan(scene, [engines.load(name) for name in engines.REGISTRY], Want(), engines.REGISTRY)
+    }
     assert not every["planar"].applies
     assert not every["lazy_engines"].applies
