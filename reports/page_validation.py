@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.validation.scenes import GRAVITY_M_S2
+from harness.verdict import Verdict as Verdicts
 from reports.numbers import count_word, digits, listed, plain, short, unit
 from reports.palette import HAIRLINE, INK, faint, look
 from reports.study_rows import FAILED, SYMBOLS
@@ -22,6 +23,12 @@ SCORES: Final = (
     ("f1", "F1"),
     ("matthews", "Matthews' correlation"),
 )
+PAIR_COLUMNS: Final = (
+    "tests",
+    "same outcome",
+    *(verdict.value for verdict in Verdicts),
+    "outcome flips within the error",
+)
 BASELINE_COLOUR: Final = "#8a6d00"
 FELL: Final = "overturned"
 DASHES: Final = ("solid", "dash", "dot", "dashdot", "longdash")
@@ -36,6 +43,8 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "chips": [],
         "names": [*models, BASELINE],
         "score_rows": score_rows(record),
+        "pairs": pair_rows(record.get("pairs", [])),
+        "pair_columns": PAIR_COLUMNS,
         "charts": charts(record),
         "fitted": {name: _fitted(item["fitted"]) for name, item in models.items()},
         "fit_share": record["fit_share"],
@@ -105,6 +114,19 @@ def score_rows(record: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
         values = [item["probability"][key] for item in (*models.values(), bare)]
         if any(value is not None for value in values):
             rows.append((words, ["–" if value is None else digits(value) for value in values]))
+    return rows
+
+
+def pair_rows(pairs: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[str]]]:
+    """One row for each two models: tests, the same outcome, and the shares of the four verdicts."""
+    rows = []
+    for pair in pairs:
+        same = pair["outcomes"]["side_accuracy"]
+        shares = [f"{100 * pair['verdicts'][verdict]:.0f} %" for verdict in Verdicts]
+        name = f"{pair['a']} and {pair['b']}" + (
+            f" (error of {listed(pair['unstated'])} not stated)" if pair["unstated"] else ""
+        )
+        rows.append((name, [str(pair["cases"]), "–" if same is None else _share(same), *shares, str(pair["flips"])]))
     return rows
 
 

@@ -17,6 +17,7 @@ from harness.record import SCHEMA_VERSION
 from harness.store import Store
 from harness.study_cli import STORE_NAME, progress
 from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
+from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Intensity, Variant, intensity
 from harness.validation.scoring import Answers, Choice, choose, curves, probability, score_baseline, score_model
 from harness.validation.table import Trial, read_table
@@ -125,6 +126,7 @@ def _record(
             }
             for model in models
         },
+        "pairs": score_pairs(trials, models, choices, answers),
         "observed": curves(trials, intensities, lambda trial: trial.fell),
         "baseline": score_baseline(fitted if len(scored) < len(trials) else [], scored, intensities),
         "rows": _rows(trials, models, choices, answers, intensities, samples),

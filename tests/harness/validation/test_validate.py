@@ -19,6 +19,7 @@ from harness.validation import run, validate
 from harness.validation.jobs import parse_model
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table
+from reports.page import write_report
 from tests.harness.validation.experiments import write_experiments, write_table
 
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
@@ -141,6 +142,26 @@ def test_settings_are_scored_apart(tmp_path: Path) -> None:
         "analytic@accuracy=1e-5": 1e-5,
     }
     assert found["runs"]["computed"] == 4
+
+
+def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -> None:
+    path = write_experiments(tmp_path, (4.0, 5.0, 7.0))
+    names = ["analytic", "analytic@accuracy=1e-5", "pymunk@dt=0.002"]
+    pairs = validate(path, tmp_path / "out", models=names, quiet=True)["pairs"]
+    assert [(pair["a"], pair["b"]) for pair in pairs] == [
+        (names[1], names[0]),
+        (names[2], names[0]),
+        (names[2], names[1]),
+    ]
+    assert [pair["cases"] for pair in pairs] == [3, 3, 3]
+    assert pairs[0]["verdicts"]["agree within numerical error"] == 1.0
+    assert pairs[0]["unstated"] == []
+    # A bare step states no error: taken as zero, so every difference counts.
+    assert pairs[1]["unstated"] == [names[2]]
+    assert sum(pairs[1]["verdicts"].values()) == pytest.approx(1.0)
+    assert pairs[1]["verdicts"]["differ: model"] > 0.0
+    page = write_report(tmp_path / "out").read_text(encoding="utf-8")
+    assert "pymunk@dt=0.002 and analytic (error of pymunk@dt=0.002 not stated)" in page
 
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:

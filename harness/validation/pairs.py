@@ -1,0 +1,43 @@
+"""The models of a validation beside each other: on which tests their outcomes differ, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.ensembles import score_sets
+from harness.validation.jobs import Model
+from harness.validation.scoring import Answers, Choice
+from harness.validation.table import Trial
+
+
+def score_pairs(
+    trials: Sequence[Trial],
+    models: Sequence[Model],
+    choices: Mapping[str, Choice],
+    answers: Mapping[str, Answers],
+) -> list[dict[str, Any]]:
+    """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
+
+    It holds what `harness.ensembles.score_sets` gives (outcomes, shares of the four verdicts, flips, peaks), the names `a` and
+    `b`, and in `unstated` those whose numerical error is not stated in every run: their verdicts take it as zero. No histories
+    are kept of a validation's runs: verdicts rest on the peaks and the times at which they are reached.
+    """
+    rows = {model.name: [_row(trial, model, choices, answers) for trial in trials] for model in models}
+    names = list(rows)
+    found = []
+    for index, b in enumerate(names):
+        for a in names[index + 1 :]:
+            scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
+            unstated = [name for name in (a, b) if any(_unstated(row["run"]) for row in rows[name])]
+            found.append({"a": a, "b": b, **scores, "unstated": unstated})
+    return found
+
+
+def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> dict[str, Any]:
+    run = answers[model.name][trial.name, choices[model.name].variant(trial)]
+    return {"number": trial.row, "varied": {}, "engine": model.name, "key": None, "run": run}
+
+
+def _unstated(run: Mapping[str, Any]) -> bool:
+    return run["numerical_uncertainty_rad"] is None
