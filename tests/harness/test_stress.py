@@ -59,6 +59,21 @@ def test_checks_fail_when_they_must(scene: Scene, exact: Run) -> None:
     assert not checks.upright(scene, exact).holds
 
 
+def test_energy_from_out_of_the_plane_is_told_from_energy_of_contacts(scene: Scene, exact: Run) -> None:
+    h = exact.history
+    assert h is not None
+    zero = np.zeros_like(h.t_s)
+    gained = {"energy_gained_j": 0.05 * checks.barrier_j(scene)}
+    turning = {"yaw_rad": 2.0 * h.t_s, "roll_rad": zero, "statue_y_m": zero}
+    for extra, holds in (({**turning, "yaw_rad": zero}, False), (turning, True)):
+        history = History(h.t_s, h.theta_rad, h.theta_rate_rad_s, h.slip_m, h.slip_rate_m_s, extra=extra)
+        found = checks.energy(scene, spoiled(exact, validity=gained, history=history))
+        assert found.holds is holds
+        assert ("out of the plane" in found.sentence) is holds
+    yaw_inertia = scene.statue.inertia_tensor_kg_m2[2, 2]
+    assert checks.beyond_plane_j(scene, spoiled(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
+
+
 def still(drift_rad: float) -> History:
     t = np.linspace(0.0, 10.0, 1001)
     zero = np.zeros_like(t)
