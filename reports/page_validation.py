@@ -23,12 +23,6 @@ SCORES: Final = (
     ("f1", "F1"),
     ("matthews", "Matthews' correlation"),
 )
-PAIR_COLUMNS: Final = (
-    "tests",
-    "same outcome",
-    *(verdict.value for verdict in Verdicts),
-    "outcome flips within the error",
-)
 BASELINE_COLOUR: Final = "#8a6d00"
 FELL: Final = "overturned"
 DASHES: Final = ("solid", "dash", "dot", "dashdot", "longdash")
@@ -43,8 +37,8 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "chips": [],
         "names": [*models, BASELINE],
         "score_rows": score_rows(record),
-        "pairs": pair_rows(record.get("pairs", [])),
-        "pair_columns": PAIR_COLUMNS,
+        "pairs": pair_sentences(record.get("pairs", [])),
+        "unstated": sorted({name for pair in record.get("pairs", []) for name in pair["unstated"]}),
         "charts": charts(record),
         "fitted": {name: _fitted(item["fitted"]) for name, item in models.items()},
         "fit_share": record["fit_share"],
@@ -117,17 +111,17 @@ def score_rows(record: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     return rows
 
 
-def pair_rows(pairs: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[str]]]:
-    """One row for each two models: tests, the same outcome, and the shares of the four verdicts."""
-    rows = []
+def pair_sentences(pairs: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """For each two models, how often they give the same outcome and the shares of the four verdicts."""
+    found = []
     for pair in pairs:
         same = pair["outcomes"]["side_accuracy"]
-        shares = [f"{100 * pair['verdicts'][verdict]:.0f} %" for verdict in Verdicts]
-        name = f"{pair['a']} and {pair['b']}" + (
-            f" (error of {listed(pair['unstated'])} not stated)" if pair["unstated"] else ""
-        )
-        rows.append((name, [str(pair["cases"]), "–" if same is None else _share(same), *shares, str(pair["flips"])]))
-    return rows
+        text = f"the same outcome in {_share(same)} of {pair['cases']} tests; " if same else ""
+        text += "; ".join(f"{each.value}: {100 * pair['verdicts'][each]:.0f} %" for each in Verdicts) + "."
+        if pair["flips"]:
+            text += f" In {pair['flips']} the outcome flips within the numerical error."
+        found.append((f"{pair['a']} and {pair['b']}", text))
+    return found
 
 
 def _cell(interval: Mapping[str, float] | None, key: str) -> str:

@@ -161,7 +161,8 @@ def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -
     assert sum(pairs[1]["verdicts"].values()) == pytest.approx(1.0)
     assert pairs[1]["verdicts"]["differ: model"] > 0.0
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
-    assert "pymunk@dt=0.002 and analytic (error of pymunk@dt=0.002 not stated)" in page
+    assert "pymunk@dt=0.002 and analytic</dt>" in page
+    assert "No numerical error is stated for pymunk@dt=0.002 (" in page
 
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:
