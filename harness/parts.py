@@ -12,6 +12,7 @@ from typing import Any, Final
 from harness import record
 from harness.errors import InputError, Mistake
 from harness.executors import LocalPool
+from harness.run import check_folder
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
@@ -44,6 +45,22 @@ class Measured:
     def in_order(self, part: Part) -> list[Row]:
         """All rows in the order of the part's tasks."""
         return [row for task in part.tasks for row in self.rows.get(task, [])]
+
+
+def session(
+    folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, told: Callable[[str], None]
+) -> dict[str, Measured]:
+    """Measure as `measure` does, into a folder that can be written, under the versions, machine and option of now."""
+    check_folder(folder)
+    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
+    return measure(folder, parts, only, stamp, told)
+
+
+def written(folder: Path, found: Mapping[str, Any]) -> dict[str, Any]:
+    """The record of all parts as plain values, written into `folder` as `result.json`."""
+    plain: dict[str, Any] = record.to_plain({**found, "versions": record.versions(), "machine": record.machine()})
+    record.write_json(folder / "result.json", plain)
+    return plain
 
 
 def measure(

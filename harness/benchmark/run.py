@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from harness import parts, record
+from harness import parts
 from harness.benchmark import alone, cover, others, precision, scaling, sentences, skips
 from harness.benchmark.scenes import standard_set
 from harness.parts import Measured, Part, Row
 from harness.record import SCHEMA_VERSION
-from harness.run import check_folder
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
@@ -29,16 +27,8 @@ def run(
     What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
     written, or an unknown part.
     """
-    check_folder(folder)
-    start = time.perf_counter()
     listed = all_parts(quick)
-    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
-    measured = parts.measure(folder, listed, only, stamp, told)
-    found = assembled(listed, measured)
-    found["session_s"] = time.perf_counter() - start
-    plain: dict[str, Any] = record.to_plain(found)
-    record.write_json(folder / "result.json", plain)
-    return plain
+    return parts.written(folder, assembled(listed, parts.session(folder, listed, quick, only, told)))
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -76,8 +66,6 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str
         **others.collected(rows["others"]),
         "parts": spent,
         "seconds": sum(item["wall_s"] for item in spent),
-        "versions": record.versions(),
-        "machine": record.machine(),
     }
     found["sentences"] = [*said(found), *parts.sentences(spent)]
     return found

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from harness import fuzz, parts, record
+from harness import fuzz, parts
 from harness.parts import Part
 from harness.record import SCHEMA_VERSION
-from harness.run import check_folder
 from harness.stresses import more, scenes, stability
 
 INPUTS: Final = 10_000
@@ -30,11 +28,8 @@ def run(
     What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
     written, or an unknown part.
     """
-    check_folder(folder)
-    start = time.perf_counter()
     listed = all_parts(quick)
-    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
-    measured = parts.measure(folder, listed, only, stamp, told)
+    measured = parts.session(folder, listed, quick, only, told)
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
     spent = parts.seconds(measured)
@@ -49,13 +44,8 @@ def run(
         "fuzz": fuzz.summed(rows["fuzz"]),
         "parts": spent,
         "seconds": sum(item["wall_s"] for item in spent),
-        "session_s": time.perf_counter() - start,
-        "versions": record.versions(),
-        "machine": record.machine(),
     }
-    plain: dict[str, Any] = record.to_plain(found)
-    record.write_json(folder / "result.json", plain)
-    return plain
+    return parts.written(folder, found)
 
 
 def all_parts(quick: bool) -> list[Part]:
