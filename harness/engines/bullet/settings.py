@@ -17,7 +17,7 @@ class BulletSettings(Settings):
 
     `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
-    spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, reached by more sweeps.
+    spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps.
     """
 
     events: bool = True

@@ -34,14 +34,14 @@ is nearly zero, the more often the better the equations are solved (49 of 4100 s
 {head}
 {variations}
 
-An impact, or the pedestal's halt, that falls inside a step would be off by up to a step. Steps are therefore ended there: one takes
-the foot nearly to its support, a second one meets it and brings the velocities to that instant, and the impact is a short step of
-its own in which nothing pulls and whose equations are solved a thousand times more tightly. Before these short steps the statue is
-lowered by what its feet have drifted off the support (micrometres), because the engine lets a gap close at the speed that closes it
-within the step, whatever its length. A step in which static friction gives way goes in ten parts, one with a prescribed impact in
-forty. A penetration is corrected in proportion to the step, or short steps would throw the bodies up. The residual is
-the squared change of impulses at which the sweeps end, at 0.25 ms; it scales with the square of the step. The order of bodies
-changes how fast the sweeps converge, not what they converge to: with a residual of 0 both orders agree.
+An impact, or the pedestal's halt, that falls inside a step would be off by up to a step. Steps are therefore ended there: one
+takes the foot nearly to its support, a second one meets it and brings the velocities to that instant, and the impact is a short
+step of its own in which nothing pulls and whose equations are solved a thousand times more tightly. Before these short steps
+the statue is lowered by what its feet have drifted off the support (micrometres), because the engine lets a gap close at the
+speed that closes it within the step, whatever its length. A step in which static friction gives way goes in ten parts, one with
+a prescribed impact in forty. A penetration is corrected in proportion to the step, or short steps would throw the bodies up.
+The residual is the squared change of impulses at which the sweeps end, at 0.25 ms; it scales with the square of the step. The
+order of bodies changes how fast the sweeps converge, not what they converge to: with a residual of 0 both orders agree.
 
 ## The ladder, on the pedestal
 
