@@ -45,6 +45,8 @@ CASES: Final = {
 }
 """For each skip the engines that have it, and the scene on which it is measured."""
 STUDY_RUNS: Final = 16
+RESOLVED_RAD: Final = 3e-4
+"""A rung that is expected to resolve what a skip may change."""
 
 
 def tasks(quick: bool) -> list[str]:
@@ -96,13 +98,13 @@ def _measured(skip: str, engine: Engine, kind: str) -> Row:
     apart = on_s = off_s = 0.0
     steps = [0, 0]
     for scene in scenes:
-        first, second = simulate(engine, scene, on), simulate(engine, scene, off)
+        first, second = simulate(engine, scene, on, RESOLVED_RAD), simulate(engine, scene, off, RESOLVED_RAD)
         if first.outcome is not second.outcome and not decides_nothing(engine, scene, second):
             changed.append(f"{scene.title}: {first.outcome.value}, without {second.outcome.value}")
         apart = max(apart, difference(first, second))
         steps = [steps[0] + first.steps, steps[1] + second.steps]
-        on_s += cost(partial(simulate, engine, scene, on), 3).cpu_s
-        off_s += cost(partial(simulate, engine, scene, off), 3).cpu_s
+        on_s += cost(partial(simulate, engine, scene, on, RESOLVED_RAD), 3).cpu_s
+        off_s += cost(partial(simulate, engine, scene, off, RESOLVED_RAD), 3).cpu_s
     return _row(skip, engine.name, on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart, steps=steps)
 
 

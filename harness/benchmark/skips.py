@@ -118,17 +118,17 @@ def decides_nothing(engine: Engine, scene: Scene, run: Run) -> bool:
     return any(engine.simulate(scene, probe, NONE).outcome is not run.outcome for probe in probes)
 
 
-def rung(engine: Engine, scene: Scene) -> Settings:
-    """The coarsest settings that an outcome needs."""
+def rung(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RAD) -> Settings:
+    """The coarsest settings of which such an error is expected; without it what an outcome needs."""
     ladder = engine.ladder(scene)
-    return next((item for item in ladder if item.expected_error_rad <= ENGINE_ACCURACY_RAD), ladder[-1])
+    return next((item for item in ladder if item.expected_error_rad <= expected_rad), ladder[-1])
 
 
-def simulate(engine: Engine, scene: Scene, want: Want) -> Run:
+def simulate(engine: Engine, scene: Scene, want: Want, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
     """One run of the outcome study: certified, or on the rung that an outcome needs."""
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
-    return engine.simulate(scene, rung(engine, scene), want)
+    return engine.simulate(scene, rung(engine, scene, expected_rad), want)
 
 
 def _keep(kept: dict[bool, Run], engine: Engine, scene: Scene, skip: bool) -> None:
