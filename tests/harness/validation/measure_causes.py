@@ -11,7 +11,6 @@ import argparse
 import json
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -109,7 +108,7 @@ def main() -> None:
     trials = read_table(write_table(folder / "tests.csv", write_tests(folder)))
     trials = [trial for k, trial in enumerate(trials) if k % MOTIONS < asked.samples]
     start = time.process_time()
-    found: Counter[str] = Counter()
+    found: dict[str, list[str]] = {name: [] for name in CAUSES}
     fell = {True: 0, False: 0}
     for trial in trials:
         scene = scene_of(trial, Variant())
@@ -117,10 +116,11 @@ def main() -> None:
         if model is other:
             continue
         fell[model.overturned == other.overturned] += 1
-        found[cause(scene, model)] += 1
-    told = {name: found[name] for name in CAUSES}
-    print(json.dumps({"tests": len(trials), "differ": sum(found.values()), "of these in side only": fell[True]}))
-    print(json.dumps(told, indent=1, ensure_ascii=False))
+        found[cause(scene, model)].append(trial.name)
+    differ = sum(len(names) for names in found.values())
+    print(json.dumps({"tests": len(trials), "differ": differ, "of these in side only": fell[True]}))
+    for name, tests in found.items():
+        print(f"{len(tests):4d} {name} ({', '.join(tests)})")
     print(json.dumps({"processor_s": time.process_time() - start}))
 
 
