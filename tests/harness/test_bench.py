@@ -188,3 +188,24 @@ def test_coverage_counts_what_was_missed_and_what_died() -> None:
     assert cover.counted([*kept, *cover.died("pymunk: seeds 3 to 4")]) == {
         "pymunk": {"inside": 1, "total": 4, "missed": [2, 3, 4]}
     }
+
+
+def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import dataclass
+
+    from harness import study
+
+    @dataclass
+    class Summary:
+        wanted: int = 16
+        distinct: int = 16
+        computed: int = 0
+        found: int = 16
+        failed: int = 0
+
+    monkeypatch.setattr(study, "run_study", lambda *args: Summary())
+    assert alone.compute("cached: analytic")[0]["same"]
+    monkeypatch.setattr(study, "run_study", lambda *args: Summary(failed=16))
+    (row,) = alone.compute("cached: analytic")
+    assert not row["same"]
+    assert row["changed"] == ["16 of the runs failed"]
