@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,6 +18,7 @@ from harness.run import check_folder
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
 FOLDER: Final = "parts"
+PACKAGES: Final = ("analytic", "meshes", "harness")
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,21 @@ class Measured:
         return [row for task in part.tasks for row in self.rows.get(task, [])]
 
 
+def source() -> str:
+    """SHA-256 of what computes: rows of one version, but of different code, are no one measurement."""
+    root = Path(__file__).parent.parent
+    state = hashlib.sha256()
+    for path in sorted(path for name in PACKAGES for path in (root / name).rglob("*.py")):
+        state.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return state.hexdigest()
+
+
 def session(
     folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, told: Callable[[str], None]
 ) -> dict[str, Measured]:
-    """Measure as `measure` does, into a folder that can be written, under the versions, machine and option of now."""
+    """Measure as `measure` does, into a folder that can be written, under the versions, source, machine and option of now."""
     check_folder(folder)
-    stamp = {"versions": record.versions(), "machine": record.machine(), "quick": quick}
+    stamp = {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
     return measure(folder, parts, only, stamp, told)
 
 

@@ -107,3 +107,14 @@ def test_workers_compute_side_by_side_and_a_death_is_a_row(tmp_path: Path) -> No
     part = Part("squares", ("1", "2", "3", "4"), partial(squared, 100), died)
     found = measure(tmp_path, [part], None, STAMP, silent)
     assert [row["value"] for row in found["squares"].in_order(part)] == [101, 104, -1, 116]
+
+
+def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from harness import parts as module
+
+    first = Counting()
+    module.session(tmp_path, parts(first)[:1], False, ["first"], silent)
+    monkeypatch.setattr(module, "source", lambda: "other code")
+    again = Counting()
+    module.session(tmp_path, parts(again), False, None, silent)
+    assert again.done == ["a", "b", "c", "d"]
