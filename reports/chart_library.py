@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from pathlib import Path
 from typing import Final, NamedTuple
 
 from reports.assets import CHART_KINDS, pack_text, package_folder
@@ -39,8 +38,12 @@ class Bundle(NamedTuple):
 @cache
 def chart_library() -> str:
     """The reduced library as a script that sets `window.Plotly`, packed."""
-    path = package_folder("plotly") / "package_data" / "plotly.min.js"
-    return pack_text(reduced(Path(path).read_text(encoding="utf-8")))
+    return pack_text(reduced(whole_library()))
+
+
+def whole_library() -> str:
+    """The wheel's bundle with every kind of chart."""
+    return (package_folder("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
 
 
 def reduced(text: str) -> str:

@@ -7,14 +7,14 @@ import gzip
 
 import pytest
 
-from reports.assets import CHART_KINDS, chart_json, package_folder
-from reports.chart_library import chart_library, reduced
+from reports.assets import CHART_KINDS, chart_json
+from reports.chart_library import chart_library, reduced, whole_library
 from tests.budgets_reports import LIBRARY_SHARE
 
 
 @pytest.fixture(scope="module")
 def whole() -> str:
-    return (package_folder("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+    return whole_library()
 
 
 def test_it_is_a_fraction_of_the_wheels(whole: str) -> None:
