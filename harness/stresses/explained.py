@@ -55,18 +55,21 @@ def _errors(cell: Cell, other: Cell) -> tuple[float, float] | None:
 
 
 def _by_finer(cell: Cell, finer: Sequence[Cell]) -> str:
-    stable = next((other for other in finer if other.category == "stable"), None)
+    """What a finer step shows; one that was run for the first part only shows nothing of the rest."""
+    whole = [other for other in finer if not other.short]
+    stable = next((other for other in whole if other.category == "stable"), None)
     if stable is not None:
         return f"the step is too long for this scene: {stable.setting} is stable"
     if cell.category == "drifting":
-        less = next((other for other in finer if other.gained_j < SHRINKS * cell.gained_j), None)
+        less = next((other for other in whole if other.gained_j < SHRINKS * cell.gained_j), None)
         return (
             "" if less is None else f"the energy added falls with the step, to {less.gained_j:.1e} J at {less.setting}"
         )
-    for other in reversed(finer):
+    for other in (*reversed(whole), *(other for other in finer if other.short)):
         errors = _errors(cell, other)
         if errors is not None and errors[1] < SHRINKS * errors[0]:
-            return f"the step is too long for this scene: at {other.setting} the error is {errors[1]:.1e} rad"
+            part = f" over the first part, where it is {errors[0]:.1e} rad here" if other.short else ""
+            return f"the step is too long for this scene: at {other.setting} the error is {errors[1]:.1e} rad{part}"
     return ""
 
 

@@ -119,7 +119,8 @@ def _tightest(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cell
 def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> Cell:
     category, evidence = judge(scene, run, exact, row.at_rest)
     gained = float(run.validity.get("energy_gained_j") or 0.0)
-    found = replace(cell, category=category, evidence=evidence, gained_j=gained)
+    part = f"over the first {scene.duration_s:g} s only: " if cell.short else ""
+    found = replace(cell, category=category, evidence=part + evidence, gained_j=gained)
     if run.history is None:
         return found
     early_s = run.end_s if cell.short else FINEST_SHARE * scene.duration_s

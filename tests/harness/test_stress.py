@@ -124,6 +124,16 @@ def test_a_short_run_is_compared_over_its_own_time_only() -> None:
     assert all(why(long, cell("b", "inaccurate", error_rad=1e-3, early_rad=1e-3, short=True)))
 
 
+def test_a_short_stable_run_does_not_explain_what_went_wrong_later() -> None:
+    short = cell("b", "stable", error_rad=1e-5, early_rad=1e-5, short=True)
+    assert why(cell("a", "inaccurate", error_rad=1.0, early_rad=1e-5), short) == ["", ""], (
+        "both are right in the first part"
+    )
+    told = why(cell("a", "inaccurate", error_rad=1.0, early_rad=0.1), short)[0]
+    assert told.endswith("at b the error is 1.0e-05 rad over the first part, where it is 1.0e-01 rad here")
+    assert why(cell("a", "drifting", gained_j=1.0), cell("b", "stable", gained_j=0.0, short=True)) == ["", ""]
+
+
 def test_the_finest_rung_explains_what_the_step_does_not() -> None:
     stuck = cell("a", "inaccurate", error_rad=5e-3, early_rad=5e-3)
     assert "unconverged: with tight" in why(stuck, tightest=cell("tight", "stable", early_rad=1e-4))[0]
