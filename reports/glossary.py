@@ -79,8 +79,16 @@ SKIP_WORDS: Final[Mapping[str, str]] = {
     "no_history": "the histories",
     "planar": "the third dimension",
     "stop_at_overturn": "what follows after the statue has fallen",
+    "lazy_engines": "the loading of engines that were not asked",
+    "cached": "what was computed before",
 }
 """What each skip leaves out."""
+REASON_WORDS: Final[Mapping[str, str]] = {
+    "histories are asked": "this page shows the whole histories",
+    "only the outcome is asked": "only the outcome was wanted",
+    "switched off": "this saving was switched off (--no-skip)",
+}
+"""Reasons of the plan in a reader's words; others are shown as they stand."""
 BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
 """Motion patterns of a statue without a pedestal."""
 
@@ -108,15 +116,22 @@ def _score(scores: Mapping[str, Any], key: str) -> str:
     return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
 
 
-def validity_rows(validity: Mapping[str, Any]) -> Sequence[tuple[str, str]]:
-    """The limits met in one run: words and value with unit; what did not happen is left out."""
+def validity_rows(
+    validity: Mapping[str, Any], before: Mapping[str, float], until_s: float | None
+) -> Sequence[tuple[str, str]]:
+    """The limits met in one run: words and value with unit; what did not happen is left out.
+
+    `before` holds values until the outcome was decided, at `until_s`, which are told beside those of the whole run.
+    """
     rows = []
     for key, value in validity.items():
         if value is None or value in ("", []):
             continue
         words, name = split_unit(key)
         shown = plain(value).replace("_", " ")
-        rows.append(
-            (VALIDITY_WORDS.get(key, words), f"{shown} {name}" if name and not isinstance(value, list) else shown)
-        )
+        if name and not isinstance(value, list):
+            shown = f"{shown} {name}"
+        if key in before:
+            shown = f"{digits(before[key], 2)} {name} until {plain(until_s)} s; with the fall {shown}"
+        rows.append((VALIDITY_WORDS.get(key, words), shown))
     return rows

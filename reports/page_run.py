@@ -10,7 +10,8 @@ from harness.history import Outcome
 from harness.record import PATTERN_NAMES
 from reports.assets import source_text, three_js
 from reports.chart_histories import histories_figure
-from reports.glossary import BARE_PATTERNS, SKIP_WORDS, score_rows, validity_rows
+from reports.glossary import BARE_PATTERNS, score_rows
+from reports.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
 from reports.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.palette import PATTERN_LOOKS, look
 from reports.replay import default_model, replay_payload
@@ -74,10 +75,10 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
             (pair.replace("_vs_", " against "), scores.get("verdict"), scores.get("verdict_sentence"))
             for pair, scores in record["scores"].items()
         ],
-        "validity": {name: validity_rows(run["validity"]) for name, run in source.runs.items() if run["validity"]},
-        "plan": record["plan"],
-        "skip_words": SKIP_WORDS,
-        "skipped": [(name, text) for name, run in source.runs.items() for text in run["skipped"]],
+        "validity": limit_rows(source),
+        "fall": fall_sentence(source),
+        "plan": plan_rows(record["plan"]),
+        "skipped": skipped_rows(source.runs),
         "warnings": record["warnings"],
         "notes": record["notes"],
         "settings": {

@@ -99,7 +99,21 @@ rockcheck.addCursor = (name) => {
   return place;
 };
 
+/* On a telephone long tables are folded away; a link to one, and printing, open it. At a desk all lie open. */
+const telephone = window.matchMedia("(max-width: 599px)");
+const folds = (within) => within.querySelectorAll("details.fold");
+const foldAway = () => { for (const item of folds(document)) item.open = !telephone.matches; };
+telephone.addEventListener("change", foldAway);
+window.addEventListener("beforeprint", () => { for (const item of folds(document)) item.open = true; });
+window.addEventListener("afterprint", foldAway);
+document.addEventListener("click", (event) => {
+  const link = event.target.closest("a[href^='#']");
+  const target = link && document.getElementById(link.hash.slice(1));
+  if (target) for (const item of folds(target)) item.open = true;
+});
+
 const start = async () => {
+  foldAway();
   if (!("DecompressionStream" in window)) {
     for (const note of document.querySelectorAll(".wait")) note.textContent = "This browser is too old to draw charts; every number stands in the tables.";
     return;
