@@ -149,11 +149,23 @@ def table_of(title: str, scores: Mapping[str, Any]) -> str:
 def salvage(
     damaged: Annotated[Path, typer.Argument(metavar="FILE", help="The damaged store.", show_default=False)],
     fresh: Annotated[Path, typer.Argument(metavar="NEW", help="The store to write.", show_default=False)],
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Copy what can still be read of a damaged store into a new one."""
     from harness.salvage import salvage as rescue
 
-    typer.echo(f"{rescue(damaged, fresh)} results were readable; they are in {fresh}")
+    count = rescue(damaged, fresh)
+    found = {"results": count, "store": str(fresh)}
+    say(found, f"{count} results were readable; they are in {fresh}", as_json, quiet)
+
+
+def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
+    """What a command found: as JSON, or as text, or not at all."""
+    if as_json:
+        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+    elif not quiet:
+        typer.echo(text)
 
 
 def compute(

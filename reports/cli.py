@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
 from harness import cli as harness_cli
-from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step
+from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
 from harness.telling import Telling
 from reports import cli_input
 
@@ -98,7 +97,7 @@ def study(
     page = _page(folder)
     usage = found.get("usage")
     lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else []), f"report: {page}"]
-    _say(found, lines, as_json, quiet)
+    say(found, "\n".join(lines), as_json, quiet)
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 
@@ -142,7 +141,7 @@ def validate(
         quiet=quiet or as_json,
     )
     page = _page(folder)
-    _say(found, [f"report: {page}"], as_json, quiet)
+    say(found, f"report: {page}", as_json, quiet)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
@@ -167,7 +166,7 @@ def bench(
     with Telling(quiet or as_json) as telling:
         found = benchmark.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
-    _say(found, [*found["sentences"], f"report: {page}"], as_json, quiet)
+    say(found, "\n".join([*found["sentences"], f"report: {page}"]), as_json, quiet)
 
 
 @app.command(epilog="Examples:  `rockcheck stress --out out/stress`  ·  `rockcheck stress --parts fuzz`")
@@ -181,7 +180,7 @@ def stress(
     with Telling(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
-    _say(found, [*stresses.sentences(found), f"report: {page}"], as_json, quiet)
+    say(found, "\n".join([*stresses.sentences(found), f"report: {page}"]), as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
@@ -203,20 +202,12 @@ def report(
         page = folder / CONSERVATOR_NAME
         if not page.is_file():
             raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
-    _say({"report": str(page)}, [f"report: {page}"], as_json, quiet)
+    say({"report": str(page)}, f"report: {page}", as_json, quiet)
 
 
 def _names(parts: str | None) -> list[str] | None:
     """The parts named in one option, None for all."""
     return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
-
-
-def _say(found: Mapping[str, Any], lines: Sequence[str], as_json: bool, quiet: bool) -> None:
-    """The record as JSON, or the lines, or nothing."""
-    if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo("\n".join(lines))
 
 
 def _page(folder: Path) -> Path:

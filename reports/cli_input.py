@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from harness.cli import Json, Quiet
+from harness.cli import Json, Quiet, say
 from harness.telling import Telling
 
 OUT: Final = Path("out")
@@ -62,12 +62,13 @@ def mesh_inspect(
     max_faces: Faces = 50_000,
     tolerance: Tolerance = 1e-3,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
     from harness.mesh_cli import inspect
 
     found = inspect(scan, _known(unit, height, up, density, mass, max_faces, tolerance))
-    typer.echo(json.dumps(found.as_dict(), indent=1, ensure_ascii=False) if as_json else str(found))
+    say(found.as_dict(), str(found), as_json, quiet)
 
 
 @mesh.command("prepare", epilog="Example:  `rockcheck mesh prepare statue.obj --unit mm --out statue.ply`")
@@ -82,15 +83,13 @@ def mesh_prepare(
     max_faces: Faces = 50_000,
     tolerance: Tolerance = 1e-3,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
     from harness.mesh_cli import prepare
 
     found, account = prepare(scan, out, _known(unit, height, up, density, mass, max_faces, tolerance))
-    if as_json:
-        typer.echo(json.dumps(found.as_dict(), indent=1, ensure_ascii=False))
-    else:
-        typer.echo(f"{found}\nmesh: {out}\naccount: {account}")
+    say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}", as_json, quiet)
 
 
 def new(
@@ -108,13 +107,15 @@ def new(
         str | None,
         typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
     ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
     from harness.mesh_cli import new as write_scene
 
     target = out or Path(f"{scan.stem}.toml")
     written = write_scene(scan, motion_file, target, _known(unit, height, up, density, mass), motion_unit)
-    typer.echo(f"scene: {written}\nrun it: rockcheck run {written}")
+    say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}", as_json, quiet)
 
 
 @motion.command(
@@ -193,7 +194,7 @@ def figures(
 
     with telling_damage(folder):
         written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
-    _written(written, as_json, quiet)
+    say(written, "\n".join(written), as_json, quiet)
 
 
 def gif(
@@ -210,12 +211,4 @@ def gif(
     with Telling(quiet or as_json) as telling, telling_damage(folder):
         telling.now("drawing the frames")
         written = str(write_gif(folder, out, model))
-    _written([written], as_json, quiet)
-
-
-def _written(paths: list[str], as_json: bool, quiet: bool) -> None:
-    """The files that were written: one per line, or as a JSON list, or not at all."""
-    if as_json:
-        typer.echo(json.dumps(paths, indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo("\n".join(paths))
+    say([written], written, as_json, quiet)

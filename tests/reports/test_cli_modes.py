@@ -1,0 +1,66 @@
+"""Commands that look at files and write some: `--json` gives a record and nothing else, `--quiet` nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from harness.history import Outcome
+from harness.store import Store
+from meshes import togatus
+from reports.cli import app
+from tests.reports.invented_run import invented_history, invented_run
+
+COMMANDS = {
+    "inspect": ("mesh inspect statue.ply --unit m", ""),
+    "prepare": ("mesh prepare statue.ply --unit m --out new.ply", "new.ply"),
+    "new": ("new statue.ply --unit m --motion quake.csv --out new.toml", "new.toml"),
+    "salvage": ("store salvage store.sqlite new.sqlite", "new.sqlite"),
+}
+
+
+@pytest.fixture(scope="module")
+def statue(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("statue") / "statue.ply"
+    togatus.write(path)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def folder(statue: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "statue.ply").write_bytes(statue)
+    (tmp_path / "quake.csv").write_text("t_s,a_0_ms2\n0,0\n0.5,1\n1,0\n")
+    with Store(tmp_path / "store.sqlite") as store:
+        store.put([("key", invented_run("analytic", invented_history(0.0, samples=11), Outcome.STANDS, 1e-9))])
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_quiet_writes_the_file_and_says_nothing(folder: Path, name: str) -> None:
+    line, file = COMMANDS[name]
+    done = CliRunner().invoke(app, [*line.split(), "--quiet"])
+    assert (done.exit_code, done.output) == (0, "")
+    assert (folder / file).exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("inspect", {"refusal": None}),
+        ("prepare", {"refusal": None}),
+        ("new", {"scene": "new.toml"}),
+        ("salvage", {"results": 1, "store": "new.sqlite"}),
+    ],
+)
+def test_json_is_a_record_and_nothing_else(folder: Path, name: str, wanted: dict[str, Any]) -> None:
+    line, file = COMMANDS[name]
+    done = CliRunner().invoke(app, [*line.split(), "--json"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.output)
+    assert {key: found[key] for key in wanted} == wanted
+    assert (folder / file).exists()
