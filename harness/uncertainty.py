@@ -74,7 +74,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         runs.append(run)
         if run.outcome.failed:
             continue
-        if _agreed(spreads) or (spreads and _hopeless(spreads, run.end_s, ladder[-1].dt_s)):
+        if _agreed(spreads) or _fallen(runs, spreads) or _hopeless(spreads, run.end_s, ladder[-1].dt_s):
             break
     return _stated(runs, None, spreads, accuracy_rad, want)
 
@@ -153,6 +153,18 @@ def _agreed(spreads: list[Spread]) -> bool:
     return len(spreads) >= CONFIRMED and all(item.whole for item in spreads[-CONFIRMED:])
 
 
+def _fallen(runs: list[Run], spreads: list[Spread]) -> bool:
+    """Whether the last three runs agree until there is no return, and then overturn to the same side.
+
+    In the fall that follows, differences grow as the rotation itself does: finer rungs would tell its path, not its end.
+    """
+    last = [run for run in runs if not run.outcome.failed][-CONFIRMED - 1 :]
+    if len(spreads) < CONFIRMED or len({run.outcome for run in last}) != 1:
+        return False
+    no_return_s = [math.inf if run.no_return_time_s is None else run.no_return_time_s for run in last]
+    return all(item.until_s >= t_s for item, t_s in zip(spreads[-CONFIRMED:], no_return_s[1:], strict=True))
+
+
 def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
     """Whether no rung is expected to reach the end.
 
@@ -185,10 +197,14 @@ def _stated(runs: list[Run], stopped: Run | None, spreads: list[Spread], accurac
         return best.with_uncertainty(
             uncertainty, best.end_s, f"the target of {accuracy_rad:g} rad is below what the engine's contact resolves"
         )
-    return best.with_uncertainty(
-        uncertainty,
-        last.until_s,
-        f"the target of {accuracy_rad:g} rad is met until {last.until_s:.4g} s of {best.end_s:.4g} s: from there two "
-        f"settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, because impacts and slips let small "
-        "differences grow",
+    return best.with_uncertainty(uncertainty, last.until_s, _why_not_whole(best, last, accuracy_rad))
+
+
+def _why_not_whole(best: Run, last: Spread, accuracy_rad: float) -> str:
+    until = f"the target of {accuracy_rad:g} rad is met until {last.until_s:.4g} s of {best.end_s:.4g} s"
+    if best.no_return_time_s is not None and last.until_s >= best.no_return_time_s:
+        return f"{until}, past the instant of no return at {best.no_return_time_s:.4g} s: in the fall every difference grows"
+    return (
+        f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, because "
+        "impacts and slips let small differences grow"
     )

@@ -31,6 +31,7 @@ class Fake(Engine):
     order: ClassVar[float] = 1.0
     growth: float = 0.0
     diverges_above_s: float = 1.0
+    no_return_s: float | None = None
     steps_s: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5)
 
     def missing(self) -> str | None:
@@ -48,7 +49,8 @@ class Fake(Engine):
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
         theta = TRUTH + error
-        outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else Outcome.STANDS
+        end = Outcome.STANDS if self.no_return_s is None else Outcome.OVERTURNED_RIGHT
+        outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else end
         asked = (k for k in range(0, TIMES.size, 10) if want.stop is not None and want.stop(TIMES[k], theta[k]))
         kept = next(asked, TIMES.size - 1) + 1
         cosine = 0.35 * np.cos(7.0 * TIMES)
@@ -63,6 +65,7 @@ class Fake(Engine):
             peak_theta_rad=0.05,
             peak_time_s=0.2,
             end_s=float(TIMES[kept - 1]),
+            no_return_time_s=self.no_return_s,
         )
 
 
@@ -95,6 +98,17 @@ def test_a_growing_error_gives_a_horizon() -> None:
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
     run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, Want())
     assert run.work["runs"] <= 4
+
+
+def test_a_fall_is_not_climbed_for_its_own_path() -> None:
+    steps_s = tuple(2e-4 / 4**k for k in range(8))  # fine enough to tell the whole path, at a price
+    settled = run_to_accuracy(Fake(growth=8.0, no_return_s=0.15, steps_s=steps_s), paestum(), 1e-3, Want())
+    assert settled.work["runs"] == 3
+    assert settled.reliable_until_s is not None
+    assert 0.15 <= settled.reliable_until_s < 0.5
+    assert any("past the instant of no return" in warning for warning in settled.warnings)
+    late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, Want())
+    assert late.work["runs"] > 6
 
 
 def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
