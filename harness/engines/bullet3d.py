@@ -26,15 +26,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LADDER: Final = (
-    BulletSettings(dt_s=2e-3, expected_error_rad=2.5e-3, residual=1e-10),
     BulletSettings(dt_s=1e-3, expected_error_rad=3e-4, residual=1e-10),
     BulletSettings(dt_s=5e-4, expected_error_rad=1.5e-4),
     BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=4e-5, residual=1e-9, iterations=400),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5, residual=0.0, iterations=1000),
 )
-FLOOR_RAD: Final = 5e-4
-"""Error of the coarsest rung without a pedestal."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""
 SWEEPS_ALONE: Final = 300
@@ -73,8 +70,7 @@ class Bullet3D(Engine):
         """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
         if scene.pedestal is not None:
             return LADDER
-        coarsest = replace(LADDER[0], expected_error_rad=FLOOR_RAD)
-        return (coarsest, *LADDER[1:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
+        return (*LADDER[:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer rung's settings with the expert's step."""
@@ -82,10 +78,13 @@ class Bullet3D(Engine):
         return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
 
     def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
-        """Half the step, with the equations of each step solved more tightly."""
+        """Half the step, with the equations of each step solved more tightly; where they are solved to the end (a residual of 0),
+        with the bodies in the other order too: before that the order changes how far the sweeps get, not what they seek.
+        """
         rung = _own(settings)
         tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations)
-        return (replace(tighter, dt_s=0.5 * rung.dt_s),)
+        other = rung.reversed_bodies != (rung.residual == 0.0)
+        return (replace(tighter, dt_s=0.5 * rung.dt_s, reversed_bodies=other),)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""

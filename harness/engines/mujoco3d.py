@@ -79,10 +79,11 @@ class Mujoco3D(Engine):
         return (replace(own, dt_s=0.5 * own.dt_s, expected_error_rad=0.5 * own.expected_error_rad),)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
-        """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it."""
+        """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
         import mujoco
 
         own = _own(settings)
+        _refuse(scene)
         begin = time.perf_counter()
         try:
             model = mujoco.MjModel.from_xml_string(_xml(scene, own))
@@ -107,7 +108,6 @@ class Mujoco3D(Engine):
             stuck_below_m_s=1e-4,
             with_history=want.history or not want.may_skip("no_history"),
             work=work,
-            warnings=_warnings(scene),
         )
         run = replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
         return run if fall is None else replace(run, overturn_time_s=run.end_s)
@@ -119,15 +119,17 @@ def _own(settings: Settings) -> MujocoSettings:
     return settings
 
 
-def _warnings(scene: Scene) -> tuple[str, ...]:
+def _refuse(scene: Scene) -> None:
+    """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
     found = []
     if scene.contact.restitution is not None:
-        found.append("contact.restitution is ignored: the impact is the engine's own soft contact")
+        found.append("a prescribed ratio at impact (contact.restitution; its impact is its own soft contact)")
     if scene.table == "moving":
-        found.append("table = moving is ignored: the floor's frame is accelerated instead")
+        found.append("a moving table (table; it accelerates the floor's frame)")
     if scene.wall is not None:
-        found.append("the wall stops nothing here: only the time of touching it is found")
-    return tuple(found)
+        found.append("a wall")
+    if found:
+        raise EngineFailure(f"mujoco does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
 
 
 def _xml(scene: Scene, own: MujocoSettings) -> str:

@@ -196,6 +196,8 @@ def test_probes_are_finer_and_solved_more_tightly() -> None:
             assert probe.dt_s == 0.5 * rung.dt_s
             assert probe.as_dict()["residual"] <= rung.as_dict()["residual"]
             assert probe.as_dict()["iterations"] > rung.as_dict()["iterations"]
+            solved = rung.as_dict()["residual"] == 0.0
+            assert (probe.as_dict()["reversed_bodies"] != rung.as_dict()["reversed_bodies"]) == solved
 
 
 def test_memory_does_not_grow() -> None:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
-from harness.engine import Want
+from harness.engine import EngineFailure, Want
 from harness.engines.mujoco3d import Mujoco3D
 from harness.engines.twoblock import TwoBlock
 from harness.history import Outcome
 from harness.record import Run
-from harness.scene import Scene, Shake
+from harness.run import simulate
+from harness.scene import Scene, Shake, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
@@ -63,11 +65,21 @@ def test_a_raised_base_vertex_is_felt() -> None:
     assert np.max(np.abs(a.theta_rad - b.theta_rad)) > 1e-3
 
 
-def test_what_is_ignored_is_said() -> None:
-    on = paestum(0.429, 3.0, restitution=0.9, duration_s=0.1).but(table="moving")
-    text = " ".join(run(on, 1e-3).warnings)
-    assert "contact.restitution is ignored" in text
-    assert "table = moving is ignored" in text
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"contact": replace(paestum().contact, restitution=0.9)}, "a prescribed ratio at impact"),
+        ({"table": "moving"}, "a moving table"),
+        ({"wall": Wall("right", 0.3)}, "a wall"),
+    ],
+)
+def test_what_is_not_computed_is_refused_in_one_sentence(change: dict[str, Any], said: str) -> None:
+    asked = paestum(0.429, 3.0, duration_s=0.1).but(**change)
+    with pytest.raises(
+        EngineFailure, match=f"^mujoco does not compute {said}.*: leave it out, or ask pymunk or pybullet$"
+    ):
+        run(asked, 1e-3)
+    assert simulate(asked, "mujoco", dt_s=1e-3).outcome.failed
 
 
 def test_a_fall_across_the_plane_is_told_apart() -> None:
