@@ -1,0 +1,79 @@
+"""The readme's commands run as printed: studies are only read, runs are cut to half a second, samples to one."""
+
+from __future__ import annotations
+
+import gzip
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from meshes import togatus
+from reports.cli import app
+from tests.harness.validation.experiments import write_experiments
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+RECORD = "records/ce36456p_CE36456.V2.gz"
+
+
+def commands() -> list[str]:
+    """Every command of the fenced blocks, once, without its comment and the environment's folder."""
+    blocks = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    lines = [
+        line.removeprefix(".venv/bin/").partition("#")[0].strip() for block in blocks for line in block.splitlines()
+    ]
+    return list(dict.fromkeys(line for line in lines if line.startswith("rockcheck ")))
+
+
+def shortened(line: str) -> list[str]:
+    """The words of a command as it is run here."""
+    words = shlex.split(line)[1:]
+    if words[0] == "run" and "--explain" not in words:
+        words += ["--set", "duration_s=0.5"]
+    if "--samples" in words:
+        words[words.index("--samples") + 1] = "1"
+    return words
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory, data_dir: Path) -> Path:
+    """A folder with the files that the readme names."""
+    import trimesh
+
+    folder = tmp_path_factory.mktemp("desk")
+    (folder / "scenes").symlink_to(ROOT / "scenes")
+    solid = togatus.build()
+    trimesh.Trimesh(solid.vertices_m, solid.faces).export(folder / "statue.obj")
+    (folder / "quake.V2").write_bytes(gzip.decompress((data_dir / RECORD).read_bytes()))
+    t = np.linspace(0.0, 1.0, 101)
+    for name, theta in (("mine", np.sin(t)), ("theirs", np.sin(1.01 * t))):
+        table = np.column_stack((t, theta))
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header="t_s,theta_rad", comments="")
+    write_experiments(folder, [1.0]).rename(folder / "tests.csv")
+    return folder
+
+
+def test_the_readme_shows_the_commands_that_are_checked_here() -> None:
+    found = commands()
+    assert len(found) >= 10
+    assert {line.split()[1] for line in found} >= {"run", "compare", "study", "mesh", "new", "motion", "validate"}
+
+
+@pytest.mark.parametrize("line", commands())
+def test_a_command_works_as_printed(desk: Path, data_dir: Path, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(desk)
+    monkeypatch.setenv("ROCKCHECK_DATA", str(data_dir.resolve()))
+    words = shortened(line)
+    if words[0] == "study":
+        from harness.study_file import load_study
+
+        assert load_study(desk / words[1])
+        return
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, f"{line}: {done.output} {done.exception}"
+    assert done.output.strip()
