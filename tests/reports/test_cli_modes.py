@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from harness.history import Outcome
@@ -38,6 +39,20 @@ def folder(statue: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
         store.put([("key", invented_run("analytic", invented_history(0.0, samples=11), Outcome.STANDS, 1e-9))])
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def test_every_command_has_both_modes() -> None:
+    def lacking(group: Any) -> list[str]:
+        found = []
+        for name, command in group.commands.items():
+            known = {option for item in command.params for option in item.opts}
+            wanted = (
+                {"--json"} if name == "engines" else {"--json", "--quiet"}
+            )  # a list of engines is all it has to say
+            found += lacking(command) if hasattr(command, "commands") else [name] * (not wanted <= known)
+        return found
+
+    assert lacking(get_command(app)) == []
 
 
 @pytest.mark.parametrize("name", COMMANDS)
