@@ -37,6 +37,7 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "combined": ("combined error", "Sprague and Geers: root of the sum of both squares"),
     "no_return_time_difference_s": ("times of no return apart by [s]", "where both overturn"),
     "coverage": ("share of the time compared", "time compared over the longer run"),
+    "outcome_agrees": ("same outcome", ""),
     "after_horizon": ("beyond the horizon", "where only distributions compare"),
 }
 """Words of each score and what it means, in the order of the table."""
@@ -104,7 +105,9 @@ def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, 
         if key in SCORES_LEFT_OUT or all(value is None or value == [] for value in values):
             continue
         words, meaning = SCORE_WORDS.get(key, (label(key), ""))
-        rows.append((words, meaning, [_score(item, key) for item in scores.values()]))
+        cells = [_score(item, key) for item in scores.values()]
+        if any(cells):
+            rows.append((words, meaning, cells))
     return rows
 
 
