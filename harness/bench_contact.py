@@ -1,8 +1,7 @@
-"""Numbers of the contact engines for `rockcheck bench`: error and cost for each setting, cost of the harness, coverage."""
+"""Numbers of the contact engines for `rockcheck bench`: error and cost for each setting, cost of the harness."""
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -11,15 +10,13 @@ import numpy as np
 
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.coverage import FIRST_SEED, coverage
-from harness.engine import Engine, Settings, Want
+from harness.engine import Settings, Want
 from harness.record import Run
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 
 GRAVITY_M_S2: Final = 9.81
 CASES: Final = ((0.334, 2.0), (0.334, 3.0), (0.429, 2.0), (0.429, 3.0))
 """Amplitude in g and frequency in Hz of the paper's cases that every setting is measured on."""
-SCENES: Final = 200
 BEST_OF: Final = 5
 
 
@@ -116,18 +113,3 @@ def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]
         found[f"{kind}_bare_s"], found[f"{kind}_run_s"] = min(bare), min(own)
         found[f"{kind}_ratio"] = min(own) / min(bare)
     return found
-
-
-def coverage_rows(names: Sequence[str], accuracy_rad: float, scenes: int = SCENES) -> Iterator[dict[str, Any]]:
-    """For each engine the share of seeded scenes in which the true error stays within what is stated."""
-    for name in names:
-        engine: Engine = engines.load(name)
-        rows = list(coverage(engine, accuracy_rad, range(FIRST_SEED, FIRST_SEED + scenes)))
-        yield {
-            "engine": name,
-            "target_rad": accuracy_rad,
-            "scenes": len(rows),
-            "covered": sum(row.covered for row in rows) / len(rows),
-            "met_whole": sum(row.met_whole for row in rows) / len(rows),
-            "median_wall_s": statistics.median(row.wall_s for row in rows),
-        }

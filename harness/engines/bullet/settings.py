@@ -8,14 +8,14 @@ from typing import Final
 from harness.engine import Settings
 
 REFERENCE_DT_S: Final = 2.5e-4
-"""Step at which residual thresholds are quoted; they scale with dt², as the square of a step's impulses does."""
+"""Step at which residual thresholds are quoted; they scale with dt², as the square of a step's change of velocity does."""
 
 
 @dataclass(frozen=True)
 class BulletSettings(Settings):
     """One rung: step, whether events inside a step are met by shorter ones, solver, contact.
 
-    `residual` is the squared impulse change, (kg m/s)², at `REFERENCE_DT_S` below which the solver's sweeps end early (0: never);
+    `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which sweeps end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
     spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps.
     """

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -18,6 +18,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
+from harness.contact.trajectory import Trajectory
 from harness.engine import Want
 from harness.engines import load
 from harness.engines.bullet import course, shapes
@@ -29,6 +30,7 @@ from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.settle_text import TEXT
 from harness.engines.bullet.stepper import Record, Stepper, reader
 from harness.engines.bullet.world import World
+from harness.history import History
 from harness.record import machine, versions
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 
@@ -41,7 +43,14 @@ GRAVITY_M_S2: Final = 9.81
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=8e-5)
 
 
-def scene_of(amplitude_g: float, frequency_hz: float, *, pedestal: bool = True, static: float = 0.15) -> Scene:
+def scene_of(
+    amplitude_g: float,
+    frequency_hz: float,
+    *,
+    pedestal: bool = True,
+    static: float = 0.15,
+    ratio: float | None = None,
+) -> Scene:
     """The surveyed statue (docs/model.md, section 1) as a block, for one second."""
     left, right, half, height = 0.3585, 0.0682, 0.36, 1.46
     statue = Statue(
@@ -63,7 +72,7 @@ def scene_of(amplitude_g: float, frequency_hz: float, *, pedestal: bool = True, 
         form=Form(),
         statue=statue,
         pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
-        contact=Contact(static, 0.15, 1.0),
+        contact=Contact(static, 0.15, 1.0, ratio),
         shake=Shake(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
     )
 
@@ -149,13 +158,12 @@ def bare_us(scene: Scene, rung: BulletSettings) -> float:
         return 1e6 * (time.process_time() - start) / len(pulls)
 
 
-def errors(scene: Scene, record: Record, rung: BulletSettings) -> tuple[float, float, float]:
+def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, float]:
     """Largest error of rotation, rad, and of slip, m, and largest rotation out of the plane, rad."""
     engine = load("analytic")
     reference = engine.simulate(scene, engine.ladder(scene)[-1], Want()).history
     if reference is None:
         raise RuntimeError("the analytic model gave no history")
-    path = trajectory(scene, record, np.eye(3), rung.dt_s)
     theta = np.interp(reference.t_s, path.t_s, path.theta_rad)
     slip = np.interp(reference.t_s, path.t_s, path.slip_m)
     across = max(float(np.max(np.abs(path.extra[name]))) for name in ("out_of_plane_rad", "yaw_rad"))
@@ -172,8 +180,13 @@ def row(name: str, rung: BulletSettings, build: Build = _ours, *, pedestal: bool
     for amplitude, frequency in CASES:
         scene = scene_of(amplitude, frequency, pedestal=pedestal)
         record, cost = measure(scene, rung, build)
-        found.append(errors(scene, record, rung))
+        found.append(errors(scene, trajectory(scene, record, np.eye(3), rung.dt_s)))
         costs.append(cost)
+    return _line(name, found, costs)
+
+
+def _line(name: str, found: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> str:
+    """A row of a table from each case's errors and cost."""
     _, slip, across = np.max(np.array(found), axis=0)
     each = ", ".join(f"{item[0]:.1e}" for item in found)
     return f"| {name} | {each} | {slip:.1e} | {across:.1e} | {np.mean(costs):.0f} |"
@@ -226,6 +239,24 @@ def rungs(pedestal: bool) -> Iterator[str]:
             yield row(f"rung {number}: {1e3 * rung.dt_s:g} ms, residual {rung.residual:g}", rung, pedestal=pedestal)
 
 
+def conditions() -> Iterator[str]:
+    """Two coefficients of friction and prescribed ratios, by whole runs of the engine."""
+    engine = load("pybullet")
+    kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
+    for name, ratio in kinds:
+        for rung in engine.ladder(scene_of(*CASES[0]))[:3]:
+            found, costs = [], []
+            for amplitude, frequency in CASES:
+                scene = scene_of(amplitude, frequency, static=0.20, ratio=ratio)
+                start = time.process_time()
+                run = engine.simulate(scene, rung, Want(skips=frozenset()))
+                costs.append(1e6 * (time.process_time() - start) / run.steps)
+                if run.history is None:
+                    raise RuntimeError("pybullet gave no history")
+                found.append(errors(scene, run.history))
+            yield _line(f"{name}; {1e3 * rung.dt_s:g} ms", found, costs)
+
+
 def overhead() -> Iterator[str]:
     """Whole loop against a bare one."""
     for pedestal in (False, True):
@@ -246,6 +277,7 @@ def page() -> str:
         variations="\n".join(variations()),
         on_pedestal="\n".join(rungs(True)),
         on_floor="\n".join(rungs(False)),
+        conditions="\n".join(conditions()),
         overhead="\n".join(overhead()),
     )
 

@@ -233,3 +233,20 @@ def test_without_history_the_outcome_is_the_same() -> None:
     assert unseen.history is None
     assert unseen.outcome is seen.outcome
     assert unseen.overturn_time_s == seen.overturn_time_s
+
+
+def test_masses_all_changed_in_proportion_change_no_motion() -> None:
+    """The solver's threshold is one of velocities, not of impulses: powers of two change no bit."""
+    case = paestum(0.429, 3.0, duration_s=0.4)
+    statue, pedestal = case.statue, case.pedestal
+    assert pedestal is not None
+    light = case.but(
+        statue=replace(
+            statue,
+            mass_kg=statue.mass_kg / 16.0,
+            inertia_kg_m2=statue.inertia_kg_m2 / 16.0,
+            inertia_tensor_kg_m2=statue.inertia_tensor_kg_m2 / 16.0,
+        ),
+        pedestal=replace(pedestal, mass_kg=pedestal.mass_kg / 16.0),
+    )
+    assert apart(bullet(case, 1e-3), bullet(light, 1e-3)) == 0.0

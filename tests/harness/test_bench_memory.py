@@ -1,0 +1,57 @@
+"""Memory that a run keeps and creep at rest, as `python -m harness.bench_memory` measures them."""
+
+from __future__ import annotations
+
+import pytest
+
+from harness import bench_memory, engines
+from harness.engine import Engine, Settings, Want
+from harness.engines.munk2d import Munk2D
+from harness.record import Run
+from harness.scene import Scene
+from tests import budgets_engines as budget
+
+
+class Keeps(Engine):
+    """An engine that keeps something of every run."""
+
+    name = "keeps"
+    capabilities = Munk2D.capabilities
+    order = 1.0
+
+    def __init__(self) -> None:
+        self.own = Munk2D()
+        self.kept: list[bytearray] = []
+
+    def missing(self) -> None:
+        return None
+
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        return self.own.ladder(scene)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        return self.own.settings_for_dt(scene, dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        return self.own.probes(scene, settings)
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        self.kept.append(bytearray(b"x" * 32768))
+        return self.own.simulate(scene, settings, want)
+
+
+def test_three_hundred_runs_of_pymunk_keep_nothing() -> None:
+    row = bench_memory.memory(engines.load("pymunk"), (100, 400))
+    assert row["kib_a_run"] <= budget.KEPT_OF_MANY_KIB
+
+
+def test_what_an_engine_keeps_is_seen() -> None:
+    assert bench_memory.memory(Keeps(), (50, 150))["kib_a_run"] >= 16.0
+
+
+def test_pymunk_keeps_its_place_at_rest_from_1_ms_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_memory, "MOST_STEPS", 300)
+    rows = list(bench_memory.creep(engines.load("pymunk")))
+    assert {row["pedestal"] for row in rows} == {False, True}
+    # At 2 ms the pedestal creeps (docs/pymunk.md).
+    assert max(row["creep_m"] for row in rows if row["dt_s"] <= 1e-3) <= budget.CREEP
