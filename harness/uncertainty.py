@@ -24,7 +24,7 @@ from harness.scene import Scene
 Array = NDArray[np.float64]
 
 SAFETY: Final = 4.0
-"""Factor from the spread to the stated uncertainty: measured coverage on seeded scenes is above 95 %."""
+"""Factor from the spread to the stated uncertainty; docs/pymunk.md, "A target accuracy", says how often it was enough."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CONFIRMED: Final = 2

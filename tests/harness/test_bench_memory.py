@@ -36,7 +36,7 @@ class Keeps(Engine):
         return self.own.probes(scene, settings)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
-        self.kept.append(bytearray(b"x" * 32768))
+        self.kept.append(bytearray(b"x" * 2**20))
         return self.own.simulate(scene, settings, want)
 
 
@@ -46,7 +46,8 @@ def test_three_hundred_runs_of_pymunk_keep_nothing() -> None:
 
 
 def test_what_an_engine_keeps_is_seen() -> None:
-    assert bench_memory.memory(Keeps(), (50, 150))["kib_a_run"] >= 16.0
+    # 1 MiB a run: more than what earlier tests of the process may have freed for reuse.
+    assert bench_memory.memory(Keeps(), (20, 120))["kib_a_run"] >= 512.0
 
 
 def test_pymunk_keeps_its_place_at_rest_from_1_ms_on(monkeypatch: pytest.MonkeyPatch) -> None:
