@@ -11,6 +11,7 @@ import numpy as np
 from analytic.excitation import Excitation, Rest
 from harness.engine import SKIPS, Engine, Want
 from harness.scene import OVERTURN_RAD, Scene, Statue
+from harness.shape_need import shape_needed
 
 LEVEL_M: Final = 1e-9
 """Feet within this height of each other are level: what is left is rounding."""
@@ -143,14 +144,14 @@ def _energy(scene: Scene, want: Want) -> Decision:
 
 
 def _base_only(scene: Scene, want: Want) -> Decision:
-    told = "nothing but the base can touch before the statue has overturned"
-    if scene.pedestal is not None:
-        told = (
-            "the base alone touches until the body can meet the pedestal's edge; from there on the full shape is used"
-        )
-    if scene.wall is not None:
-        told += "; the wall's contact follows from the silhouette"
-    return True, told
+    need = shape_needed(scene)
+    if need.shape == "base":
+        told = "nothing but the base can touch before the statue has overturned"
+        return True, told if scene.wall is None else f"{told} but the wall, at vertices of the hull: {need.reason}"
+    told = f"the base alone touches until the body can meet the pedestal's edge; from there on its hull: {need.reason}"
+    if need.shape == "parts":
+        told += " (convex parts would follow it closer, no engine takes them yet)"
+    return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
 
 
 def _no_history(scene: Scene, want: Want) -> Decision:

@@ -10,6 +10,7 @@ they never carry the statue.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +89,17 @@ def _outward(points: Array) -> Faces:
     inward = np.einsum("ij,ij->i", normals, found.equations[:, :3]) < 0.0
     faces[inward] = faces[inward][:, ::-1]
     return faces
+
+
+@lru_cache(maxsize=8)
+def hull_excess_rel(solid: Solid, below_m: float) -> float:
+    """Volume of the statue's hull below a height over that of the mesh, less one: 0 for a convex statue; exact cuts."""
+    from manifold3d import Manifold, Mesh64
+
+    down = (0.0, 0.0, -1.0)
+    hull_part = Manifold.hull_points(np.array(solid.vertices_m)).trim_by_plane(down, -below_m)
+    body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64))).trim_by_plane(down, -below_m)
+    return float(hull_part.volume() / body.volume() - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
