@@ -17,6 +17,8 @@ from analytic.layout import (
     AT_LIMIT,
     AT_WALL,
     AX,
+    BASE_X,
+    BASE_Z,
     BEGIN,
     BREAK,
     CENTROID,
@@ -31,6 +33,7 @@ from analytic.layout import (
     GE,
     GRID_STEP,
     HALT,
+    HISTORY,
     IMPACT,
     INVERSE,
     LIFT_OFF,
@@ -56,6 +59,7 @@ from analytic.layout import (
     RUNNING,
     S_OM,
     S_V,
+    SAMPLES,
     SEG,
     SKIP_ENERGY,
     SKIP_REST,
@@ -65,12 +69,15 @@ from analytic.layout import (
     STANDS,
     STEP_CAP,
     STEPS,
+    TABLE,
     TANGENTS,
     TIME_SCALE,
+    TIMES,
     TOLERANCE,
     TOUCHES_WALL,
     UNDECIDED,
     WANT_VALIDITY,
+    Floats,
     Runs,
     T,
     Task,
@@ -79,7 +86,7 @@ from analytic.polynomial import TANGENT_LEVEL
 from analytic.quiet import quiet
 from analytic.start import begin
 from analytic.states import load
-from analytic.track import follow, record, settle
+from analytic.track import close, follow, record, settle
 from analytic.validity import note_step
 
 MAX_STALL: Final = 50
@@ -235,6 +242,33 @@ def run_one(task: Task) -> None:
 
 
 @jit
-def run(runs: Runs) -> None:
-    """Run the one task of an array of RUN; the caller keeps the arrays whose addresses stand in it."""
-    run_one(runs[0])
+def run(
+    runs: Runs,
+    p: Floats,
+    motion_x: Floats,
+    motion_z: Floats,
+    base_x: Floats,
+    base_z: Floats,
+    facets: Floats,
+    times_x: Floats,
+    times_z: Floats,
+    samples_x: Floats,
+    samples_z: Floats,
+    history: Floats,
+    events: Floats,
+) -> None:
+    """Pack the parameters, the two motions and where the caller's arrays stand into the one task of runs, and run it."""
+    task = runs[0]
+    task.p[:], task.f[ALONG_X, :], task.f[ALONG_Z, :] = p, motion_x, motion_z
+    task.address[BASE_X], task.length[BASE_X] = base_x.ctypes.data, base_x.size
+    task.address[BASE_Z], task.length[BASE_Z] = base_z.ctypes.data, base_z.size
+    task.address[FACET_RAD], task.length[FACET_RAD] = facets.ctypes.data, facets.size
+    task.address[TIMES], task.length[TIMES] = times_x.ctypes.data, times_x.size
+    task.address[TIMES + 1], task.length[TIMES + 1] = times_z.ctypes.data, times_z.size
+    task.address[SAMPLES], task.length[SAMPLES] = samples_x.ctypes.data, samples_x.size
+    task.address[SAMPLES + 1], task.length[SAMPLES + 1] = samples_z.ctypes.data, samples_z.size
+    task.address[HISTORY], task.length[HISTORY] = history.ctypes.data, max(history.shape[1] - 1, 0)
+    task.address[TABLE], task.length[TABLE] = events.ctypes.data, events.shape[0]
+    run_one(task)
+    if p[GRID_STEP] > 0.0:
+        close(task)

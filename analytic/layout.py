@@ -122,7 +122,7 @@ BASE_Z: Final = 1
 FACET_RAD: Final = 2  # rotation at which facet j (vertex j to j + 1) lies on the support
 TIMES: Final = 3  # of each motion's samples
 SAMPLES: Final = 5
-HISTORY: Final = 7  # rows of four: θ, θ̇, u, u̇
+HISTORY: Final = 7  # rows of t, θ, θ̇, u, u̇; its items are those before the last instant, each row has one more
 TABLE: Final = 8  # of the events
 N_MEMORY: Final = 9
 

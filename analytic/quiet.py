@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from analytic._jit import jit
-from analytic.borrowed import peek, poke
+from analytic.borrowed import peek
 from analytic.forcing import break_at, is_jump, is_over, sampled_at
 from analytic.layout import (
     ALONG_X,
@@ -26,8 +26,10 @@ from analytic.layout import (
     NONE,
     PEAK_SLIP,
     QUIET_SAMPLES,
+    S_OM,
     S_TH,
     S_U,
+    S_V,
     SAMPLED,
     SAMPLES,
     SCALE,
@@ -39,6 +41,7 @@ from analytic.layout import (
     Task,
 )
 from analytic.states import corner
+from analytic.track import sample
 from analytic.validity import note_rest
 
 CLEAR: Final = 1e-9
@@ -68,8 +71,7 @@ def hold(task: Task, until: float) -> None:
     dt = task.p[GRID_STEP]
     if dt > 0.0:
         while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
-            for k in range(4):
-                poke(task.address[HISTORY], 4 * q[GRID] + k, s[S_TH + k])
+            sample(task, q[GRID], q[GRID] * dt, s[S_TH], s[S_OM], s[S_U], s[S_V])
             q[GRID] += 1
     task.r[PEAK_SLIP] = max(task.r[PEAK_SLIP], abs(s[S_U]))
     task.r[SKIPPED_S] += until - s[T]

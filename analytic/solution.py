@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,6 +168,26 @@ class Doubts:
     gave_up: bool
 
 
+class Details(Protocol):
+    """What a run says besides its numbers and its history, put together when it is first asked for."""
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Every event."""
+
+    @property
+    def validity(self) -> Validity | None:
+        """How far the run stayed inside the model, None where that was not kept."""
+
+    @property
+    def work(self) -> Work:
+        """What the run cost."""
+
+    @property
+    def doubts(self) -> Doubts:
+        """What may make its numbers unsafe."""
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -194,10 +214,27 @@ class Solution:
     no_return_time_s: float | None
     energy_lost_j: float
     energy_gained_j: float
-    events: tuple[Event, ...]
-    validity: Validity | None
-    work: Work
-    doubts: Doubts
+    details: Details = field(repr=False)
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Every event, from the start to the end."""
+        return self.details.events
+
+    @property
+    def validity(self) -> Validity | None:
+        """How far the run stayed inside the model, None where that was not kept."""
+        return self.details.validity
+
+    @property
+    def work(self) -> Work:
+        """What the run cost and what it left out."""
+        return self.details.work
+
+    @property
+    def doubts(self) -> Doubts:
+        """What may make the run's numbers unsafe."""
+        return self.details.doubts
 
     def of_kind(self, kind: EventKind) -> tuple[Event, ...]:
         """The events of one kind."""

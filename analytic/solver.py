@@ -100,17 +100,13 @@ def parameters(
 
 def prepare(block: Block, p: at.Floats, motion_x: Excitation, motion_z: Excitation, event_rows: int) -> Finished:
     """Everything that one run reads and writes, freshly allocated."""
-    motions = encode(motion_x), encode(motion_z)
-    dt = p[at.GRID_STEP]
-    samples = math.floor(p[at.DURATION] / dt * (1.0 + 1e-12)) + 1 if dt > 0.0 else 0
-    grid, events = np.zeros((samples, 4)), np.zeros((event_rows, at.N_EVENT))
-    runs = np.zeros(1, at.RUN)
-    task = runs[0]
-    task["p"], task["f"][0], task["f"][1] = p, motions[0][0], motions[1][0]
-    arrays = (*block.arrays, motions[0][1], motions[1][1], motions[0][2], motions[1][2], grid, events)
-    task["address"] = [array.ctypes.data for array in arrays]
-    task["length"] = [len(array) for array in arrays]
-    return Finished(runs, arrays, p, task["s"], task["q"], task["r"], task["c"], grid, events)
+    fx, times_x, samples_x = encode(motion_x)
+    fz, times_z, samples_z = encode(motion_z)
+    dt = float(p[at.GRID_STEP])
+    instants = math.floor(float(p[at.DURATION]) / dt * (1.0 + 1e-12)) + 2 if dt > 0.0 else 0
+    history, events = np.zeros((5, instants)), np.zeros((event_rows, at.N_EVENT))
+    records = times_x, times_z, samples_x, samples_z
+    return Finished(np.zeros(1, at.RUN), (p, fx, fz, *block.arrays, *records, history, events))
 
 
 def simulate(
@@ -170,8 +166,8 @@ def simulate(
     )
     motion_z = motion_z if motion_z is not None else Rest()
     task = prepare(block, p, motion_x, motion_z, FIRST_EVENTS if events else 0)
-    run(task.runs)
+    run(task.runs, *task.arguments)
     if events and task.c[at.EVENTS] > FIRST_EVENTS:
         task = prepare(block, p, motion_x, motion_z, int(task.c[at.EVENTS]))
-        run(task.runs)
+        run(task.runs, *task.arguments)
     return read(task)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from analytic._jit import inlined, jit
 from analytic.borrowed import poke
 from analytic.layout import (
@@ -57,6 +59,9 @@ from analytic.layout import (
 from analytic.polynomial import first_root, value
 from analytic.states import choose
 
+SAME_INSTANT: Final = 1e-9
+"""Share of the output step below which the last instant counts as the sample before it."""
+
 
 @jit
 def _crossing(task: Task, row: int, n: int, tau: float, sign: float) -> float:
@@ -88,17 +93,38 @@ def move(task: Task, n: int, tau: float) -> float:
     return float(reach)
 
 
+@inlined
+def sample(task: Task, i: int, time: float, theta: float, omega: float, slip: float, rate: float) -> None:
+    """Write output sample i."""
+    history, row = task.address[HISTORY], task.length[HISTORY] + 1
+    poke(history, i, time)
+    poke(history, i + row, theta)
+    poke(history, i + 2 * row, omega)
+    poke(history, i + 3 * row, slip)
+    poke(history, i + 4 * row, rate)
+
+
 @jit
 def _fill(task: Task, n: int, until: float) -> None:
     """Write the output samples before until."""
     w, q, dt = task.w, task.q, task.p[GRID_STEP]
     while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
-        at, row = max(q[GRID] * dt - task.s[T], 0.0), 4 * q[GRID]
-        poke(task.address[HISTORY], row, value(w, TH, n, at))
-        poke(task.address[HISTORY], row + 1, value(w, OM, n, at))
-        poke(task.address[HISTORY], row + 2, value(w, SLIP, n, at))
-        poke(task.address[HISTORY], row + 3, value(w, RATE, n, at))
+        time = q[GRID] * dt
+        at = max(time - task.s[T], 0.0)
+        sample(
+            task, q[GRID], time, value(w, TH, n, at), value(w, OM, n, at), value(w, SLIP, n, at), value(w, RATE, n, at)
+        )
         q[GRID] += 1
+
+
+@jit
+def close(task: Task) -> None:
+    """Write the last instant after the output samples, or over the last of them if that is as late."""
+    s, q, dt = task.s, task.q, task.p[GRID_STEP]
+    if q[GRID] > 0 and s[T] - (q[GRID] - 1) * dt <= SAME_INSTANT * dt:
+        q[GRID] -= 1
+    sample(task, q[GRID], s[T], s[S_TH], s[S_OM], s[S_U], s[S_V])
+    q[GRID] += 1
 
 
 @inlined

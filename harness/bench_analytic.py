@@ -170,7 +170,7 @@ def taylor(repeats: int) -> list[dict[str, Any]]:
         task = packed(FORCED, tolerance)
 
         def kernel(task: Any = task) -> Answer:
-            run(task.runs)
+            run(task.runs, *task.arguments)
             return task.s[at.S_TH : at.S_TH + 1].copy(), int(task.c[at.STEPS])
 
         rows.append(_row(FORCED, "analytic, kernel alone", tolerance, kernel, exact, 20 * repeats))

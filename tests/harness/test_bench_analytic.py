@@ -54,7 +54,7 @@ def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> Non
 
 def test_the_kernel_alone_is_the_same_run() -> None:
     task = bench.packed(bench.FORCED, 1e-10)
-    run(task.runs)
+    run(task.runs, *task.arguments)
     assert task.s[S_TH] == bench.FORCED.ours(1e-10).theta_rad[-1]
 
 
