@@ -152,7 +152,9 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
     assert estimate.sentence(study, scene, 2).startswith("60 cases, 120 runs: at most about ")
     estimate.check(study, scene, 2, "study.toml")
     huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
-    with pytest.raises(InputError, match=r"18000000 cases, 36000000 runs: at most about \d+ days on 2 workers.*--large"):
+    with pytest.raises(
+        InputError, match=r"18000000 cases, 36000000 runs: at most about \d+ days on 2 workers.*--large"
+    ):
         estimate.check(huge, scene, 2, "study.toml")
 
 
