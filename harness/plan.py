@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, Rest
 from harness.engine import SKIPS, Engine, Want
 from harness.scene import OVERTURN_RAD, Scene, Statue
 from harness.shape_need import shape_needed
 
+Array = NDArray[np.float64]
 LEVEL_M: Final = 1e-9
 """Feet within this height of each other are level: what is left is rounding."""
 
@@ -64,27 +66,32 @@ def limit_of_rest_m_s2(scene: Scene) -> float:
     statue, gravity = scene.statue, scene.gravity_m_s2
     corner = min(statue.corner_left_m, statue.corner_right_m)
     if not isinstance(scene.shake.y, Rest):
-        corner = min(corner, _nearest_edge_m(statue.footprint_m[:, :2]))
+        corner = min(corner, float(np.min(_sides(statue.footprint_m[:, :2])[1])))
     uplift = gravity * corner / statue.centroid_height_m
     slip = scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
     return min(uplift, slip * gravity)
 
 
-def _nearest_edge_m(polygon_m: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    """Distance from the origin (below the centroid) to the nearest edge of a convex polygon around it."""
+def _sides(polygon_m: Array) -> tuple[Array, Array]:
+    """Outward normals (k, 2) and distances (k,) from the origin of a convex polygon's sides, counter-clockwise."""
     along = np.roll(polygon_m, -1, axis=0) - polygon_m
-    across = polygon_m[:, 0] * along[:, 1] - polygon_m[:, 1] * along[:, 0]
-    return float(np.min(np.abs(across) / np.hypot(along[:, 0], along[:, 1])))
+    length = np.hypot(along[:, 0], along[:, 1])
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
+    return normals, np.sum(normals * polygon_m, axis=1)
 
 
 def first_motion_s(scene: Scene) -> float:
     """A time before which nothing can move, from the samples' own values (0 when the statue starts off rest).
 
-    A body with a rough base tilts at once onto what it rests on, which is narrower than its corners are apart: 0 too.
+    A body with a rough base rests on its lowest vertices, which lie nearer than its corners; where its centroid is not above
+    them it tilts at once: 0 too.
 
     For piecewise linear records the time is the last sample before a limit is first exceeded; for formulas it is 0.
     """
-    if scene.initial.theta_rad != 0.0 or scene.initial.theta_rate_rad_s != 0.0 or not _level(scene.statue):
+    if scene.initial.theta_rad != 0.0 or scene.initial.theta_rate_rad_s != 0.0:
+        return 0.0
+    polygon = resting_polygon_m(scene.statue)
+    if polygon is None:
         return 0.0
     components = (scene.shake.x, scene.shake.y, scene.shake.z)
     if all(isinstance(item, Rest) for item in components):
@@ -92,19 +99,42 @@ def first_motion_s(scene: Scene) -> float:
     times = _knots(components, scene.duration_s)
     if times is None:
         return 0.0
-    x, y, z = (np.abs(np.asarray(item.accel_m_s2(times), dtype=np.float64)) for item in components)
-    # A vertical acceleration lowers every limit in proportion; horizontal motion counts by its magnitude.
-    limit = limit_of_rest_m_s2(scene) * np.maximum(1.0 - z / scene.gravity_m_s2, 0.0)
-    over = np.flatnonzero(np.hypot(x, y) >= limit)
+    x, y, z = (np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components)
+    over = np.flatnonzero(_leaves_rest(scene, polygon, x, y, scene.gravity_m_s2 - np.abs(z)))
     if over.size == 0:
         return scene.duration_s
     return float(times[max(int(over[0]) - 1, 0)])
 
 
-def _level(statue: Statue) -> bool:
-    """Whether all that the statue can stand on is at one height."""
+def _leaves_rest(
+    scene: Scene, polygon_m: Array, x_m_s2: Array, y_m_s2: Array, gravity_m_s2: Array
+) -> NDArray[np.bool_]:
+    """At which instants the floor's acceleration passes what friction holds or what the base bears under that gravity.
+
+    The base bears it while the weight's line, leant by the acceleration, meets the floor inside the polygon that it rests on.
+    A planar body bears at least as much: its ends are the polygon's outermost points.
+    """
+    contact = scene.contact
+    hold = contact.statue if scene.pedestal is None else min(contact.floor_static, contact.statue)
+    weight = np.maximum(gravity_m_s2, 0.0)
+    slips = np.hypot(x_m_s2, y_m_s2) >= hold * weight
+    push = -scene.statue.centroid_height_m * np.stack([x_m_s2, y_m_s2], axis=1)
+    normals, reach = _sides(polygon_m)
+    tips: NDArray[np.bool_] = np.any(push @ normals.T >= reach * weight[:, None], axis=1)
+    return slips | tips
+
+
+def resting_polygon_m(statue: Statue) -> Array | None:
+    """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
+    from scipy.spatial import ConvexHull, QhullError
+
     feet = statue.footprint_m if statue.solid is None else statue.solid.feet_m
-    return float(np.ptp(feet[:, 2])) <= LEVEL_M
+    lowest = feet[feet[:, 2] <= np.min(feet[:, 2]) + LEVEL_M, :2]
+    try:
+        polygon = lowest[ConvexHull(lowest).vertices]
+    except (QhullError, ValueError):  # fewer than three vertices, or all on a line
+        return None
+    return polygon if float(np.min(_sides(polygon)[1])) > 0.0 else None
 
 
 def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[Any, np.dtype[np.float64]] | None:

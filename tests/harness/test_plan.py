@@ -9,6 +9,7 @@ from analytic.excitation import Harmonic, Record
 from harness import engines
 from harness.engine import SKIPS, Want
 from harness.plan import first_motion_s, limit_of_rest_m_s2, plan
+from harness.run import simulate
 from harness.scene import Shake
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum
@@ -39,9 +40,14 @@ def test_motion_across_the_plane_counts_by_the_nearest_edge() -> None:
 
 
 def test_the_quiet_start_ends_at_the_last_sample_below_the_limit() -> None:
-    scene = paestum(0.3, 2.0, pedestal=False).but(shake=Shake(x=rising()), duration_s=8.0)
-    assert first_motion_s(scene) == 2.0  # g b / h is 0.088 g: reached between 2 s and 4 s
-    lifted = scene.but(shake=Shake(x=rising(), z=Record(np.array([0.0, 2.0, 8.0]), G * np.array([0.0, -0.9, 0.0]))))
+    towards_left = paestum(0.3, 2.0, pedestal=False).but(shake=Shake(x=rising()), duration_s=8.0)
+    assert first_motion_s(towards_left) == 8.0  # there g b / h is 0.463 g: never reached
+    assert simulate(towards_left, "analytic").peak_theta_rad == 0.0
+    scene = towards_left.but(shake=Shake(x=rising().scaled(-1.0)))
+    assert first_motion_s(scene) == 2.0  # here it is 0.088 g: reached between 2 s and 4 s
+    lifted = scene.but(
+        shake=Shake(x=rising().scaled(-1.0), z=Record(np.array([0.0, 2.0, 8.0]), G * np.array([0.0, -0.9, 0.0])))
+    )
     assert first_motion_s(lifted) == 0.0  # a falling floor lowers the limit to a tenth
 
 

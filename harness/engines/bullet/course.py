@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Rest
 from harness.contact.frame import step_count
 from harness.engine import Want
 from harness.engines.bullet import feet, loop, pose
@@ -20,16 +19,10 @@ from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.stepper import Record, Stepper, reader
 from harness.engines.bullet.touch import Touch
 from harness.engines.bullet.world import World
-from harness.plan import first_motion_s, limit_of_rest_m_s2
+from harness.plan import first_motion_s
 from harness.scene import Scene
-from meshes.footprint import margin_m, reach_m
 
 Array = NDArray[np.float64]
-
-SAME_SHARE = 1.0 - 1e-9
-"""A distance is the same as another when it is no smaller than by rounding."""
-FLAT_BASE_M = 1e-9
-"""Base vertices at heights closer than this stand on one plane."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,18 +146,8 @@ def _joined(before: Record, after: Record) -> Record:
 
 
 def quiet_start_s(scene: Scene, setup: Setup) -> float:
-    """Time before which nothing can move: 0 unless the base is flat and its narrowest side is the one the limit is taken from."""
-    polygon = scene.statue.footprint_m
-    if setup.rest.lean_rad > 0.0 or float(np.ptp(polygon[:, 2])) > FLAT_BASE_M:
-        return 0.0
-    # Pushed along x a body lifts where the push leaves its base, which may be met obliquely before its outermost corner.
-    along_x = isinstance(scene.shake.y, Rest)
-    margin = float(np.min(reach_m(polygon, [0.0, 180.0]))) if along_x else margin_m(polygon)
-    if margin < SAME_SHARE * min(scene.statue.corner_left_m, scene.statue.corner_right_m):
-        return 0.0
-    if scene.contact.statue * scene.gravity_m_s2 < limit_of_rest_m_s2(scene):
-        return 0.0
-    return first_motion_s(scene)
+    """Time before which nothing can move: 0 where the statue rests aslant."""
+    return first_motion_s(scene) if setup.rest.lean_rad == 0.0 else 0.0
 
 
 def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool) -> tuple[str, ...]:
