@@ -13,6 +13,7 @@ from analytic.excitation import Excitation, Rest
 from harness.engine import SKIPS, Engine, Want
 from harness.scene import OVERTURN_RAD, Scene, Statue
 from harness.shape_need import shape_needed
+from meshes.footprint import margin_m, outward_sides
 
 Array = NDArray[np.float64]
 LEVEL_M: Final = 1e-9
@@ -66,18 +67,15 @@ def limit_of_rest_m_s2(scene: Scene) -> float:
     statue, gravity = scene.statue, scene.gravity_m_s2
     corner = min(statue.corner_left_m, statue.corner_right_m)
     if not isinstance(scene.shake.y, Rest):
-        corner = min(corner, float(np.min(_sides(statue.footprint_m[:, :2])[1])))
+        corner = min(corner, margin_m(statue.footprint_m))
     uplift = gravity * corner / statue.centroid_height_m
-    slip = scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
-    return min(uplift, slip * gravity)
+    return min(uplift, _holding_friction(scene) * gravity)
 
 
-def _sides(polygon_m: Array) -> tuple[Array, Array]:
-    """Outward normals (k, 2) and distances (k,) from the origin of a convex polygon's sides, counter-clockwise."""
-    along = np.roll(polygon_m, -1, axis=0) - polygon_m
-    length = np.hypot(along[:, 0], along[:, 1])
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
-    return normals, np.sum(normals * polygon_m, axis=1)
+def _holding_friction(scene: Scene) -> float:
+    """The least coefficient of static friction between statue and floor."""
+    contact = scene.contact
+    return contact.statue if scene.pedestal is None else min(contact.floor_static, contact.statue)
 
 
 def first_motion_s(scene: Scene) -> float:
@@ -114,27 +112,25 @@ def _leaves_rest(
     The base bears it while the weight's line, leant by the acceleration, meets the floor inside the polygon that it rests on.
     A planar body bears at least as much: its ends are the polygon's outermost points.
     """
-    contact = scene.contact
-    hold = contact.statue if scene.pedestal is None else min(contact.floor_static, contact.statue)
     weight = np.maximum(gravity_m_s2, 0.0)
-    slips = np.hypot(x_m_s2, y_m_s2) >= hold * weight
+    slips = np.hypot(x_m_s2, y_m_s2) >= _holding_friction(scene) * weight
     push = -scene.statue.centroid_height_m * np.stack([x_m_s2, y_m_s2], axis=1)
-    normals, reach = _sides(polygon_m)
+    normals, reach = outward_sides(polygon_m)
     tips: NDArray[np.bool_] = np.any(push @ normals.T >= reach * weight[:, None], axis=1)
     return slips | tips
 
 
 def resting_polygon_m(statue: Statue) -> Array | None:
     """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
-    from scipy.spatial import ConvexHull, QhullError
+    from meshes import MeshError
+    from meshes.footprint import footprint
 
     feet = statue.footprint_m if statue.solid is None else statue.solid.feet_m
-    lowest = feet[feet[:, 2] <= np.min(feet[:, 2]) + LEVEL_M, :2]
     try:
-        polygon = lowest[ConvexHull(lowest).vertices]
-    except (QhullError, ValueError):  # fewer than three vertices, or all on a line
+        polygon = footprint(feet, LEVEL_M)
+    except MeshError:  # fewer than three vertices, or all on a line
         return None
-    return polygon if float(np.min(_sides(polygon)[1])) > 0.0 else None
+    return polygon[:, :2] if margin_m(polygon) > 0.0 else None
 
 
 def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[Any, np.dtype[np.float64]] | None:

@@ -121,7 +121,7 @@ def sides(polygon_m: Array) -> tuple[Array, Array]:
     return np.linalg.norm(side, axis=1), np.rad2deg(np.arctan2(-side[:, 0], side[:, 1])) % 360.0
 
 
-def _distances(polygon_m: Array) -> tuple[Array, Array]:
+def outward_sides(polygon_m: Array) -> tuple[Array, Array]:
     """Outward normals (k, 2) of the sides and their distances (k,) from the origin, negative where it lies outside."""
     azimuth = np.deg2rad(sides(polygon_m)[1])
     outward = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
@@ -130,7 +130,7 @@ def _distances(polygon_m: Array) -> tuple[Array, Array]:
 
 def margin_m(polygon_m: Array) -> float:
     """Distance from the origin to the nearest side of a counter-clockwise convex polygon (k, 2 or 3); negative outside."""
-    return float(_distances(polygon_m)[1].min())
+    return float(outward_sides(polygon_m)[1].min())
 
 
 def corner_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
@@ -146,7 +146,7 @@ def reach_m(polygon_m: Array, azimuth_deg: ArrayLike) -> Array:
     It is less than `corner_m` wherever the outline is met obliquely: there the body begins to turn about a side that a planar
     model at that azimuth does not have.
     """
-    outward, distance = _distances(polygon_m)
+    outward, distance = outward_sides(polygon_m)
     azimuth = np.deg2rad(np.atleast_1d(np.asarray(azimuth_deg, dtype=np.float64)))
     towards = outward @ np.vstack([np.cos(azimuth), np.sin(azimuth)])
     with np.errstate(divide="ignore"):
@@ -165,7 +165,7 @@ def slenderness_rose_rad(polygon_m: Array, centroid_height_m: float, azimuth_deg
 
 def weakest_azimuth_deg(polygon_m: Array) -> float:
     """Direction across the side of the polygon nearest the centroid's vertical: where the least slenderness lies."""
-    return float(sides(polygon_m)[1][int(np.argmin(_distances(polygon_m)[1]))])
+    return float(sides(polygon_m)[1][int(np.argmin(outward_sides(polygon_m)[1]))])
 
 
 def planar(polygon_m: Array, centroid_height_m: float, inertia_kg_m2: Array, azimuth_deg: float) -> Planar:
