@@ -47,7 +47,9 @@ class Capabilities:
     `dimensions` 2 or 3; `certifies` states its own uncertainty (no ladder needed); `uses_mesh` takes base and inertia from
     the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`,
     `flies` compute what the two-block model only reports; `moving_table` can move the table instead of the frame;
-    `forces` records contact forces; `skips` are those of `SKIPS` that it has, each with its switch in `Want`.
+    `forces` records contact forces; `edge_shape` says what of the statue meets a pedestal's edge where that is the same in
+    every scene (empty: no contact at all, or chosen by `harness.shape_need`); `skips` are those of `SKIPS` that it has, each
+    with its switch in `Want`.
     """
 
     dimensions: int
@@ -59,6 +61,7 @@ class Capabilities:
     flies: bool = False
     moving_table: bool = False
     forces: bool = False
+    edge_shape: str = ""
     skips: frozenset[str] = frozenset()
 
 

@@ -43,7 +43,7 @@ def plan(scene: Scene, engines: Sequence[Engine], want: Want, registered: Iterab
     `registered` names all engines there are: those that are not among `engines` are not imported.
     """
     own = [_decided(name, scene, engine, want) for engine in engines for name in SKIPS if name in _skips_of(engine)]
-    return (*own, _planar(scene, engines), _lazy(engines, registered), _cached())
+    return (*own, *_edges(scene, engines), _planar(scene, engines), _lazy(engines, registered), _cached())
 
 
 def _skips_of(engine: Engine) -> frozenset[str]:
@@ -170,13 +170,18 @@ def _energy(scene: Scene, want: Want) -> Decision:
 
 
 def _base_only(scene: Scene, want: Want) -> Decision:
+    from meshes.decomposition import missing
+
     need = shape_needed(scene)
     if need.shape == "base":
         told = "nothing but the base can touch before the statue has overturned"
         return True, told if scene.wall is None else f"{told} but the wall, at vertices of the hull: {need.reason}"
-    told = f"the base alone touches until the body can meet the pedestal's edge; from there on its hull: {need.reason}"
-    if need.shape == "parts":
-        told += " (convex parts would follow it closer, no engine takes them yet)"
+    body = "hull" if need.shape == "hull" else "convex parts"
+    told = (
+        f"the base alone touches until the body can meet the pedestal's edge; from there on its {body}: {need.reason}"
+    )
+    if need.shape == "parts" and (reason := missing()):
+        told += f"; but {reason}, so its hull is taken"
     return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
 
 
@@ -198,6 +203,23 @@ DECISIONS: Final[Mapping[str, Callable[[Scene, Want], Decision]]] = {
     "stop_at_overturn": _stop,
 }
 """Whether a skip that an engine has applies to a scene, and why; switched with `--no-skip`."""
+
+
+def _edges(scene: Scene, engines: Sequence[Engine]) -> list[Step]:
+    """Engines that have one shape of their own for whatever scene, said where a pedestal's edge would need another."""
+    need = shape_needed(scene)
+    fixed = [engine for engine in engines if engine.capabilities.edge_shape]
+    if need.shape != "parts":
+        return []
+    return [
+        Step(
+            "base_only",
+            engine.name,
+            False,
+            f"it meets the pedestal's edge with {engine.capabilities.edge_shape} in every scene; {need.reason}",
+        )
+        for engine in fixed
+    ]
 
 
 def _planar(scene: Scene, engines: Sequence[Engine]) -> Step:

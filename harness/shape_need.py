@@ -10,7 +10,7 @@ import numpy as np
 from harness.scene import Pedestal, Scene, Statue
 
 HULL_EXCESS_LIMIT: Final = 0.12
-"""What a hull may add to the volume near an edge: as much as the convex parts themselves add to the statue (docs/meshes.md)."""
+"""What a hull may add to the volume near an edge: about what the convex parts themselves add to a statue (docs/meshes.md)."""
 
 
 @dataclass(frozen=True)

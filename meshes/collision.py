@@ -1,10 +1,7 @@
-"""Collision shapes by need: feet under the base, a convex hull within a vertex budget, a convex decomposition.
+"""A statue's convex hull within a vertex budget, and how far a hull is from the statue.
 
-The base touches through the mesh's own vertices (`Solid.feet_m`) in every case. Hull and parts stand for the body
-above it, where a wall
-or a pedestal's edge can be met: the hull keeps the feet among its vertices, the parts are cut off a little above the
-base, so that
-they never carry the statue.
+The base touches through the mesh's own vertices (`Solid.feet_m`) in every case, and so does whatever a flat wall meets. Hull
+and convex parts (`meshes.decomposition`) stand for the body above the base where a pedestal's edge can be met.
 """
 
 from __future__ import annotations
@@ -15,9 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.decimation import simplified
 from meshes.errors import MeshError
-from meshes.mesh import RawMesh
 from meshes.solid import Solid
 
 Array = NDArray[np.float64]
@@ -25,9 +20,6 @@ Faces = NDArray[np.int64]
 
 LEAST_VERTICES = 12
 """A hull with fewer vertices is no statue."""
-COARSE_FACES = 3000
-"""Triangles given to the decomposition: its search grows with them, its parts hardly change (20-fold slower at 21
-000)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,20 +50,41 @@ def hull(solid: Solid, max_vertices: int = 128) -> Hull:
     least = max(LEAST_VERTICES, len(feet) + 4)
     if max_vertices < least:
         raise MeshError(f"wanted a hull budget of at least {least} vertices, got {max_vertices}")
+    chosen, gap = thinned(corners, feet, max_vertices)
+    return Hull(chosen, outward(chosen), gap, float(ConvexHull(chosen).volume / full.volume - 1.0))
+
+
+def thinned(points_m: Array, first_m: Array | None, max_vertices: int) -> tuple[Array, float]:
+    """At most `max_vertices` corners (k, 3) of the hull of points (n, 3), and how far the hull stands out of theirs at most, m.
+
+    Those of `first_m` and the outermost along the axes come first, then always the one that stands out furthest: the hull of
+    what is chosen lies within the full one.
+    """
+    from scipy.spatial import ConvexHull
+
+    corners = points_m[np.sort(ConvexHull(points_m).vertices)]
     if len(corners) <= max_vertices:
-        return Hull(corners, _outward(corners), 0.0, 0.0)
-    extremes = corners[np.unique([*corners.argmax(axis=0), *corners.argmin(axis=0)])]
-    chosen = np.unique(np.vstack([feet, extremes]), axis=0)
-    gap = 0.0
+        return corners, 0.0
+    extremes = corners[np.unique([*corners.argmax(axis=0), *corners.argmin(axis=0), *_spread(corners)])]
+    chosen = np.unique(extremes if first_m is None else np.vstack([first_m, extremes]), axis=0)
     while True:
         sides = ConvexHull(chosen).equations
         outside = (corners @ sides[:, :3].T + sides[:, 3]).max(axis=1)
         furthest = int(np.argmax(outside))
         gap = float(outside[furthest])
         if len(chosen) >= max_vertices or gap <= 1e-9:
-            break
+            return chosen, gap
         chosen = np.vstack([chosen, corners[furthest]])
-    return Hull(chosen, _outward(chosen), gap, float(ConvexHull(chosen).volume / full.volume - 1.0))
+
+
+def _spread(corners: Array) -> list[int]:
+    """Indices of four corners that span a volume, whatever the body's position: furthest from a point, a line, a plane."""
+    found = [int(np.argmax(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))]
+    offset = corners - corners[found[0]]
+    found.append(int(np.argmax(np.linalg.norm(offset, axis=1))))
+    away = np.cross(offset, offset[found[1]])
+    found.append(int(np.argmax(np.linalg.norm(away, axis=1))))
+    return [*found, int(np.argmax(np.abs(offset @ away[found[2]])))]
 
 
 def _on_hull(feet: Array, corners: Array) -> NDArray[np.bool_]:
@@ -79,7 +92,7 @@ def _on_hull(feet: Array, corners: Array) -> NDArray[np.bool_]:
     return np.asarray((feet[:, None, :] == corners[None, :, :]).all(axis=2).any(axis=1))
 
 
-def _outward(points: Array) -> Faces:
+def outward(points: Array) -> Faces:
     """Triangles (m, 3) of the convex hull of points (k, 3), all of them corners, outward by the right-hand rule."""
     from scipy.spatial import ConvexHull
 
@@ -100,56 +113,3 @@ def hull_excess_rel(solid: Solid, below_m: float) -> float:
     hull_part = Manifold.hull_points(np.array(solid.vertices_m)).trim_by_plane(down, -below_m)
     body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64))).trim_by_plane(down, -below_m)
     return float(hull_part.volume() / body.volume() - 1.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """Convex parts of the body above its base, each (vertices (k, 3), faces (m, 3)), and how they fill the statue.
-
-    `volume_rel` is the parts' volume (overlaps counted once) against the mesh's above the same level, less one.
-    """
-
-    parts: tuple[tuple[Array, Faces], ...]
-    volume_rel: float
-
-
-def decompose(
-    solid: Solid, concavity: float = 0.08, max_parts: int = 24, clearance_m: float = 2e-3, seed: int = 0
-) -> Parts:
-    """Convex decomposition (CoACD) of the body, coarsened first, cut off `clearance_m` above the base; deterministic
-    for a seed.
-
-    `concavity` is CoACD's threshold, the depth left between a part and its hull relative to the body's size (0.01 to
-    1).
-    """
-    import coacd
-    from manifold3d import Manifold, Mesh64, OpType
-
-    if not 0.01 <= concavity <= 1.0:
-        raise MeshError(f"wanted a concavity between 0.01 and 1, got {concavity:g}")
-    coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
-    vertices, faces = (solid.vertices_m, solid.faces) if coarse is None else (coarse.vertices, coarse.faces)
-    coacd.set_log_level("error")
-    raw = coacd.run_coacd(
-        coacd.Mesh(vertices, faces.astype(np.int32)),
-        threshold=concavity,
-        max_convex_hull=max_parts,
-        preprocess_mode="off",  # the mesh is closed already; remeshing would move its surface
-        resolution=500,
-        mcts_iterations=50,
-        mcts_nodes=10,
-        mcts_max_depth=2,
-        decimate=True,
-        max_ch_vertex=64,
-        seed=seed,
-    )
-    up = (0.0, 0.0, 1.0)
-    pieces = [Manifold.hull_points(np.asarray(vertices)).trim_by_plane(up, clearance_m) for vertices, _ in raw]
-    pieces = [piece for piece in pieces if not piece.is_empty()]
-    body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64))).trim_by_plane(up, clearance_m)
-    covered = Manifold.batch_boolean(pieces, OpType.Add).volume()
-    found = []
-    for piece in pieces:
-        mesh = piece.to_mesh64()
-        found.append((np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.int64)))
-    return Parts(tuple(found), float(covered / body.volume() - 1.0))

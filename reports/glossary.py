@@ -69,6 +69,7 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "rest_lean_rad": "lean at rest on the scanned base",
     "touching_vertices": "vertices of the base that can touch",
     "full_shape_from_s": "whole shape in contact from",
+    "full_shape": "whole shape in contact",
 }
 
 

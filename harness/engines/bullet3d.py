@@ -110,7 +110,7 @@ class Bullet3D(Engine):
             validity=_validity(path.extra, setup, found),
             work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
             skipped=found.skipped,
-            warnings=_warnings(scene, setup, path.extra),
+            warnings=_warnings(scene, setup, found, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
         run = reduce_trajectory(scene, path, report)
@@ -132,11 +132,14 @@ def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[s
         "rest_lean_rad": setup.rest.lean_rad,
         "touching_vertices": len(setup.feet_m),
         "full_shape_from_s": found.full_from_s,
+        "full_shape": None if found.full is None else found.full.told,
     }
 
 
-def _warnings(scene: Scene, setup: Setup, extra: Mapping[str, Array]) -> tuple[str, ...]:
+def _warnings(scene: Scene, setup: Setup, found: Course, extra: Mapping[str, Array]) -> tuple[str, ...]:
     said = []
+    if found.full is not None and found.full.warning is not None:
+        said.append(found.full.warning)
     if scene.form.friction_normal == "static" and scene.pedestal is not None:
         said.append("friction uses the contact's own normal force: model.friction_normal = static is not computed")
     if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:

@@ -56,7 +56,7 @@ class Mujoco3D(Engine):
     name: ClassVar[str] = "mujoco"
     capabilities: ClassVar[Capabilities] = Capabilities(
         dimensions=3, uses_mesh=True, own_impact=True, pedestal_tips=True, statue_slips=True, flies=True, forces=True,
-        skips=frozenset({"no_history", "stop_at_overturn"}),
+        skips=frozenset({"no_history", "stop_at_overturn"}), edge_shape="the base's vertices alone",
     )  # fmt: skip
     order: ClassVar[float] = 1.0
 

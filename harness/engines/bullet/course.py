@@ -12,6 +12,7 @@ from harness.contact.frame import step_count
 from harness.engine import Want
 from harness.engines.bullet import feet, loop, pose
 from harness.engines.bullet.edge import EdgeWatch
+from harness.engines.bullet.full import FullShape, full_shape
 from harness.engines.bullet.loop import Watch
 from harness.engines.bullet.march import March
 from harness.engines.bullet.schedule import Schedule
@@ -41,11 +42,12 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Samples of a whole run; `full_from_s` is when the statue's full shape took over from its feet, None if it never did."""
+    """Samples of a whole run; `full_from_s` is when the full shape `full` took over from its feet, both None if it never did."""
 
     record: Record
     skipped: tuple[str, ...]
     full_from_s: float | None
+    full: FullShape | None
 
 
 def prepare(scene: Scene) -> Setup:
@@ -67,16 +69,18 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     quiet_s = quiet_start_s(scene, setup) if want.may_skip("quiet_start") else 0.0
     first = min(int(quiet_s / rung.dt_s), count - 1)
     schedule = Schedule(scene, rung.dt_s, first, count)
-    full = scene.pedestal is not None and not want.may_skip("base_only")
-    watch = _watch(scene, rung, setup, want, full)
+    full = None
+    if scene.pedestal is not None and not want.may_skip("base_only"):
+        full = full_shape(scene, rung.full_shape)
+    watch = _watch(scene, rung, setup, want, full is not None)
     record = _part(scene, rung, setup, schedule, watch, full=full)
-    full_from = 0.0 if full else None
+    full_from = None if full is None else 0.0
     if watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
         # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
-        full_from = record.t_s[-1]
-        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=True, done=record)
+        full_from, full = record.t_s[-1], full_shape(scene, rung.full_shape)
+        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=full, done=record)
         record = _joined(record, rest_of)
-    return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from)
+    return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from, full)
 
 
 def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: bool) -> Watch:
@@ -110,7 +114,7 @@ def _part(
     schedule: Schedule,
     watch: Watch,
     *,
-    full: bool,
+    full: FullShape | None,
     done: Record | None = None,
 ) -> Record:
     """One world: from the scene's start, or from where another one has come to."""
@@ -121,9 +125,10 @@ def _part(
     if scene.wall is not None:
         sign = scene.wall.sign
         wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
-    hull = setup.hull_m if full else None
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    bodies = None if full is None else full.turned(centroid, setup.axes)
     with World(rung) as world:
-        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, hull, setup.start))
+        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
         stepper = Stepper(world, scene, schedule)
         if done is None:
             march = March(stepper, reader(world)(), schedule.first, schedule.first * rung.dt_s, even=True)

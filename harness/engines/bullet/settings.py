@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from harness.engine import Settings
 
@@ -18,6 +18,7 @@ class BulletSettings(Settings):
     `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which sweeps end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
     spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps.
+    `full_shape` is what meets a pedestal's edge: what the scene needs (harness/shape_need.py), or one of two whatever it needs.
     """
 
     events: bool = True
@@ -30,6 +31,7 @@ class BulletSettings(Settings):
     foot_radius_m: float = 1e-5
     cone_friction: bool = True
     reversed_bodies: bool = False
+    full_shape: Literal["needed", "hull", "parts"] = "needed"
 
     def residual_for(self) -> float:
         """Threshold for this rung's step."""

@@ -16,8 +16,9 @@ r·θ (10 µm · θ).
 
 It stops serving where an edge, not a vertex, is touched: the pedestal's edge against the statue. That needs some part of the
 statue to come below the pedestal's top or to stand beside it, which is looked at throughout the run. From that instant the
-same state goes on with a box for the pedestal and the statue's hull, drawn 1.1 mm inside, beside its feet
-(`full_shape_from_s` in the record). With the skip `base_only` off the full shape is there from the start.
+same state goes on with a box for the pedestal and, beside the statue's feet, its hull or its convex parts, whichever the scene
+needs (docs/meshes.md), each drawn 1.1 mm inside (`full_shape_from_s`, `full_shape` in the record). With the skip `base_only` off
+the full shape is there from the start.
 
 ## Bodies (0.25 ms)
 

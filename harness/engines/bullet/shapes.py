@@ -1,8 +1,9 @@
-"""Collision shapes: spheres at the vertices that touch, planes for floor, wall and pedestal's top, box and hull for edges."""
+"""Collision shapes: spheres at the vertices that touch, planes for floor, wall and pedestal's top, convex bodies for edges."""
 
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +21,9 @@ PEDESTAL_CLEARANCE_M: Final = 1e-4
 HULL_MARGIN_M: Final = 1e-3
 """Bullet rounds a hull outwards by this much."""
 HULL_INSET_M: Final = 1.1e-3
-"""The hull is drawn inside the body by its margin and a tenth of a millimetre, so that the feet always touch first."""
+"""Hull and parts are drawn inside the body by their margin and a tenth of a millimetre, so that the feet always touch first."""
+LEAST_THICKNESS_M: Final = 1e-5
+"""A body thinner than this, once drawn inside, is left out: its neighbours or the hull's vertices touch in its place."""
 MOST_IN_ARRAY: Final = 16
 """`createCollisionShapeArray` silently keeps the first 16 shapes and drops the rest."""
 
@@ -62,8 +65,8 @@ def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int) -> int:
     )
 
 
-def described_body(centres_m: Array, radius_m: float, hull_m: Array | None, client: int) -> int:
-    """A body from a description on disk: any number of spheres, and the inset hull of `hull_m` (n, 3) unless None.
+def described_body(centres_m: Array, radius_m: float, convex_m: Sequence[Array], client: int) -> int:
+    """A body from a description on disk: any number of spheres, and the hull of each set of points (n, 3) of `convex_m`.
 
     Mass and inertia are set afterwards. One element stands on each line: the reader's buffer holds a line, not a file.
     """
@@ -73,9 +76,9 @@ def described_body(centres_m: Array, radius_m: float, hull_m: Array | None, clie
             f'<geometry><sphere radius="{radius_m:.17g}"/></geometry></collision>'
             for x, y, z in centres_m
         ]
-        if hull_m is not None:
-            _write_points(Path(folder) / "hull.obj", inset(hull_m))
-            parts.append('<collision><geometry><mesh filename="hull.obj"/></geometry></collision>')
+        for number, points in enumerate(convex_m):
+            _write_points(Path(folder) / f"{number}.obj", points)
+            parts.append(f'<collision><geometry><mesh filename="{number}.obj"/></geometry></collision>')
         unit = '<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
         text = "\n".join(
             ['<robot name="statue"><link name="statue">', f"<inertial>{unit}</inertial>", *parts, "</link></robot>"]
@@ -86,18 +89,34 @@ def described_body(centres_m: Array, radius_m: float, hull_m: Array | None, clie
             return int(pybullet.loadURDF(str(file), flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client))
         except pybullet.error as error:
             raise EngineFailure(
-                f"pybullet could not build the statue from {len(centres_m)} spheres: {error}"
+                f"pybullet could not build the statue from {len(centres_m)} spheres and {len(convex_m)} convex bodies: {error}"
             ) from error
 
 
 def inset(points_m: Array) -> Array:
-    """Vertices (k, 3) of the convex hull of `points_m` with every face moved inwards by `HULL_INSET_M`."""
+    """Vertices (k, 3) of the convex hull of `points_m` with every face moved inwards by `HULL_INSET_M`; none of a thin one."""
     from scipy.spatial import ConvexHull, HalfspaceIntersection
 
     planes = np.unique(np.round(ConvexHull(points_m).equations, 12), axis=0)
     planes[:, 3] += HULL_INSET_M
-    found = HalfspaceIntersection(planes, np.mean(points_m, axis=0)).intersections
+    inside = np.mean(points_m, axis=0)
+    if np.max(planes[:, :3] @ inside + planes[:, 3]) > -LEAST_THICKNESS_M:
+        inside, radius = _innermost(planes)
+        if radius < LEAST_THICKNESS_M:
+            return np.empty((0, 3))
+    found = HalfspaceIntersection(planes, inside).intersections
     return np.unique(np.round(found[np.all(np.isfinite(found), axis=1)], 9), axis=0)
+
+
+def _innermost(planes: Array) -> tuple[Array, float]:
+    """Centre (3,) and radius of the largest ball within half-spaces (k, 4) (negative where they leave nothing)."""
+    from scipy.optimize import linprog
+
+    bounds = [(None, None)] * 4
+    found = linprog([0.0, 0.0, 0.0, -1.0], np.c_[planes[:, :3], np.ones(len(planes))], -planes[:, 3], bounds=bounds)
+    if found.x is None:
+        raise EngineFailure(f"a convex body could not be drawn inside: {found.message}")
+    return np.asarray(found.x[:3]), float(found.x[3])
 
 
 def _write_points(file: Path, points_m: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Final, Self, final
 
@@ -89,10 +90,10 @@ class World:
         contact: Contact,
         pedestal: tuple[Pedestal, float] | None,
         wall: tuple[Wall, float] | None,
-        statue: tuple[float, Array, Array, Array | None, Body],
+        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
     ) -> None:
         """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
-        and hull (n, 3) or None in its principal frame, and its state. With a hull the pedestal has edges.
+        and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges.
         """
         radius = self.settings.foot_radius_m
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
@@ -137,14 +138,14 @@ class World:
         moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
         self.pedestal = self.add(shape, p.mass_kg, moments, [centre_m, 0.0, p.centroid_height_m])
 
-    def _add_statue(self, statue: tuple[float, Array, Array, Array | None, Body]) -> None:
-        mass, moments, feet_m, hull_m, state = statue
+    def _add_statue(self, statue: tuple[float, Array, Array, Sequence[Array] | None, Body]) -> None:
+        mass, moments, feet_m, convex_m, state = statue
         radius = self.settings.foot_radius_m
-        if hull_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
+        if convex_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
             shape = shapes.feet(feet_m, radius, self.client)
             self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])
         else:
-            self.statue = shapes.described_body(feet_m, radius, hull_m, self.client)
+            self.statue = shapes.described_body(feet_m, radius, convex_m or (), self.client)
             self._inert(self.statue, mass, moments)
         self.place(self.statue, state)
 

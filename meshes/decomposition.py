@@ -1,0 +1,153 @@
+"""Convex parts of a statue (CoACD): each within the statue's hull and a vertex budget, made once for a mesh and then kept."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import metadata, util
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes import kept
+from meshes.collision import thinned
+from meshes.decimation import simplified
+from meshes.errors import MeshError
+from meshes.mesh import RawMesh
+from meshes.solid import Solid
+
+Array = NDArray[np.float64]
+
+COARSE_FACES: Final = 3000
+"""Triangles given to the search: its time grows with them, its parts hardly change (20-fold slower at 21 000)."""
+CONCAVITY: Final = 0.05
+"""Where the parts' error stops falling on generated and scanned statues alike (docs/meshes.md)."""
+MAX_PARTS: Final = 32
+MAX_VERTICES: Final = 64
+FORM: Final = 1
+"""Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Convex parts of a statue, each by its corners (k, 3) in the statue frame, and how they fill it.
+
+    Both shares are volumes over the mesh's own: `excess_rel` of the parts outside it (overlaps counted once), `missing_rel` of
+    the mesh outside the parts.
+    """
+
+    parts: tuple[Array, ...]
+    excess_rel: float
+    missing_rel: float
+
+    @property
+    def vertices(self) -> int:
+        """Vertices of all parts."""
+        return sum(len(corners) for corners in self.parts)
+
+
+def missing() -> str | None:
+    """Why nothing can be decomposed here, in half a sentence, or None."""
+    return None if util.find_spec("coacd") else "coacd is not installed (pip install coacd)"
+
+
+@lru_cache(maxsize=8)
+def parts_of(
+    solid: Solid, concavity: float = CONCAVITY, max_parts: int = MAX_PARTS, max_vertices: int = MAX_VERTICES
+) -> Parts:
+    """`decompose`, once for a mesh: kept in memory and in the user's cache folder, under the mesh and everything that counts.
+
+    Raises `MeshError` as `decompose` does.
+    """
+    if reason := missing():
+        raise MeshError(f"wanted a convex decomposition, but {reason}")
+    key = _key(solid, concavity, max_parts, max_vertices)
+    arrays = kept.load(key)
+    found = None if arrays is None else _unpacked(arrays)
+    if found is None:
+        found = decompose(solid, concavity, max_parts, max_vertices)
+        kept.store(key, _packed(found))
+    return found
+
+
+def decompose(
+    solid: Solid,
+    concavity: float = CONCAVITY,
+    max_parts: int = MAX_PARTS,
+    max_vertices: int = MAX_VERTICES,
+    seed: int = 0,
+) -> Parts:
+    """Convex decomposition (Wei et al. 2022, CoACD) of the coarsened body; deterministic for a seed.
+
+    `concavity` is CoACD's threshold, the depth left between a part and its hull relative to the body's size (0.01 to 1). Parts
+    are cut off at the statue's own hull and keep at most `max_vertices` of their vertices. Raises `MeshError` for a concavity
+    out of range, or where nothing is found.
+    """
+    import coacd
+    from manifold3d import Manifold
+
+    if not 0.01 <= concavity <= 1.0:
+        raise MeshError(f"wanted a concavity between 0.01 and 1, got {concavity:g}")
+    coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
+    vertices, faces = (solid.vertices_m, solid.faces) if coarse is None else (coarse.vertices, coarse.faces)
+    coacd.set_log_level("error")
+    raw = coacd.run_coacd(
+        coacd.Mesh(vertices, faces.astype(np.int32)),
+        threshold=concavity,
+        max_convex_hull=max_parts,
+        preprocess_mode="off",  # the mesh is closed already; remeshing would move its surface
+        resolution=500,
+        mcts_iterations=50,
+        mcts_nodes=10,
+        mcts_max_depth=2,
+        seed=seed,
+    )
+    hull = Manifold.hull_points(np.array(solid.vertices_m))
+    inside = [Manifold.hull_points(np.asarray(points)) ^ hull for points, _ in raw]
+    points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
+    if not points:
+        raise MeshError("wanted convex parts of the statue, but its decomposition is empty")
+    parts = tuple(thinned(corners, None, max_vertices)[0] for corners in points)
+    return Parts(parts, *_misfit(solid, parts))
+
+
+def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
+    """Volume of the parts outside the mesh and of the mesh outside the parts, over the mesh's; exact differences."""
+    from manifold3d import Manifold, Mesh64, OpType
+
+    body = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64)))
+    union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts], OpType.Add)
+    both, volume = float((union ^ body).volume()), float(body.volume())
+    return (float(union.volume()) - both) / volume, 1.0 - both / volume
+
+
+def _key(solid: Solid, *parameters: float) -> str:
+    """Digest of the mesh, the parameters and the programs that make the parts."""
+    found = hashlib.sha256()
+    for array in (solid.vertices_m, solid.faces):
+        found.update(str(array.shape).encode())
+        found.update(np.ascontiguousarray(array).tobytes())
+    made_by = [metadata.version(name) for name in ("coacd", "fast-simplification", "manifold3d")]
+    found.update(repr((FORM, COARSE_FACES, solid.contact_tolerance_m, parameters, made_by)).encode())
+    return f"parts-{found.hexdigest()[:32]}"
+
+
+def _packed(parts: Parts) -> dict[str, Any]:
+    return {
+        "corners": np.vstack(parts.parts),
+        "counts": np.array([len(corners) for corners in parts.parts]),
+        "misfit": np.array([parts.excess_rel, parts.missing_rel]),
+    }
+
+
+def _unpacked(arrays: dict[str, Any]) -> Parts | None:
+    """Parts from kept arrays; None when these are not what was stored."""
+    try:
+        counts, (excess, missed) = arrays["counts"], arrays["misfit"]
+        corners = arrays["corners"].reshape(int(counts.sum()), 3)
+    except (KeyError, ValueError, TypeError):
+        return None
+    return Parts(tuple(np.split(corners, np.cumsum(counts)[:-1])), float(excess), float(missed))

@@ -1,0 +1,74 @@
+"""Arrays that are dear to compute, kept in the user's cache folder under a digest of what they were computed from.
+
+The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written,
+nothing is kept.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+KEPT: Final = 64
+"""Files kept, the last used ones: some 100 KB each."""
+
+
+def folder() -> Path | None:
+    """Where files are kept; None when nobody's home is known."""
+    given = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return (Path(given) if given else Path.home() / ".cache") / "rockcheck" / "meshes"
+    except RuntimeError:
+        return None
+
+
+def load(key: str) -> dict[str, NDArray[Any]] | None:
+    """The arrays kept under a key; None when there are none, or the file is damaged."""
+    home = folder()
+    if home is None:
+        return None
+    file = home / f"{key}.npz"
+    try:
+        with file.open("rb") as handle, np.load(handle, allow_pickle=False) as found:
+            arrays = {name: found[name] for name in found.files}
+    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error):
+        return None
+    with contextlib.suppress(OSError):  # its time of use is a hint, not a need
+        os.utime(file)
+    return arrays
+
+
+def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Keep arrays under a key: written beside and then renamed, so that no other process sees half a file."""
+    home = folder()
+    if home is None:
+        return
+    with contextlib.suppress(OSError):  # a full or read-only disk: computed again the next time
+        home.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix="new-", suffix=".part", dir=home)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+            os.replace(name, home / f"{key}.npz")
+        finally:
+            Path(name).unlink(missing_ok=True)
+        _prune(home)
+
+
+def _prune(home: Path) -> None:
+    """Remove all but the last used files; one that another process removed meanwhile is gone all the same."""
+    found = []
+    for file in home.glob("*.npz"):
+        with contextlib.suppress(FileNotFoundError):
+            found.append((file.stat().st_mtime_ns, file))
+    for _, old in sorted(found, reverse=True)[KEPT:]:
+        old.unlink(missing_ok=True)

@@ -1,0 +1,119 @@
+"""Convex parts stay within the statue's hull and cover the statue, are the same each time, and are made once for a mesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from meshes import MeshError, Solid, decomposition, kept
+from meshes.decomposition import Parts, decompose, parts_of
+from meshes.solid import solid_from_mesh
+from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M
+from tests.meshes.shapes import box, mushroom
+
+COARSE = {"concavity": 0.2, "max_parts": 8, "max_vertices": 32}
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    parts_of.cache_clear()
+    return tmp_path / "rockcheck" / "meshes"
+
+
+def same(one: Parts, other: Parts) -> bool:
+    return all(np.array_equal(a, b) for a, b in zip(one.parts, other.parts, strict=True)) and (
+        one.excess_rel,
+        one.missing_rel,
+    ) == (other.excess_rel, other.missing_rel)
+
+
+def convex(points: np.ndarray) -> bool:  # type: ignore[type-arg]
+    return len(ConvexHull(points).vertices) == len(points)
+
+
+def test_parts_cover_the_statue_within_its_hull(statue: Solid) -> None:
+    found = decompose(statue, **COARSE)  # type: ignore[arg-type]
+    hull = ConvexHull(statue.vertices_m)
+    assert 2 <= len(found.parts) <= COARSE["max_parts"]
+    for corners in found.parts:
+        assert len(corners) <= COARSE["max_vertices"]
+        assert convex(corners)
+        assert np.max(corners @ hull.equations[:, :3].T + hull.equations[:, 3]) <= WITHIN_HULL_M
+    volume = statue.mass_kg / statue.density_kg_m3
+    assert 0.0 < found.excess_rel < 0.5 * (hull.volume / volume - 1.0)
+    assert 0.0 <= found.missing_rel < PARTS_MISSING_REL
+    assert same(found, decompose(statue, **COARSE))  # type: ignore[arg-type]
+
+
+def test_three_boxes_are_three_parts() -> None:
+    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    found = decompose(body)
+    assert len(found.parts) == 3
+    assert max(found.excess_rel, found.missing_rel) <= BOXES_REL
+    # A hull fills the space under the cap.
+    assert ConvexHull(body.vertices_m).volume * 2500.0 / body.mass_kg - 1.0 > 0.5
+
+
+def test_a_convex_body_is_one_part() -> None:
+    found = decompose(solid_from_mesh(*box(0.4, 0.3, 1.0), density_kg_m3=2500.0))
+    assert len(found.parts) == 1
+    assert max(found.excess_rel, found.missing_rel) <= WITHIN_HULL_M
+
+
+def test_a_mesh_is_decomposed_once(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    first = parts_of(body)
+    assert len(list(own_folder.iterdir())) == 1
+    calls = []
+    monkeypatch.setattr(decomposition, "decompose", lambda *given: calls.append(given) or first)
+    parts_of.cache_clear()
+    assert same(first, parts_of(solid_from_mesh(*mushroom(), density_kg_m3=1000.0))), "its mass is not its shape"
+    assert calls == []
+    parts_of(body, 0.2)
+    wider = mushroom()[0] * [1.0, 1.0, 1.01]
+    parts_of(solid_from_mesh(wider, mushroom()[1], density_kg_m3=2500.0))
+    assert len(calls) == 2, "another parameter and another mesh are decomposed"
+
+
+def test_a_damaged_file_is_made_anew(own_folder: Path) -> None:
+    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    first = parts_of(body)
+    (file,) = own_folder.iterdir()
+    whole = file.read_bytes()
+    for damage in (b"", whole[: len(whole) // 2], b"\x80\x04N."):
+        file.write_bytes(damage)
+        parts_of.cache_clear()
+        assert same(first, parts_of(body))
+        assert file.read_bytes() == whole
+    kept.store(file.stem, {"corners": np.zeros((3, 3)), "counts": np.array([4]), "misfit": np.zeros(2)})
+    parts_of.cache_clear()
+    assert same(first, parts_of(body))
+
+
+def test_only_the_last_used_files_are_kept(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept, "KEPT", 2)
+    for number in range(4):
+        kept.store(f"parts-{number}", {"counts": np.array([number])})
+    assert len(list(own_folder.iterdir())) == 2
+    assert kept.load("parts-0") is None
+    found = kept.load("parts-3")
+    assert found is not None
+    assert found["counts"][0] == 3
+
+
+def test_where_nothing_can_be_kept_it_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert len(parts_of(solid_from_mesh(*mushroom(), density_kg_m3=2500.0)).parts) == 3
+
+
+def test_what_cannot_be_decomposed_says_so(statue: Solid, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(MeshError, match="concavity"):
+        decompose(statue, concavity=0.0)
+    monkeypatch.setattr(decomposition, "missing", lambda: "coacd is not installed")
+    with pytest.raises(MeshError, match="coacd is not installed"):
+        parts_of(statue)
