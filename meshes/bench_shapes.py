@@ -1,38 +1,179 @@
-"""What collision shapes of the statue cost and leave: `python -m meshes.bench_shapes` prints docs/meshes.md's table."""
+"""What hull and convex parts of a statue are, and where they touch, by exact geometry.
+
+`python -m meshes.bench_shapes` prints docs/meshes.md's table of budgets; `harness.engines.bullet.bench_shapes` the others.
+"""
 
 from __future__ import annotations
 
+import math
 import time
-from typing import Final
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
 
-from meshes import togatus
-from meshes.collision import hull
-from meshes.decomposition import decompose
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes import Solid, toadstool, togatus
+from meshes.collision import hull, hull_excess_rel
+from meshes.decomposition import Parts, decompose, parts_of
+from meshes.prepare import Wanted, prepare
+
+Array = NDArray[np.float64]
 
 BUDGETS: Final = (64, 128, 256)
-CONCAVITY: Final = (0.08, 0.05)
+CONCAVITIES: Final = (0.08, 0.05, 0.03)
+SCANS: Final = {
+    "maria_acephalous.obj": Wanted("m"),
+    "maria.obj": Wanted("m"),
+    "demosthenes-low-res.obj": Wanted(height_m=0.7),
+}
+MARBLE_KG_M3: Final = 2700.0
+WALL_M: Final = 0.05
+"""Distance of a wall from the outermost point of the statue."""
+OWN_CORNER_M: Final = 0.05
+"""Nearer to the corner than this what meets a pedestal is the base."""
+TURN_RAD: Final = 1.5
+"""A statue turned so far has overturned."""
+GRID: Final = 61
+ANGLE_RAD: Final = 1e-4
+LEAST_M3: Final = 1e-9
+"""Two bodies that share less than this only touch."""
+SAMPLES: Final = 200_000
 
 
-def rows() -> list[str]:
-    """One line for each shape: what it is made of, what it leaves or adds, processor time to make it."""
+def statues(scans: Path) -> Iterator[tuple[str, Solid]]:
+    """Names and solids: the generated ones, and the scans that the folder has."""
+    yield "toadstool (three boxes)", toadstool.build()
+    yield "generated figure", togatus.build()
+    for name, wanted in SCANS.items():
+        if (scans / name).is_file():
+            yield name, prepare(scans / name, wanted).solid(density_kg_m3=MARBLE_KG_M3)
+
+
+def budgets() -> Iterator[str]:
+    """The generated figure's hull within a budget, and its parts by their concavity."""
+    yield "| shape | leaves or adds | processor time |\n|---|---|---|"
     solid = togatus.build()
-    found = []
     for budget in BUDGETS:
         begin = time.process_time()
         made = hull(solid, budget)
-        found.append(
-            f"hull of {len(made.vertices_m)} vertices: gaps up to {1e3 * made.gap_m:.1f} mm, volume"
-            f" {100.0 * made.volume_rel:+.2f} % of the full hull's, {time.process_time() - begin:.2f} s"
+        yield (
+            f"| hull of {len(made.vertices_m)} vertices | gaps up to {1e3 * made.gap_m:.1f} mm,"
+            f" {100.0 * made.volume_rel:+.2f} % of the full hull's volume | {time.process_time() - begin:.2f} s |"
         )
-    for concavity in CONCAVITY:
+    for concavity in CONCAVITIES:
         begin = time.process_time()
         parts = decompose(solid, concavity)
-        found.append(
-            f"{len(parts.parts)} convex parts (concavity {concavity:g}): volume {100.0 * parts.excess_rel:+.1f} % of the"
-            f" body's, {time.process_time() - begin:.1f} s"
+        yield (
+            f"| {len(parts.parts)} convex parts (concavity {concavity:g}) | adds {100.0 * parts.excess_rel:.1f} % to the body's"
+            f" volume, leaves out {100.0 * parts.missing_rel:.1f} % | {time.process_time() - begin:.1f} s |"
         )
-    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """A statue, its hull and its parts as exact bodies (manifold3d), frame of the statue."""
+
+    mesh: Any
+    hull: Any
+    parts: Any
+
+    @classmethod
+    def of(cls, solid: Solid, parts: Parts) -> Bodies:
+        """The three of a solid."""
+        from manifold3d import Manifold, Mesh64, OpType
+
+        mesh = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64)))
+        union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts.parts], OpType.Add)
+        return cls(mesh, Manifold.hull_points(np.array(solid.vertices_m)), union)
+
+
+def shape_row(name: str, solid: Solid, below_m: float) -> str:
+    """What hull and parts of a statue are made of, cost and add; `below_m` is the highest that an edge can meet."""
+    begin = time.process_time()
+    parts = decompose(solid)
+    made = time.process_time() - begin
+    parts_of(solid)
+    parts_of.cache_clear()
+    begin = time.process_time()
+    parts_of(solid)
+    found = time.process_time() - begin
+    bodies = Bodies.of(solid, parts)
+    corners = len(bodies.hull.to_mesh64().vert_properties)
+    whole = 100.0 * (bodies.hull.volume() / bodies.mesh.volume() - 1.0)
+    below = 100.0 * hull_excess_rel(solid, below_m)
+    out = [1e3 * standing_out_m(body, bodies.mesh, below_m) for body in (bodies.hull, bodies.parts)]
+    more, less = 100.0 * parts.excess_rel, 100.0 * parts.missing_rel
+    return (
+        f"| {name} | {corners} | {len(parts.parts)}, {parts.vertices} | {made:.1f}, {found:.3f} s |"
+        f" +{whole:.0f}, +{below:.0f} % | +{more:.1f}, −{less:.1f} % | {out[0]:.0f}, {out[1]:.0f} mm |"
+    )
+
+
+def standing_out_m(body: Any, mesh: Any, below_m: float) -> float:
+    """How far a body stands out of the mesh at most below a height, m, by random points of both surfaces."""
+    from scipy.spatial import KDTree
+
+    outside = (body - mesh).trim_by_plane((0.0, 0.0, -1.0), -below_m)
+    return 0.0 if outside.is_empty() else float(np.max(KDTree(_sampled(mesh)).query(_sampled(outside))[0]))
+
+
+def _sampled(body: Any) -> Array:
+    import trimesh
+
+    made = body.to_mesh64()
+    surface = trimesh.Trimesh(made.vert_properties[:, :3], made.tri_verts, process=False)
+    return np.asarray(trimesh.sample.sample_surface(surface, SAMPLES, seed=0)[0])
+
+
+def contact_row(name: str, solid: Solid, beside_m: float) -> str:
+    """When mesh, hull and parts meet a wall and the pedestal's edge as the statue turns about its right corner, rad."""
+    bodies = Bodies.of(solid, parts_of(solid))
+    three = (bodies.mesh, bodies.hull, bodies.parts)
+    wall_m = float(solid.section_m[:, 0].max()) - solid.corner_right_m + WALL_M
+    walls = [wall_rad(body, solid.corner_right_m, wall_m) for body in three]
+    edges = [edge_rad(body, solid.corner_right_m, beside_m) for body in three]
+    at_wall, at_edge = (", ".join(f"{x:.4f}" if x < TURN_RAD else "never" for x in row) for row in (walls, edges))
+    return f"| {name} | {at_wall} | {beside_m:g} m | {at_edge} |"
+
+
+def wall_rad(body: Any, corner_m: float, wall_m: float) -> float:
+    """Rotation about the right corner at which a body comes to a wall at `wall_m` from it; by its vertices, exact."""
+    points = body.to_mesh64().vert_properties[:, [0, 2]] - np.array([corner_m, 0.0])
+
+    def met(theta: float) -> bool:
+        return bool(np.max(points[:, 0] * math.cos(theta) + points[:, 1] * math.sin(theta)) > wall_m)
+
+    return _first(met)
+
+
+def edge_rad(body: Any, corner_m: float, beside_m: float) -> float:
+    """The same for the edge of a pedestal, `beside_m` beside the corner; the exact bodies are intersected."""
+    from manifold3d import Manifold
+
+    turning = body.translate((-corner_m, 0.0, 0.0))
+    block = Manifold.cube((beside_m - OWN_CORNER_M, 10.0, 1.0)).translate((OWN_CORNER_M, -5.0, -1.0))
+
+    def met(theta: float) -> bool:
+        return bool((turning.rotate((0.0, math.degrees(theta), 0.0)) ^ block).volume() > LEAST_M3)
+
+    return _first(met)
+
+
+def _first(met: Callable[[float], bool]) -> float:
+    """The least rotation at which something is met, on a grid, then by halving; infinite where it is not."""
+    low = 0.0
+    for high in np.linspace(0.0, TURN_RAD, GRID)[1:].tolist():
+        if met(high):
+            while high - low > ANGLE_RAD:
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if met(middle) else (middle, high)
+            return float(high)
+        low = high
+    return math.inf
 
 
 if __name__ == "__main__":
-    print("\n".join(rows()))
+    print("\n".join(budgets()))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.loft import loft, union
+from meshes.loft import loft
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -34,13 +34,3 @@ def cylinder(radius: float, height: float, around: int = 128) -> tuple[Array, Fa
     turn = 2.0 * np.pi * np.arange(around) / around
     ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(around)])
     return loft(np.stack([ring, ring + np.array([0.0, 0.0, height])]))
-
-
-def mushroom() -> tuple[Array, Faces]:
-    """A plinth 0.6 m wide, a stem of 0.2 m, a cap 2.0 m wide whose underside is 0.4 m up: three boxes, 0.6 m deep and high."""
-
-    def slab(width: float, depth: float, low: float, high: float) -> tuple[Array, Faces]:
-        vertices, faces = box(width, depth, high - low)
-        return vertices + np.array([-0.5 * width, -0.5 * depth, low]), faces
-
-    return union([slab(0.6, 0.6, 0.0, 0.2), slab(0.2, 0.2, 0.1, 0.5), slab(2.0, 0.6, 0.4, 0.6)])

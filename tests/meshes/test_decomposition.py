@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from meshes import MeshError, Solid, decomposition, kept
+from meshes import MeshError, Solid, decomposition, kept, toadstool
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.solid import solid_from_mesh
 from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M
-from tests.meshes.shapes import box, mushroom
+from tests.meshes.shapes import box
 
 COARSE = {"concavity": 0.2, "max_parts": 8, "max_vertices": 32}
 
@@ -50,7 +50,7 @@ def test_parts_cover_the_statue_within_its_hull(statue: Solid) -> None:
 
 
 def test_three_boxes_are_three_parts() -> None:
-    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    body = toadstool.build()
     found = decompose(body)
     assert len(found.parts) == 3
     assert max(found.excess_rel, found.missing_rel) <= BOXES_REL
@@ -65,22 +65,22 @@ def test_a_convex_body_is_one_part() -> None:
 
 
 def test_a_mesh_is_decomposed_once(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    body = toadstool.build()
     first = parts_of(body)
     assert len(list(own_folder.iterdir())) == 1
     calls = []
     monkeypatch.setattr(decomposition, "decompose", lambda *given: calls.append(given) or first)
     parts_of.cache_clear()
-    assert same(first, parts_of(solid_from_mesh(*mushroom(), density_kg_m3=1000.0))), "its mass is not its shape"
+    assert same(first, parts_of(toadstool.build(1000.0))), "its mass is not its shape"
     assert calls == []
     parts_of(body, 0.2)
-    wider = mushroom()[0] * [1.0, 1.0, 1.01]
-    parts_of(solid_from_mesh(wider, mushroom()[1], density_kg_m3=2500.0))
+    vertices, faces = toadstool.surface()
+    parts_of(solid_from_mesh(vertices * [1.0, 1.0, 1.01], faces, density_kg_m3=2500.0))
     assert len(calls) == 2, "another parameter and another mesh are decomposed"
 
 
 def test_a_damaged_file_is_made_anew(own_folder: Path) -> None:
-    body = solid_from_mesh(*mushroom(), density_kg_m3=2500.0)
+    body = toadstool.build()
     first = parts_of(body)
     (file,) = own_folder.iterdir()
     whole = file.read_bytes()
@@ -108,7 +108,7 @@ def test_only_the_last_used_files_are_kept(own_folder: Path, monkeypatch: pytest
 def test_where_nothing_can_be_kept_it_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert len(parts_of(solid_from_mesh(*mushroom(), density_kg_m3=2500.0)).parts) == 3
+    assert len(parts_of(toadstool.build()).parts) == 3
 
 
 def test_what_cannot_be_decomposed_says_so(statue: Solid, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from harness.engine import Want
 from harness.engines.bullet import feet, loop, pose
 from harness.engines.bullet.edge import EdgeWatch
 from harness.engines.bullet.full import FullShape, full_shape
-from harness.engines.bullet.loop import Watch
+from harness.engines.bullet.loop import MOST_FREE, Watch
 from harness.engines.bullet.march import March
 from harness.engines.bullet.schedule import Schedule
 from harness.engines.bullet.settings import BulletSettings
@@ -24,6 +25,9 @@ from harness.plan import first_motion_s
 from harness.scene import Scene
 
 Array = NDArray[np.float64]
+
+LOOK_AHEAD_STEPS: Final = MOST_FREE + 4
+"""Steps between two looks at the pedestal's edge at most: those taken at once, and what an event takes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +82,7 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     if watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
         # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
         full_from, full = record.t_s[-1], full_shape(scene, rung.full_shape)
-        rest_of = _part(scene, rung, setup, schedule, replace(watch, halt=None), full=full, done=record)
+        rest_of = _part(scene, rung, setup, schedule, _watch(scene, rung, setup, want, True), full=full, done=record)
         record = _joined(record, rest_of)
     return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from, full)
 
@@ -89,7 +93,10 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
     halt = None
     if scene.pedestal is not None and not full:
         p = scene.pedestal
-        halt = EdgeWatch(setup.hull_m, (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m))
+        shake = scene.shake
+        pull = scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
+        half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
+        halt = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, pull)
     return Watch(
         axis=_vector(setup.axes[2]),
         rest=_vector(setup.rest.rotation[:, 2]),
@@ -97,14 +104,16 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
         impose=scene.contact.restitution is not None,
         halt=halt,
         stop=want.stop,
-        touch=touch_of(scene, setup, rung) if rung.events else None,
+        touch=touch_of(scene, setup, rung, edges=full) if rung.events else None,
     )
 
 
-def touch_of(scene: Scene, setup: Setup, rung: BulletSettings) -> Touch:
-    """What finds the impacts of the base."""
-    half = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
-    return Touch(scene, setup.feet_m, half, rung.dt_s)
+def touch_of(scene: Scene, setup: Setup, rung: BulletSettings, *, edges: bool = False) -> Touch:
+    """What finds the impacts of the base; with `edges` a foot beside the pedestal's top meets nothing there."""
+    p = scene.pedestal
+    half = None if p is None else 0.5 * p.height_m
+    within = (0.5 * p.width_m, 0.5 * p.depth_m) if edges and p is not None else None
+    return Touch(scene, setup.feet_m, half, rung.dt_s, within)
 
 
 def _part(

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.contact.spatial import matrices
 from harness.scene import Scene
 
 Array = NDArray[np.float64]
@@ -25,11 +26,19 @@ class Touch:
     """Asked with a row: the time, s, until the first foot comes down at its present velocity, and the soonest that any could.
 
     `feet_m` (k, 3) about the centroid in the statue's principal frame; `half_m` half the pedestal's height, None on the floor.
+    `within_m` are the pedestal's half width and depth where a foot beside its top meets nothing; None where the top has no end.
     """
 
-    def __init__(self, scene: Scene, feet_m: Array, half_m: float | None, step_s: float) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        feet_m: Array,
+        half_m: float | None,
+        step_s: float,
+        within_m: tuple[float, float] | None = None,
+    ) -> None:
         statue, shake = scene.statue, scene.shake
-        self.feet_m, self.half_m = np.ascontiguousarray(feet_m), half_m
+        self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         self.least_m_s = LEAST_RATE_RAD_S * (statue.corner_left_m + statue.corner_right_m)
         pull = scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
@@ -93,4 +102,13 @@ class Touch:
         sx, sy, sz = ny * r - nz * q, nz * p - nx * r, nx * q - ny * p
         both = np.array([[nx * t[0] + ny * t[1] + nz * t[2], sx * t[0] + sy * t[1] + sz * t[2]] for t in turn])
         found = self.feet_m @ both
-        return found[:, 0] + place, -(found[:, 1] + rate)
+        gap = found[:, 0] + place
+        if self.within_m is not None:
+            gap[self._beside(row)] = math.inf
+        return gap, -(found[:, 1] + rate)
+
+    def _beside(self, row: Row) -> NDArray[np.bool_]:
+        """Which feet stand beside the pedestal's top, shape (k,)."""
+        top, statue = matrices(np.array([row[16:20], row[3:7]]))
+        there = (np.array(row[0:3]) - np.array(row[13:16]) + self.feet_m @ statue.T) @ top[:, :2]
+        return np.asarray((np.abs(there) > np.array(self.within_m)).any(axis=1))

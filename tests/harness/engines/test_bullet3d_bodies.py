@@ -156,6 +156,14 @@ def test_the_edge_is_watched() -> None:
     assert watch(row(0.09, standing)), "a foot beside the top"
     assert watch(row(0.0, standing - 2e-4)), "a vertex below the top"
     assert not watch(row(0.09, standing + 2e-4)), "above the top beside it"
+    ahead = EdgeWatch(corners, (0.30, 0.40, 0.10), ahead_s=0.02, pull_m_s2=GRAVITY_M_S2)
+    falling = (*row(0.09, standing + 0.02)[:7], 0.0, 0.0, -1.0, *(0.0,) * 3, *pedestal, *(0.0,) * 6)
+    assert ahead(falling), "coming down beside the top before the next look"
+    assert not watch(falling)
+    assert not ahead(row(0.09, standing + 0.02)), "hanging there"
+    assert not ahead(row(0.0, standing)), "standing"
+    sliding = (*row(0.08, standing)[:7], 1.0, *(0.0,) * 5, *pedestal, *(0.0,) * 6)
+    assert ahead(sliding), "a foot that slides over the edge before the next look"
 
 
 def test_feet_alone_and_the_full_shape_agree_until_the_edge_is_reached() -> None:

@@ -18,11 +18,11 @@ from harness.engines.bullet.world import World
 from harness.history import Outcome
 from harness.mesh_statue import statue_of
 from harness.scene import Pedestal, Scene, Statue, Wall
-from meshes import decomposition
+from meshes import decomposition, toadstool
 from meshes.solid import solid_from_mesh
 from tests import budgets_bullet as budget
-from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, apart, bullet
-from tests.meshes.shapes import mushroom, prism
+from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, apart, bullet, exact
+from tests.meshes.shapes import prism
 from tests.scenes_for_tests import scene
 
 Array = NDArray[np.float64]
@@ -40,15 +40,15 @@ def own_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 @cache
-def toadstool() -> Statue:
-    return statue_of(solid_from_mesh(*mushroom(), density_kg_m3=2500.0))
+def figure() -> Statue:
+    return statue_of(toadstool.build())
 
 
 def on_pedestal(
     width_m: float, statue: Statue | None = None, rate_rad_s: float = 2.0, duration_s: float = 1.0
 ) -> Scene:
     return scene(
-        statue or toadstool(),
+        statue or figure(),
         pedestal=Pedestal(500.0, width_m, 1.0, 0.6),
         mu=1.0,
         theta_rad=0.3,
@@ -115,10 +115,25 @@ def test_a_hull_holds_up_what_falls() -> None:
     assert apart(needed, hull, until_s=begin) == 0.0
 
 
+@pytest.mark.parametrize("width_m", [WIDE, NARROW])
+@pytest.mark.parametrize("kind", ["hull", "parts"])
+def test_the_cap_comes_down_beside_the_top_as_with_the_full_shape_from_the_start(width_m: float, kind: str) -> None:
+    """On feet alone the top is a plane without end: the cap must not come down on it where there is no pedestal."""
+    case = on_pedestal(width_m, duration_s=0.4)
+    late, always = bullet(case, 1e-3, full_shape=kind), bullet(case, 1e-3, NOTHING_SKIPPED, full_shape=kind)
+    assert 0.0 < late.validity["full_shape_from_s"] < 0.2
+    assert apart(late, always) <= budget.MERGED_RAD
+
+
+def test_until_it_meets_the_edge_a_fall_is_the_analytic_one() -> None:
+    case = on_pedestal(WIDE, duration_s=0.5)
+    assert apart(bullet(case, 5e-4), exact(case), until_s=0.35) <= budget.PAST_THE_EDGE_RAD
+
+
 def test_a_flat_wall_meets_a_concave_statue_at_its_hulls_vertices(monkeypatch: pytest.MonkeyPatch) -> None:
     """However concave: the statue and its hull come to a plane at the same instant, so nothing is decomposed."""
     monkeypatch.setattr(decomposition, "decompose", _never)
-    case = scene(toadstool(), wall=Wall("right", 0.75), theta_rate_rad_s=2.0, duration_s=0.5)
+    case = scene(figure(), wall=Wall("right", 0.75), theta_rate_rad_s=2.0, duration_s=0.5)
     first = case.wall_rotation_rad
     rim = np.array([0.7, 0.6])  # the cap's upper edge from the corner: nearest to the wall when it turns
     assert first == pytest.approx(math.atan2(rim[1], rim[0]) - math.acos(0.75 / math.hypot(*rim)), abs=1e-12)
@@ -142,7 +157,7 @@ def test_a_convex_statue_is_not_decomposed(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_without_coacd_the_hull_is_taken_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = on_pedestal(WIDE, statue_of(solid_from_mesh(*mushroom(), density_kg_m3=2500.0)), duration_s=0.3)
+    case = on_pedestal(WIDE, statue_of(toadstool.build()), duration_s=0.3)
     monkeypatch.setattr(decomposition, "missing", lambda: "coacd is not installed (pip install coacd)")
     decomposition.parts_of.cache_clear()
     run = bullet(case, 1e-3)
@@ -153,7 +168,7 @@ def test_without_coacd_the_hull_is_taken_and_said(monkeypatch: pytest.MonkeyPatc
 def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
     import pybullet
 
-    case = scene(toadstool(), pedestal=Pedestal(500.0, NARROW, 1.0, 0.6), duration_s=0.1)
+    case = scene(figure(), pedestal=Pedestal(500.0, NARROW, 1.0, 0.6), duration_s=0.1)
     hull = feet.hull_vertices(case.statue)
     for points in full_shape(case).bodies_m:
         assert np.all(points > hull.min(axis=0) + 1e-3)
@@ -180,7 +195,7 @@ def test_the_same_run_with_parts_made_and_parts_kept(tmp_path: Path, monkeypatch
     runs = []
     for _ in range(2):
         decomposition.parts_of.cache_clear()
-        runs.append(bullet(case.but(statue=statue_of(solid_from_mesh(*mushroom(), density_kg_m3=2500.0))), 1e-3))
+        runs.append(bullet(case.but(statue=statue_of(toadstool.build())), 1e-3))
     assert len(list(tmp_path.glob("rockcheck/meshes/parts-*.npz"))) == 1
     assert apart(*runs) == 0.0
 

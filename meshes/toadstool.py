@@ -1,0 +1,39 @@
+"""A concave body of three boxes, whose contact with an edge is known by hand: a plinth, a stem, a wide cap."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.loft import loft, union
+from meshes.solid import Solid, solid_from_mesh
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+PLINTH_M: Final = 0.3
+"""Half width of the plinth."""
+CAP_M: Final = 1.0
+"""Half width of the cap."""
+UNDERSIDE_M: Final = 0.4
+"""Height of the cap's underside."""
+HEIGHT_M: Final = 0.6
+
+
+def build(density_kg_m3: float = 2500.0) -> Solid:
+    """The solid, 0.6 m deep; its weight falls through the middle of its base."""
+    return solid_from_mesh(*surface(), density_kg_m3=density_kg_m3)
+
+
+def surface() -> tuple[Array, Faces]:
+    """Its closed surface: vertices (n, 3) and outward faces (m, 3)."""
+    return union(
+        [_slab(PLINTH_M, PLINTH_M, 0.0, 0.2), _slab(0.1, 0.1, 0.1, 0.5), _slab(CAP_M, 0.3, UNDERSIDE_M, HEIGHT_M)]
+    )
+
+
+def _slab(half_width_m: float, half_depth_m: float, low_m: float, high_m: float) -> tuple[Array, Faces]:
+    plan = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width_m, half_depth_m]
+    return loft(np.stack([np.column_stack([plan, np.full(4, height)]) for height in (low_m, high_m)]))
