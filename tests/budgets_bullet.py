@@ -74,3 +74,6 @@ WALL_RAD = 1e-3
 
 PAST_THE_EDGE_RAD = 1e-3
 """Fall up to 0.95 rad at 0.5 ms, full shape taken over on the way, against the analytic model: growth of both engines' errors."""
+
+SCAN_WALL_RAD = 1e-4
+"""Rotation at which a scan meets a wall 0.05 m away, turning at 0.5 rad/s: the step that ends there is off by 1e-5 rad."""

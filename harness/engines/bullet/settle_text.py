@@ -14,11 +14,12 @@ corner, and floor, wall and pedestal's top are planes, lowered by the spheres' r
 and the contact of a sphere with a plane is a closed form with one fixed point. What is left of the radius r is a rolling of
 r·θ (10 µm · θ).
 
-It stops serving where an edge, not a vertex, is touched: the pedestal's edge against the statue; and the top's plane has no end,
-while the pedestal has. Both need some part of the statue to come down to the height of the pedestal's top beside it. Throughout the
-run it is looked at whether that can happen before the next look, twenty steps ahead at most. Before it does the same state goes on with a box for the pedestal and, beside the statue's feet, its hull or its convex parts, whichever the scene
-needs (docs/meshes.md), each drawn 1.1 mm inside (`full_shape_from_s`, `full_shape` in the record). With the skip `base_only` off
-the full shape is there from the start.
+It stops serving where an edge, not a vertex, is touched: the pedestal's edge against the statue; and the top's plane has no
+end, while the pedestal has. Both need some part of the statue to come down to the height of the pedestal's top beside it.
+Throughout the run it is looked at whether that can happen before the next look, twenty steps ahead at most. Before it does,
+the same state goes on with a box for the pedestal and, beside the statue's feet, its hull or its convex parts, whichever the
+scene needs (docs/meshes.md), each drawn 1.1 mm inside (`full_shape_from_s`, `full_shape` in the record). With the skip
+`base_only` off the full shape is there from the start.
 
 ## Bodies (0.25 ms)
 

@@ -18,7 +18,7 @@ from harness.engines.bullet.world import World
 from harness.history import Outcome
 from harness.mesh_statue import statue_of
 from harness.scene import Pedestal, Scene, Statue, Wall
-from meshes import decomposition, toadstool
+from meshes import decomposition, load_solid, toadstool
 from meshes.solid import solid_from_mesh
 from tests import budgets_bullet as budget
 from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, apart, bullet, exact
@@ -143,6 +143,15 @@ def test_a_flat_wall_meets_a_concave_statue_at_its_hulls_vertices(monkeypatch: p
     blow = int(np.argmin(np.diff(run.history.theta_rate_rad_s)))
     assert run.history.theta_rad[blow] == pytest.approx(first, abs=budget.WALL_RAD)
     assert run.validity["full_shape"] is None
+
+
+def test_a_scan_meets_a_wall_where_its_outline_does(data_dir: Path) -> None:
+    statue = statue_of(load_solid(data_dir / "meshes" / "maria_acephalous.obj", unit="m", up="z", density_kg_m3=2700.0))
+    case = scene(statue, wall=Wall("right", 0.05), theta_rate_rad_s=1.0, duration_s=0.2)
+    history = bullet(case, 1e-3).history
+    assert history is not None
+    blow = int(np.argmin(np.diff(history.theta_rate_rad_s)))
+    assert history.theta_rad[blow] == pytest.approx(case.wall_rotation_rad, abs=budget.SCAN_WALL_RAD)
 
 
 def test_a_convex_statue_is_not_decomposed(monkeypatch: pytest.MonkeyPatch) -> None:
