@@ -31,7 +31,7 @@ def load(source: Source, *, base_dir: Path, where: str, key: str) -> Processed:
     record = read_record(path, unit=source.unit)
     series = _chosen(record, source, where, key)
     try:
-        return Processed(_processed(series, record, source), record.warnings)
+        return Processed(_processed(series, record, source), _concerning(record, source, where, key))
     except ProcessError as error:
         raise mistake(where, key, f"a step that {path.name} can take", str(error)) from error
 
@@ -41,6 +41,15 @@ def _chosen(record: RecordFile, source: Source, where: str, key: str) -> Series:
         return components.turned(record, source.azimuth_deg, where=where, key=key)
     channel = components.channel_named(record, source.column, where=where, key=key)
     return components.aligned(record)[channel.name]
+
+
+def _concerning(record: RecordFile, source: Source, where: str, key: str) -> tuple[str, ...]:
+    """What the reader said of the channel that is used and of the whole file; of every channel where two are turned."""
+    if source.azimuth_deg is not None:
+        return record.warnings
+    used = components.channel_named(record, source.column, where=where, key=key).name
+    others = tuple(f"{channel.name}: " for channel in record.channels if channel.name != used)
+    return tuple(said for said in record.warnings if not said.startswith(others))
 
 
 def _shaped(series: Series, source: Source) -> Series:

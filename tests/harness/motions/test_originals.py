@@ -11,6 +11,8 @@ from harness.motions.components import aligned
 from harness.motions.measures import peak_velocity_m_s
 from harness.motions.readers import read_record
 from harness.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.motions.records import load
+from harness.motions.spec import Source
 from tests.budgets_motions import CSV_DIGITS, STATED_VELOCITY
 
 GEONET, GEONET_CSV = "20161113_110259_WTMC_20.V2A.gz", "kaikoura2016_WTMC.csv"
@@ -81,3 +83,12 @@ def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_
     plain.write_bytes(gzip.decompress((records / GEONET).read_bytes()))
     with pytest.raises(ValueError, match="inhomogeneous"):
         load_3_comp_values_and_dt_from_v2a(str(plain))
+
+
+def test_a_motion_is_told_what_concerns_its_own_channel(records: Path) -> None:
+    def told(**chosen: object) -> tuple[str, ...]:
+        source = Source.model_validate({"file": GEONET, **chosen})
+        return load(source, base_dir=records, where="scene", key="motion.x").warnings
+
+    assert {warning.split(":")[0] for warning in told(column="S62W")} == {"S62W"}
+    assert {warning.split(":")[0] for warning in told(azimuth_deg=30.0)} >= {"N28W", "S62W"}
