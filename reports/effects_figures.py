@@ -19,6 +19,8 @@ WIDE: Final = 940.0
 ROW: Final = 30.0
 LABELS: Final = 300.0
 """Width of the conditions' names."""
+RIGHT: Final = 40.0
+"""Room beside the last mark of the scale, for its label."""
 BASELINE: Final = "shaken along one direction"
 SIDES_COLOUR: Final = "#8a6d00"
 
@@ -164,7 +166,7 @@ def changes(record: Mapping[str, Any], words: Mapping[str, str]) -> Markup:
 
 
 def _x(relative: float, most: float) -> float:
-    return LABELS + (WIDE - LABELS - 20.0) * 0.5 * (1.0 + max(-1.0, min(1.0, relative / most)))
+    return LABELS + (WIDE - LABELS - RIGHT) * 0.5 * (1.0 + max(-1.0, min(1.0, relative / most)))
 
 
 def _scale(most: float, height: float) -> list[str]:
