@@ -6,14 +6,14 @@ top that plane is not there: a vertex about to come down to it must find the ped
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-from harness.contact.spatial import matrices
 
 Array = NDArray[np.float64]
 
@@ -40,24 +40,51 @@ class EdgeWatch:
         return float(np.max(np.linalg.norm(self.points_m, axis=1)))
 
     def __call__(self, row: tuple[float, ...]) -> bool:
-        top, statue = matrices(np.array([row[16:20], row[3:7]]))
-        between = top.T @ (np.array(row[0:3]) - np.array(row[13:16]))
-        turn = top.T @ statue
-        above = between[2] - self.half_m[2] + self.points_m @ turn[2]
-        rate, own_rate = top.T @ np.array(row[10:13]), top.T @ np.array(row[23:26])
-        velocity = top.T @ (np.array(row[7:10]) - np.array(row[20:23]))
-        spin = float(np.linalg.norm(rate) + np.linalg.norm(own_rate))
+        top, statue = _columns(row[16:20]), _columns(row[3:7])
+        # Everything along the axes of the pedestal's top: the statue's place and velocity, both rates, the statue's rotation.
+        offset = [row[k] - row[13 + k] for k in range(3)]
+        drift = [row[7 + k] - row[20 + k] for k in range(3)]
+        bx, by, bz = (_dot(column, offset) for column in top)
+        vx, vy, vz = (_dot(column, drift) for column in top)
+        ox, oy, oz = (_dot(column, row[23:26]) for column in top)
+        px, py, pz = (_dot(column, row[10:13]) for column in top)
+        x, y, z = ([_dot(column, own) for own in statue] for column in top)
+        above = self.points_m @ np.array(z)
+        lowest = float(above.min()) + bz - self.half_m[2]
+        spin = math.sqrt(px * px + py * py + pz * pz) + math.sqrt(ox * ox + oy * oy + oz * oz)
         # A point's acceleration is at most what pulls the body, twice over, and what keeps it on its circle.
         slack = (self.pull_m_s2 + 0.5 * self.radius_m * spin**2) * self.ahead_s**2
-        reach = (float(np.linalg.norm(velocity)) + self.radius_m * spin) * self.ahead_s + slack
-        low = above < DEPTH_M + reach
-        if not low.any():
+        reach = (math.sqrt(vx * vx + vy * vy + vz * vz) + self.radius_m * spin) * self.ahead_s + slack
+        if lowest >= DEPTH_M + reach:
             return False
-        if above.min() < -DEPTH_M:
+        if lowest < -DEPTH_M:
             return True
-        arms = self.points_m[low] @ turn.T
-        way = self.ahead_s * (velocity + np.cross(rate, arms) - np.cross(own_rate, between + arms))
-        there = (between + arms)[:, :2]
-        down = np.minimum(above[low], above[low] + way[:, 2] - slack) < DEPTH_M
-        beside = np.maximum(np.abs(there), np.abs(there + way[:, :2])) > np.array(self.half_m[:2]) + DEPTH_M
-        return bool((down & beside.any(axis=1)).any())
+        low = self.points_m[above < DEPTH_M + reach + self.half_m[2] - bz]
+        # A point at p from the centroid moves by v + ω × p − ω_top × (b + p) against the top.
+        wx, wy, wz = px - ox, py - oy, pz - oz
+        moving = [
+            [wy * e - wz * d for d, e in zip(y, z, strict=True)],
+            [wz * c - wx * e for c, e in zip(x, z, strict=True)],
+            [wx * d - wy * c for c, d in zip(x, y, strict=True)],
+        ]
+        found = low @ np.array([x, y, z, *moving]).T
+        found += (bx, by, bz - self.half_m[2], vx - oy * bz + oz * by, vy - oz * bx + ox * bz, vz - ox * by + oy * bx)
+        then = found[:, :3] + self.ahead_s * found[:, 3:]
+        down = np.minimum(found[:, 2], then[:, 2] - slack) < DEPTH_M
+        across, along = self.half_m[0] + DEPTH_M, self.half_m[1] + DEPTH_M
+        furthest = np.maximum(np.abs(found[down, :2]), np.abs(then[down, :2]))
+        return bool((furthest > (across, along)).any())
+
+
+def _columns(turn: tuple[float, ...]) -> tuple[tuple[float, float, float], ...]:
+    """Columns of the rotation of a quaternion (x, y, z, w)."""
+    x, y, z, w = turn
+    return (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)),
+        (2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)),
+        (2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)),
+    )
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
