@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self, final
 
 import numpy as np
@@ -58,14 +59,19 @@ class Record(Excitation):
             np.interp(np.asarray(t_s, dtype=np.float64), self.t_s, self.samples_m_s2, left=0.0, right=0.0)
         )
 
-    def _state(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
-        t = np.asarray(t_s, dtype=np.float64)
+    @cached_property
+    def _integrals(self) -> tuple[Floats, Floats, Floats]:
+        """Slope of each segment (n − 1,), velocity and displacement at each sample (n,)."""
         step, a = np.diff(self.t_s), self.samples_m_s2
         slope = np.diff(a) / step
         velocity = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * step)])
         gained = velocity[:-1] * step + (a[:-1] / 2.0 + slope * step / 6.0) * step**2
-        displacement = np.concatenate([[0.0], np.cumsum(gained)])
-        i = np.clip(np.searchsorted(self.t_s, t, side="right") - 1, 0, step.size - 1)
+        return slope, velocity, np.concatenate([[0.0], np.cumsum(gained)])
+
+    def _state(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
+        t, a = np.asarray(t_s, dtype=np.float64), self.samples_m_s2
+        slope, velocity, displacement = self._integrals
+        i = np.clip(np.searchsorted(self.t_s, t, side="right") - 1, 0, slope.size - 1)
         tau = np.clip(t, self.t_s[0], self.t_s[-1]) - self.t_s[i]
         v = velocity[i] + (a[i] + 0.5 * slope[i] * tau) * tau
         d = displacement[i] + (velocity[i] + (a[i] / 2.0 + slope[i] * tau / 6.0) * tau) * tau

@@ -103,6 +103,9 @@ class Engine(ABC):
     capabilities: ClassVar[Capabilities]
     order: ClassVar[float]
     """Declared order of convergence of the rotation in `dt_s`, before the first impact."""
+    agreements: ClassVar[int] = 2
+    """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
+    are shown to fall evenly with the step (`python -m harness.coverage`), two where runs may agree by chance."""
 
     @abstractmethod
     def missing(self) -> str | None:

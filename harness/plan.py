@@ -88,15 +88,15 @@ def first_motion_s(scene: Scene) -> float:
     """
     if scene.initial.theta_rad != 0.0 or scene.initial.theta_rate_rad_s != 0.0:
         return 0.0
-    polygon = resting_polygon_m(scene.statue)
-    if polygon is None:
-        return 0.0
     components = (scene.shake.x, scene.shake.y, scene.shake.z)
-    if all(isinstance(item, Rest) for item in components):
-        return scene.duration_s
     times = _knots(components, scene.duration_s)
     if times is None:
         return 0.0
+    polygon = resting_polygon_m(scene.statue)
+    if polygon is None:
+        return 0.0
+    if all(isinstance(item, Rest) for item in components):
+        return scene.duration_s
     x, y, z = (np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components)
     over = np.flatnonzero(_leaves_rest(scene, polygon, x, y, scene.gravity_m_s2 - np.abs(z)))
     if over.size == 0:

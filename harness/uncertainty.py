@@ -9,7 +9,7 @@ covers that errors of contact fall irregularly (tests/harness/test_uncertainty.p
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -27,10 +27,14 @@ SAFETY: Final = 4.0
 """Factor from the spread to the stated uncertainty; docs/pymunk.md, "A target accuracy", says how often it was enough."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
-CONFIRMED: Final = 2
-"""Comparisons in a row that must hold: of scenes where one held, some 4 % were held by chance."""
+CLEAR: Final = 4.0
+"""One comparison is enough for any engine where two runs are nearer by this factor than they must be."""
 CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
+LEAP: Final = 4.0
+"""Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
+ORDER: Final = 1.5
+"""Order at which errors are expected to fall when that step is chosen."""
 FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 PARTED: Final = 4.0
@@ -43,13 +47,14 @@ LEAST_COMPARED: Final = 200
 class Spread:
     """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target.
 
-    `coarse_dt_s`: step of the coarser one.
+    `coarse_dt_s`: step of the coarser one. `apart_rad`: largest difference to the end, infinite where the ends differ.
     """
 
     largest_rad: float
     until_s: float
     whole: bool
     coarse_dt_s: float = 0.0
+    apart_rad: float = math.inf
 
 
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
@@ -63,7 +68,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
     ladder = engine.ladder(scene)
     runs: list[Run] = []
     spreads: list[Spread] = []
-    for settings in _climb(engine, scene, ladder, accuracy_rad):
+    for settings in _climb(engine, scene, ladder, accuracy_rad, spreads):
         check = _Check(runs, spreads, settings.dt_s, ladder[-1].dt_s, accuracy_rad)
         run = engine.simulate(scene, settings, replace(want, history=True, stop=check))
         if runs and not run.outcome.failed and not runs[-1].outcome.failed:
@@ -74,7 +79,9 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         runs.append(run)
         if run.outcome.failed:
             continue
-        if _agreed(spreads) or _fallen(runs, spreads) or _hopeless(spreads, run.end_s, ladder[-1].dt_s):
+        if _agreed(spreads, accuracy_rad, engine.agreements) or _fallen(runs, spreads, engine.agreements):
+            break
+        if _hopeless(spreads, run.end_s, ladder[-1].dt_s):
             break
     return _stated(runs, None, spreads, accuracy_rad, want)
 
@@ -109,8 +116,13 @@ def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float)
     return ladder[-1], len(ladder) - 1
 
 
-def _climb(engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_rad: float) -> Iterator[Settings]:
-    """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these."""
+def _climb(
+    engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_rad: float, spreads: Sequence[Spread]
+) -> Iterator[Settings]:
+    """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these.
+
+    `spreads` grows with the runs made: how far the last two were apart says how much finer the next must be.
+    """
     index = _first_rung(ladder, accuracy_rad, START_SHARE)[1]
     while index < len(ladder):
         yield ladder[index]
@@ -119,8 +131,17 @@ def _climb(engine: Engine, scene: Scene, ladder: tuple[Settings, ...], accuracy_
             yield probe
             finest = min(finest, probe.dt_s)
         # Two runs with one step would agree on an error that is the step's.
-        finer = (i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < CLIMB_SHARE * finest)
-        index = next(finer, len(ladder))
+        finer = [i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < CLIMB_SHARE * finest]
+        wanted = finest / _factor(spreads, accuracy_rad)
+        index = next((i for i in finer if ladder[i].dt_s <= wanted), finer[-1] if finer else len(ladder))
+
+
+def _factor(spreads: Sequence[Spread], accuracy_rad: float) -> float:
+    """How many times finer than the last step the next should be."""
+    if not spreads or spreads[-1].apart_rad > PARTED * accuracy_rad:
+        return 1.0
+    needed = float((SAFETY * spreads[-1].apart_rad / accuracy_rad) ** (1.0 / ORDER))
+    return min(max(needed, 1.0), LEAP)
 
 
 def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
@@ -137,10 +158,11 @@ def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
     same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
     if over.size == 0 and (same_end or coarse.outcome == fine.outcome):
-        return Spread(float(np.max(apart)), fine.end_s, True)
+        return Spread(float(np.max(apart)), fine.end_s, True, apart_rad=float(np.max(apart)))
     first = int(over[0]) if over.size else times.size - 1
     within = apart[:first]
-    return Spread(float(np.max(within, initial=0.0)), float(times[max(first - 1, 0)]), False)
+    largest = float(np.max(apart)) if same_end else math.inf
+    return Spread(float(np.max(within, initial=0.0)), float(times[max(first - 1, 0)]), False, apart_rad=largest)
 
 
 def _instants(a: History, b: History, end_s: float) -> Array:
@@ -148,21 +170,23 @@ def _instants(a: History, b: History, end_s: float) -> Array:
     return np.linspace(0.0, end_s, count, dtype=np.float64)
 
 
-def _agreed(spreads: list[Spread]) -> bool:
-    """Whether the last three runs agree, each with the next: two alone may share an error by chance."""
-    return len(spreads) >= CONFIRMED and all(item.whole for item in spreads[-CONFIRMED:])
+def _agreed(spreads: list[Spread], accuracy_rad: float, agreements: int) -> bool:
+    """Whether as many comparisons as the engine needs hold in a row, or the last one holds clearly."""
+    if spreads and spreads[-1].whole and CLEAR * SAFETY * spreads[-1].largest_rad <= accuracy_rad:
+        return True
+    return len(spreads) >= agreements and all(item.whole for item in spreads[-agreements:])
 
 
-def _fallen(runs: list[Run], spreads: list[Spread]) -> bool:
-    """Whether the last three runs agree until there is no return, and then overturn to the same side.
+def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
+    """Whether the last runs agree until there is no return, and then overturn to the same side.
 
     In the fall that follows, differences grow as the rotation itself does: finer rungs would tell its path, not its end.
     """
-    last = [run for run in runs if not run.outcome.failed][-CONFIRMED - 1 :]
-    if len(spreads) < CONFIRMED or len({run.outcome for run in last}) != 1:
+    last = [run for run in runs if not run.outcome.failed][-agreements - 1 :]
+    if len(spreads) < agreements or len({run.outcome for run in last}) != 1:
         return False
     no_return_s = [math.inf if run.no_return_time_s is None else run.no_return_time_s for run in last]
-    return all(item.until_s >= t_s for item, t_s in zip(spreads[-CONFIRMED:], no_return_s[1:], strict=True))
+    return all(item.until_s >= t_s for item, t_s in zip(spreads[-agreements:], no_return_s[1:], strict=True))
 
 
 def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:

@@ -8,14 +8,14 @@ ANALYTIC_STEPS: Final = 30
 """Taylor steps of 1 s of the paper's statue on its pedestal: 20 counted, two for each of ten events."""
 ANALYTIC_TERMS: Final = 560
 """Taylor coefficients of the same run: 377 counted, some nineteen for each step at 1e-12."""
-ACCURACY_STEPS: Final = 5000
-"""Steps of all runs together that 1e-3 rad may take on an easy scene of half a second: 3 503 counted."""
+ACCURACY_STEPS: Final = 600
+"""Steps of all runs together that 1e-3 rad may take on an easy scene of half a second: 403 counted."""
 SPARE: Final = 1.15
 """Steps of a contact engine over duration/dt: what splitting impacts and halts may add."""
 SPARE_SUBSTEPS: Final = 1.4
 """The same for an engine that sub-steps through impacts: 20 sub-steps at each impact or halt (1.16 counted at 0.25 ms)."""
-ACCURACY_RUNS: Final = 3
-"""Runs that 1e-3 rad may take on an easy scene: a rung, a finer one to check it, at most one more."""
+ACCURACY_RUNS: Final = 2
+"""Runs that 1e-3 rad may take on an easy scene: a rung and a finer one to check it."""
 MODULES_OF_HELP: Final = 250
 """Modules imported to answer --help: 156 counted, 743 with scipy's integrators, which a run needs and --help does not."""
 OUTCOME_ALLOCATED_KB: Final = 400

@@ -31,6 +31,16 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
     return gravity
 
 
+def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, float, float]:
+    """The same for one step, m/s²."""
+    edges = np.array([start_s, end_s])
+    shake = scene.shake
+    x, y, z = (
+        0.0 if isinstance(item, Rest) else float(_mean_accel(item, edges)[0]) for item in (shake.x, shake.y, shake.z)
+    )
+    return -x, -y, -z - scene.gravity_m_s2
+
+
 def _mean_accel(item: Excitation, edges_s: Array) -> Array:
     if isinstance(item, Rest):
         return np.zeros(edges_s.size - 1)

@@ -27,7 +27,11 @@ Pair = tuple[float, float]
 
 @dataclass(eq=False)
 class Drive:
-    """State of one run in progress: clocks of velocities (`t_s`) and of positions (`place_s`), friction state, records."""
+    """State of one run in progress: clocks of velocities (`t_s`) and of positions (`place_s`), friction state, records.
+
+    All steps from `whole_from` on were whole. A recorded state's velocities are those of its `times_s`, its positions earlier by
+    its `lags_s`.
+    """
 
     scene: Scene
     settings: MunkSettings
@@ -37,7 +41,10 @@ class Drive:
     place_s: float = 0.0
     stuck: bool = True
     rate_before_m_s: float = math.nan
+    spin_before_rad_s: float = math.nan
+    whole_from: int = 0
     times_s: list[float] = field(default_factory=list)
+    lags_s: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
     work: dict[str, int] = field(
         default_factory=lambda: {"engine_steps": 0, "impacts_split": 0, "halts_split": 0, "steps_repeated": 0}
@@ -70,11 +77,12 @@ def start(scene: Scene, settings: MunkSettings, world: World, t_s: float) -> Dri
     return drive
 
 
-def record(drive: Drive, t_s: float) -> None:
-    """Append the present state as that of `t_s`."""
+def record(drive: Drive, t_s: float, lag_s: float | None = None) -> None:
+    """Append the present state as that of `t_s`, its positions half a step (or `lag_s`) earlier."""
     recorder = drive.world.recorder
     native.each_body(native.space_of(drive.world.space), recorder.each, recorder.target)
     drive.times_s.append(t_s)
+    drive.lags_s.append(0.5 * drive.settings.dt_s if lag_s is None else lag_s)
 
 
 def advance(drive: Drive, move_s: float, kick_s: float) -> None:
@@ -90,8 +98,8 @@ def advance(drive: Drive, move_s: float, kick_s: float) -> None:
         gravity = (0.0, -drive.scene.gravity_m_s2 * kick_s / dt)
         _place_table(drive, end_s, drive.place_s + move_s)
     elif kick_s > 0.0:
-        mean = _mean_gravity(drive.scene, drive.t_s, end_s)
-        gravity = (float(mean[0]) * kick_s / dt, float(mean[2]) * kick_s / dt)
+        along, _, down = frame.mean_gravity(drive.scene, drive.t_s, end_s)
+        gravity = (along * kick_s / dt, down * kick_s / dt)
     native.set_gravity(space, gravity)
     drive.t_s = end_s
     drive.place_s += move_s
@@ -104,11 +112,6 @@ def shift(body: Any, time_s: float) -> None:
     place, velocity = native.get_place(body), native.get_velocity(body)
     native.set_place(body, (place.x + velocity.x * time_s, place.y + velocity.y * time_s))
     native.set_angle(body, native.get_angle(body) + native.get_spin(body) * time_s)
-
-
-def _mean_gravity(scene: Scene, start_s: float, end_s: float) -> Array:
-    row: Array = frame.apparent_gravity(scene, np.array([start_s, end_s]))[0]
-    return row
 
 
 def _place_table(drive: Drive, velocity_s: float, place_s: float) -> None:
@@ -163,6 +166,23 @@ def broke_loose(drive: Drive, velocities: Sequence[Pair], gravity: Pair) -> bool
     return _at_limit(drive, velocities, [(item.x, item.y) for item in after], gravity, stuck=True)
 
 
+def release_share(drive: Drive, gravity: Sequence[Pair]) -> float:
+    """Share of the coming step after which static friction gives way, from the two whole steps before it under these gravities.
+
+    The floor's friction over its limit is a straight line through the two; 0 where it does not grow, as after an event. Less
+    than 0: in the half of the step before that its mean friction did not show.
+    """
+    rows = [recorded_velocities(drive, back) for back in (2, 1, 0)]
+    used = []
+    for before, after, pull in zip(rows[:2], rows[1:], gravity, strict=True):
+        if not before:
+            return 0.0
+        friction, normal = _impulses(drive, before, after, pull)
+        used.append(abs(friction) / (drive.friction.static * normal) if normal > 0.0 else 1.0)
+    grown = used[1] - used[0]
+    return min(max((1.0 - used[1]) / grown - 0.5, -0.5), 1.0) if grown > 0.0 else 0.0
+
+
 def slid(drive: Drive, gravity: Pair) -> bool:
     """Whether the pedestal slid in the step recorded last: its friction was at the limit. A solver's remainder is no slip."""
     if drive.stuck and drive.friction.switches:
@@ -173,11 +193,16 @@ def slid(drive: Drive, gravity: Pair) -> bool:
 
 def _at_limit(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair, *, stuck: bool) -> bool:
     """Whether the balance of momentum of both bodies over one step puts the floor's friction at its limit."""
+    return drive.friction.at_limit(*_impulses(drive, before, after, gravity), stuck=stuck)
+
+
+def _impulses(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair) -> Pair:
+    """The floor's impulses of friction and of normal force over one step, N s, from the balance of momentum."""
     dt, friction, normal = drive.settings.dt_s, 0.0, 0.0
     for mass, (x0, z0), (x1, z1) in zip(drive.masses_kg, before, after, strict=True):
         friction += mass * (x1 - x0 - gravity[0] * dt)
         normal += mass * (z1 - z0 - gravity[1] * dt)
-    return drive.friction.at_limit(friction, normal, stuck=stuck)
+    return friction, normal
 
 
 def recorded_velocities(drive: Drive, back: int = 0) -> list[Pair]:
@@ -188,9 +213,10 @@ def recorded_velocities(drive: Drive, back: int = 0) -> list[Pair]:
     return [(row[column + 3], row[column + 4]) for column in columns] if row else []
 
 
-def set_stuck(drive: Drive, *, stuck: bool) -> None:
-    """Enter a sliding state: the floor's coefficient follows it."""
-    coefficient = drive.friction.static if stuck else drive.friction.kinetic
+def set_stuck(drive: Drive, *, stuck: bool, static_share: float = 0.0) -> None:
+    """Enter a sliding state: the floor's coefficient follows it, for a step stuck for a share of it the mean of both."""
+    static, kinetic = drive.friction.static, drive.friction.kinetic
+    coefficient = static if stuck else max(kinetic + static_share * (static - kinetic), 0.0)
     native.set_friction(native.shape_of(drive.world.floor_shape), coefficient)
     drive.stuck = stuck
 

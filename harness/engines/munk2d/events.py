@@ -13,15 +13,24 @@ from typing import Final
 from harness.contact.impact import impact
 from harness.engines.munk2d import native
 from harness.engines.munk2d.drive import Drive, advance, record, set_stuck, shift, slip_rate
+from harness.engines.munk2d.standing import Standing
 from harness.engines.munk2d.world import MunkSettings
 from harness.scene import Scene
 
 SLOW_DEPTHS: Final = 2.0
 """An impact is split when the corner moves more than this many depths in a step; slower ones the engine resolves itself."""
-STANDING_RAD: Final = 1e-6
-"""Below this rotation both corners stand."""
+LEAST_AHEAD: Final = 0.6
+MOST_AHEAD: Final = 2.3
+"""Steps to an impact between which it is met: more than one apart, as what falls is faster in each step."""
 MOST_SHARE: Final = 1.5
-"""An impact nearer than this share of a step (and farther than half a step) is brought to a step's end."""
+"""Longest part, in steps, of those that follow an impact."""
+MOST_GAINED: Final = 0.3
+"""Share of the rate above which its change in the last step leaves an impact to whole steps: swings of so few steps must die out
+in them, and parts of steps would keep them alive."""
+SHORT: Final = 0.05
+"""Share of a step before an impact at which the old corner's contact is solved once more."""
+CLEAR_DEPTHS: Final = 1.3
+"""Depths of contact that the incoming corner is then above the place at which it is met: it touches at one."""
 PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
@@ -32,76 +41,69 @@ def least_spin_rad_s(scene: Scene, settings: MunkSettings) -> float:
     return SLOW_DEPTHS * settings.depth_m / (base * settings.dt_s)
 
 
-def split_impact(drive: Drive, end_s: float) -> bool:
+def split_impact(drive: Drive, standing: Standing, end_s: float) -> bool:
     """Pass an impact that lies within the coming step: four engine steps for three, ending at `end_s`.
 
     Returns whether the corner was found where it was expected; if not nothing but one partial step has been made.
     """
-    dt, body = drive.settings.dt_s, native.body_of(drive.world.statue)
-    angle, spin = native.get_angle(body), native.get_spin(body)
-    ahead = -angle / spin - 0.5 * dt
-    advance(drive, ahead, ahead)
-    record(drive, drive.t_s)
-    move = _time_to_contact(drive)
-    found = 0.1 * dt < move < 0.9 * dt
+    dt = drive.settings.dt_s
+    ahead = _time_upright(drive)
+    # Nearly there, the old corner's contact turns the velocity into what it is at the impact.
+    near = ahead - _short(drive)
+    standing.keep(near)
+    advance(drive, near, ahead - 0.5 * dt)
+    record(drive, drive.t_s, drive.t_s - drive.place_s)
+    standing.keep(_time_to_contact(drive, standing))
+    move = _time_to_contact(drive, standing)
+    found = 0.0 < move < dt
     if found:
         _impact(drive, move)
-        advance(drive, dt - move, dt)
+        # Both were at the impact, velocities by its foreseen time; half a step on, they are half a step ahead again.
+        drive.place_s = drive.t_s
+        standing.keep(0.5 * dt)
+        advance(drive, 0.5 * dt, dt)
         record(drive, drive.t_s)
         drive.work["impacts_split"] += 1
     rest = end_s - drive.t_s
     while rest > MOST_SHARE * dt:
+        standing.keep(dt)
         advance(drive, dt, dt)
         record(drive, drive.t_s)
         rest = end_s - drive.t_s
-    advance(drive, rest, rest)
+    # Positions end half a step behind velocities, whether the corner was found or not.
+    move = end_s - 0.5 * dt - drive.place_s
+    standing.keep(move)
+    advance(drive, move, rest)
     drive.t_s = end_s
     record(drive, end_s)
     return found
 
 
-def _time_to_contact(drive: Drive) -> float:
+def _short(drive: Drive) -> float:
+    """Time before upright, s, at which the incoming corner is not yet at its support, which it meets above its depth."""
+    settings, statue = drive.settings, drive.scene.statue
+    spin = abs(native.get_spin(native.body_of(drive.world.statue)))
+    apart_m = CLEAR_DEPTHS * settings.depth_m
+    return float(max(SHORT * settings.dt_s, apart_m / ((statue.corner_left_m + statue.corner_right_m) * spin)))
+
+
+def _time_upright(drive: Drive) -> float:
+    """Time, s, in which positions come upright; velocities, half a step ahead of them, go on changing as in the last step."""
+    dt, body = drive.settings.dt_s, native.body_of(drive.world.statue)
+    angle, spin = native.get_angle(body), native.get_spin(body)
+    plain_s = float(-angle / spin)
+    gained = spin - drive.world.recorder.last(1)[drive.world.statue_column + native.SPIN]
+    # angle + T (spin + gained (T - dt) / 2 dt) = 0, by one correction of the time at a constant rate.
+    found = float(-angle / (spin + 0.5 * gained * (plain_s / dt - 1.0)))
+    return found if LEAST_AHEAD * dt <= found <= MOST_AHEAD * dt else plain_s
+
+
+def _time_to_contact(drive: Drive, standing: Standing) -> float:
     """Time, s, in which the incoming corner reaches the depth at which contacts are kept, at present velocities."""
     # Anticlockwise angle: below zero the statue leans right and its left corner comes in.
     incoming = -1 if native.get_angle(native.body_of(drive.world.statue)) < 0.0 else 1
-    gap, opening = _gap(drive, incoming)
+    gap, opening = standing.gap(incoming)
     return -(gap + drive.settings.depth_m) / opening if opening < 0.0 else math.inf
-
-
-def _gap(drive: Drive, side: int) -> tuple[float, float]:
-    """Height of a corner (+1 right, −1 left) over its support, m, and its rate, m/s."""
-    world, statue = drive.world, drive.scene.statue
-    body = native.body_of(world.statue)
-    angle, spin = native.get_angle(body), native.get_spin(body)
-    place, velocity = native.get_place(body), native.get_velocity(body)
-    x, z = side * statue.corner_m(side), -statue.centroid_height_m
-    cos, sin = math.cos(angle), math.sin(angle)
-    top, rise = 0.0, 0.0
-    if world.pedestal is not None and drive.scene.pedestal is not None:
-        pedestal = native.body_of(world.pedestal)
-        top = native.get_place(pedestal).y + 0.5 * drive.scene.pedestal.height_m
-        rise = native.get_velocity(pedestal).y
-    elif drive.moving:
-        floor = native.body_of(world.floor)
-        top, rise = native.get_place(floor).y, native.get_velocity(floor).y
-    gap = place.y + x * sin + z * cos - top
-    return float(gap), float(velocity.y + spin * (x * cos - z * sin) - rise)
-
-
-def keep_depth(drive: Drive) -> None:
-    """Take back what the standing corner has drifted off its support.
-
-    Each step moves it along the tangent of its circle, ω² h dt²/2 outwards; a contact that is lost for a step comes back as a
-    blow, and its force flickers between none and twice the weight.
-    """
-    body = native.body_of(drive.world.statue)
-    angle = native.get_angle(body)
-    if abs(angle) < STANDING_RAD:
-        return
-    gap = _gap(drive, -1 if angle > 0.0 else 1)[0]
-    if abs(gap) < drive.settings.slop_m:
-        place = native.get_place(body)
-        native.set_place(body, (place.x, place.y - gap - drive.settings.depth_m))
 
 
 def _impact(drive: Drive, move_s: float) -> None:

@@ -15,6 +15,7 @@ from harness.engine import Want
 from harness.engines.munk2d import drive as driving
 from harness.engines.munk2d import events, native
 from harness.engines.munk2d.drive import Drive
+from harness.engines.munk2d.standing import Standing
 from harness.engines.munk2d.world import MunkSettings
 from harness.scene import OVERTURN_RAD, Scene
 
@@ -25,8 +26,6 @@ BLOCK_STEPS: Final = 512
 """Whole steps between two looks at whether the run can end."""
 CREEP_SHARE: Final = 1e-3
 """Share of the velocity of rest above which a stuck pedestal is asked whether its friction is at the limit."""
-KEEP_STEPS: Final = 4
-"""Steps after which the standing corner's drift is taken back."""
 STILL_BLOCKS: Final = 2
 STILL_RAD_S: Final = 1e-5
 STILL_M_S: Final = 1e-5
@@ -34,6 +33,8 @@ STILL_M_S: Final = 1e-5
 IMPACT, HALT, END = 1, 2, 0
 EVENT_STEPS: Final = 3
 """Whole steps that a split impact takes the place of."""
+LEAST_BETWEEN: Final = 2
+"""Whole steps since an event that tell how the statue moves on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +67,16 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
     total, k = len(grid.gravity), first
     quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
+    standing, drive.whole_from = Standing(drive), first
     while k < total:
-        k, event, share = _plain_steps(drive, grid, k, look)
+        k, event, share = _plain_steps(drive, standing, grid, k, look)
         if event == IMPACT:
             end = min(k + EVENT_STEPS, total)
-            events.split_impact(drive, float(grid.edges_s[end]))
-            k, drive.rate_before_m_s = end, math.nan
+            events.split_impact(drive, standing, float(grid.edges_s[end]))
+            k, drive.rate_before_m_s, drive.whole_from = end, math.nan, end
         elif event == HALT:
             events.split_halt(drive, share, float(grid.edges_s[k + 1]))
-            k, drive.rate_before_m_s = k + 1, math.nan
+            k, drive.rate_before_m_s, drive.whole_from = k + 1, math.nan, k + 1
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
             drive.states.append(drive.world.recorder.take())
@@ -103,7 +105,7 @@ def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
     return 2.0 * settings.slop_m / (scene.statue.corner_left_m + scene.statue.corner_right_m)
 
 
-def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int, float]:
+def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int) -> tuple[int, int, float]:
     """Whole steps from k until one must be split, or `stop`.
 
     Returns the next step, what it holds (END: nothing) and, at a halt, the share of the step at which it comes.
@@ -116,18 +118,22 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
     angle_of, spin_of, velocity_of = native.get_angle, native.get_spin, native.get_velocity
     record_with, record_to = recorder.each, recorder.target
     dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
-    half, far, last_split = 0.5 * dt, events.MOST_SHARE * dt, len(gravity) - EVENT_STEPS
+    half, first_split, last_split = 0.5 * dt, drive.whole_from + LEAST_BETWEEN, len(gravity) - EVENT_STEPS
+    near, far = events.LEAST_AHEAD * dt, events.MOST_AHEAD * dt
     switches, creep = friction.switches, CREEP_SHARE * rest
     halts = drive.settings.align and pedestal is not None and rest > 0.0
     least_spin = events.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
-    begin, event, share = k, END, 0.0
+    keep = standing.keep if drive.aligned else None
+    table_alone = moving and pedestal is None
+    begin, event, share, spin = k, END, 0.0, drive.spin_before_rad_s
     rate, before = driving.slip_rate(drive), drive.rate_before_m_s
     while k < stop:
-        spin = spin_of(statue)
+        spin_before, spin = spin, spin_of(statue)
         if (
             (spin > least_spin or spin < -least_spin)
-            and half <= -angle_of(statue) / spin - half < far
-            and k <= last_split
+            and near <= -angle_of(statue) / spin < far
+            and first_split <= k <= last_split
+            and abs(spin - spin_before) <= events.MOST_GAINED * abs(spin)
         ):
             event = IMPACT
             break
@@ -140,6 +146,8 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
             event, share = HALT, rate / (before - rate)
             break
         set_gravity(space, gravity[k])
+        if keep is not None:
+            keep(dt, grid.table_place[k][1] + dt * grid.table_velocity[k][1] if table_alone else None)
         if moving:
             native.set_velocity(floor, grid.table_velocity[k])
             native.set_place(floor, grid.table_place[k])
@@ -150,10 +158,9 @@ def _plain_steps(drive: Drive, grid: Grid, k: int, stop: int) -> tuple[int, int,
                 rate = _switch(drive, grid, k, rate)
         each(space, record_with, record_to)
         k += 1
-        if k % KEEP_STEPS == 0 and drive.aligned:
-            events.keep_depth(drive)
-    drive.rate_before_m_s = before
+    drive.rate_before_m_s, drive.spin_before_rad_s = before, spin
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
+    drive.lags_s.extend([half] * (k - begin))
     drive.work["engine_steps"] += k - begin
     drive.t_s = float(grid.edges_s[k])
     drive.place_s = drive.t_s - half
@@ -164,7 +171,7 @@ def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
     """Let the floor's coefficient follow the state after step k; returns the pedestal's rate.
 
     A step that seems to have broken loose is computed again: with many iterations first, because a solver's remainder is no
-    slip, then with the kinetic coefficient.
+    slip, then with the kinetic coefficient, or the mean of both where the two whole steps before it say when it gave way.
     """
     if not drive.stuck:
         driving.set_stuck(drive, stuck=True)
@@ -173,15 +180,18 @@ def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
     if not driving.broke_loose(drive, before, grid.gravity[k]):
         return rate
     space, many = native.space_of(drive.world.space), drive.settings.impact_iterations
+    share = driving.release_share(drive, grid.gravity[k - 2 : k]) if k >= drive.whole_from + 2 else 0.0
     for stuck in (True, False):
         driving.restore_recorded(drive)
         if drive.moving:
             native.set_place(native.body_of(drive.world.floor), grid.table_place[k])
-        driving.set_stuck(drive, stuck=stuck)
+        driving.set_stuck(drive, stuck=stuck, static_share=share)
         native.set_iterations(space, many)
         native.step(space, drive.settings.dt_s)
         native.set_iterations(space, drive.settings.iterations)
         drive.work["steps_repeated"] += 1
         if stuck and not driving.broke_loose(drive, before, grid.gravity[k]):
-            break
+            return driving.slip_rate(drive)
+    # The steps that follow slide throughout.
+    driving.set_stuck(drive, stuck=False)
     return driving.slip_rate(drive)

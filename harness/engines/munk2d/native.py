@@ -37,6 +37,10 @@ FIELDS: Final = (
 )
 WIDTH: Final = 6
 """Numbers for each body: x, z, angle (anticlockwise), their rates."""
+KEPT: Final = 3
+"""Rows that `Recorder.last` still knows when all were taken."""
+SPIN: Final = 5
+"""Place of the last of them."""
 
 
 def space_of(space: pymunk.Space) -> Any:
@@ -73,7 +77,7 @@ class Recorder:
         self._floats.num = 0
 
     def last(self, back: int = 0) -> list[float]:
-        """The row recorded last, or the one before it (`back` 1); empty where there is none yet."""
+        """The row recorded last, or one of the two before it (`back` 1, 2); empty where there is none yet."""
         floats = self._floats
         end = floats.num - back * self._row
         if end > 0:
@@ -87,6 +91,6 @@ class Recorder:
         floats = self._floats
         recorded = ffi.buffer(floats.arr, floats.num * ffi.sizeof("cpFloat"))
         states = np.frombuffer(recorded, dtype=np.float64).reshape(-1, self._row).copy()
-        self._taken = [*self._taken, *states[-2:].tolist()][-2:]
+        self._taken = [*self._taken, *states[-KEPT:].tolist()][-KEPT:]
         floats.num = 0
         return states

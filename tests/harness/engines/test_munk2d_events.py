@@ -1,0 +1,60 @@
+"""pymunk's events inside a step: what converges once they are met where they are."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.engine import Want
+from harness.engines.munk2d import Munk2D
+from harness.engines.twoblock import TwoBlock
+from harness.record import Run
+from harness.scene import Scene
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import paestum, rectangle, scene
+
+ENGINE, MODEL = Munk2D(), TwoBlock()
+
+
+def run(on: Scene, dt_s: float) -> Run:
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+
+
+def error(on: Scene, dt_s: float) -> float:
+    found, exact = run(on, dt_s), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    assert found.history is not None
+    assert exact.history is not None
+    times = np.linspace(0.0, min(found.end_s, exact.end_s), 500)
+    return float(np.max(np.abs(found.history.at(times) - exact.history.at(times))))
+
+
+def test_impacts_leave_no_error_of_first_order() -> None:
+    on = scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=2.0)
+    errors = [error(on, dt_s) for dt_s in (4e-3, 1e-3, 2.5e-4)]
+    assert errors[1] <= budget.FREE_ROCKING_RAD
+    assert math.log(errors[0] / errors[2], 16.0) >= budget.ORDER_WITH_IMPACTS
+
+
+@pytest.mark.parametrize("dt_s", [1.7e-3, 1.3e-3, 1.1e-3, 9e-4, 7e-4])
+def test_no_step_lets_go_of_the_standing_corner(dt_s: float) -> None:
+    # Where a step between two impacts loses the contact, the statue falls freely in it and the next ratio is off by per cent.
+    on = scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=2.0)
+    assert error(on, dt_s) <= budget.FREE_ROCKING_ANY_STEP_RAD
+
+
+def test_slow_impacts_are_met_too() -> None:
+    # Rocking of tenths of a milliradian, at a hundredth of a radian a second.
+    on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=0.12)
+    exact = MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    assert run(on, 5e-4).work["impacts_split"] == len(exact.impact_times_s) > 3
+    assert error(on, 5e-4) <= budget.SLOW_IMPACTS_RAD
+
+
+def test_static_friction_gives_way_inside_a_step() -> None:
+    # Steps that are parts of each other begin at the same instants: an error of the first order would be common to all.
+    on = paestum(0.334, 3.0, mu=(0.20, 0.15), duration_s=0.25)
+    errors = [error(on, dt_s) for dt_s in (2e-3, 5e-4)]
+    assert errors[1] <= budget.RELEASE_RAD
+    assert errors[1] <= errors[0] / 4.0
