@@ -166,7 +166,11 @@ def run_scene(
             told(engine.name)
             if engine.name not in waiting and engine.name not in here:
                 here[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
-        runs = {item.name: here.get(item.name) or waiting[item.name].result() for item in loaded}
+        for name, future in waiting.items():
+            if not future.done():
+                told(f"{name}, still")
+            here[name] = future.result()
+    runs = {item.name: here[item.name] for item in loaded}
     answers = [run for run in runs.values() if not run.outcome.failed]
     horizons = _horizons(scene, answers, told, every=horizon) if len(answers) > 1 or horizon else {}
     known = {name: found.intrinsic_s for name, found in horizons.items()}

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
 
-from harness import engines
+from harness import engines, run
 from harness.errors import InputError
 from harness.history import Outcome
+from harness.record import Run
 from harness.run import check_target, run_scene, simulate, write_result
 from tests.scenes_for_tests import paestum
 
@@ -25,6 +27,24 @@ def test_a_process_of_its_own_changes_no_result() -> None:
         assert b is not None
         assert np.array_equal(a.theta_rad, b.theta_rad)
     assert list(apart.runs) == list(alone.runs)
+
+
+def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    awaited, said = Event(), []
+
+    def slow(name: str, *given: object) -> Run:
+        assert awaited.wait(10.0), "nobody said what is still at work"
+        return simulate(scene, "analytic")
+
+    def told(words: str) -> None:
+        said.append(words)
+        if words == "pybullet, still":
+            awaited.set()
+
+    scene = paestum(0.3, 2.0, pedestal=False)
+    monkeypatch.setattr(run, "_apart", slow)
+    run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, told=told)
+    assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
 
 
 def test_an_engine_that_is_not_here_is_an_outcome(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
