@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.bullet import course, feet, pose
 from harness.engines.bullet.full import full_shape
@@ -128,6 +130,28 @@ def test_the_cap_comes_down_beside_the_top_as_with_the_full_shape_from_the_start
 def test_until_it_meets_the_edge_a_fall_is_the_analytic_one() -> None:
     case = on_pedestal(WIDE, duration_s=0.5)
     assert apart(bullet(case, 5e-4), exact(case), until_s=0.35) <= budget.PAST_THE_EDGE_RAD
+
+
+@pytest.mark.parametrize("kind", ["hull", "parts"])
+def test_a_base_that_overhangs_turns_about_the_pedestals_edge(kind: str) -> None:
+    """As a block does whose corners are the pedestal's: the edge touches the plinth between its vertices."""
+    half, statue = 0.25, figure()
+    numbers = replace(
+        statue,
+        solid=None,
+        corner_left_m=half,
+        corner_right_m=half,
+        section_m=np.array([[-half, 0.0], [half, 0.0], [half, 0.6], [-half, 0.6]]),
+        footprint_m=np.array([[-half, -0.3, 0.0], [half, -0.3, 0.0], [half, 0.3, 0.0], [-half, 0.3, 0.0]]),
+    )
+    slab = Pedestal(5000.0, 2.0 * half, 1.0, 0.2)
+    motion = Harmonic(8.0, 2.0)
+    case = scene(statue, motion, pedestal=slab, mu=1.0, duration_s=0.5)
+    run = bullet(case, 1e-3, full_shape=kind)
+    assert run.validity["full_shape_from_s"] == 0.0
+    true = exact(scene(numbers, motion, pedestal=slab, mu=1.0, duration_s=0.5))
+    assert true.peak_theta_rad > 20.0 * budget.OVERHANG_RAD
+    assert apart(run, true, until_s=0.4) <= budget.OVERHANG_RAD
 
 
 def test_a_flat_wall_meets_a_concave_statue_at_its_hulls_vertices(monkeypatch: pytest.MonkeyPatch) -> None:
