@@ -79,4 +79,4 @@ SCAN_WALL_RAD = 1e-4
 """Rotation at which a scan meets a wall 0.05 m away, turning at 0.5 rad/s: the step that ends there is off by 1e-5 rad."""
 
 OVERHANG_RAD = 2e-3
-"""A base turning about the pedestal's edge at 1 ms: drawn 0.1 mm inside, at points sought anew; hull 1.4e-3, parts 5e-4 measured."""
+"""A base turning about the pedestal's edge at 1 ms: drawn 0.1 mm inside, points sought anew; hull 1.4e-3, parts 5e-4."""
