@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic._jit import jit
+from analytic._jit import inlined, jit
 from analytic.borrowed import peek
 from analytic.impact import both_corners, impact, kinetic
 from analytic.layout import (
@@ -40,23 +40,26 @@ from analytic.states import corner, load
 from analytic.track import settle
 from analytic.validity import note_impact
 
+Lever = tuple[int, float, float]
+"""Side of a corner, X of the centroid from it, and the statue's inertia about it."""
 STILL: Final = 1e-15
 """Statue and pedestal stand when their velocities are this share of gravity times the statue's time constant: what follows would
 come within what the clock resolves."""
 
 
-@jit
-def _rebound(task: Task, facet: int, omega: float, rate: float) -> float:
-    """Height in rad of the rebound that starts at omega, by the smaller of the moments that hold the statue down; −1 if none."""
+@inlined
+def _drops(task: Task, omega: float, rate: float, z: float, own: Lever, other: Lever) -> bool:
+    """Whether the rebound that starts at omega is too low to matter, by the smaller of the moments that hold the statue down."""
     load(task)
     gravity, accel = task.w[GE, 0], task.w[AX, 0]
     if task.p[HAS_BASE] > 0.0 and rate != 0.0:
         accel = -(task.p[MU_KINETIC] * gravity) if rate > 0.0 else task.p[MU_KINETIC] * gravity
-    least = 1e300
-    for side in (1, -1):
-        x, z, j = corner(task, facet, side)
-        least = min(least, -side * task.p[MASS] * (gravity * x - accel * z) / j)
-    return 0.5 * omega * omega / least if least > 0.0 else -1.0
+    lift = 0.5 * omega * omega
+    for side, x, j in (own, other):
+        hold = -side * task.p[MASS] * (gravity * x - accel * z)
+        if hold <= 0.0 or lift * j >= task.p[REST_ANGLE] * hold:
+            return False
+    return True
 
 
 @jit
@@ -85,14 +88,12 @@ def land(task: Task, facet: int, residual: float) -> None:
         p[HAS_BASE] > 0.0,
     )
     s[S_TH], q[FACET] = peek(task.address[FACET_RAD], facet), facet
-    if after != 0.0:
-        rebound = _rebound(task, facet, after, moved)
-        if 0.0 <= rebound < p[REST_ANGLE]:
-            c[ZENO] += 1
-            after, moved, normal = 0.0, rate, abs(m * xo * omega)
-            # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
-            if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0 and not stuck:
-                after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
+    if after != 0.0 and _drops(task, after, moved, z, (old_side, xo, jo), (-old_side, xn, jn)):
+        c[ZENO] += 1
+        after, moved, normal = 0.0, rate, abs(m * xo * omega)
+        # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
+        if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0 and not stuck:
+            after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
     if max(abs(after) * z, abs(moved)) <= STILL * p[GRAVITY] * p[TIME_SCALE]:
         after, moved = 0.0, 0.0  # where each halt lifts the statue, whose landing pushes the pedestal again, for ever
     s[S_OM], s[S_V] = after, moved

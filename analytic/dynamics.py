@@ -19,7 +19,7 @@ import math
 from typing import Final
 
 from analytic._jit import inlined
-from analytic.borrowed import peek
+from analytic.borrowed import peek, set_term, term
 from analytic.layout import (
     ABS,
     AX,
@@ -27,6 +27,7 @@ from analytic.layout import (
     BASE_X,
     BASE_Z,
     CENTROID,
+    COSINE_OF,
     DEGREE,
     DET,
     DYNAMIC,
@@ -45,11 +46,12 @@ from analytic.layout import (
     PX,
     PZ,
     RATE,
+    SINE_OF,
     SLIP,
     TH,
     TIME_SCALE,
     TOLERANCE,
-    WANT_VALIDITY,
+    TURNED,
     XW,
     ZW,
     Floats,
@@ -73,9 +75,11 @@ def place(task: Task, theta: float, pivot: int) -> float:
     if theta == 0.0:
         task.w[PX, 0], task.w[PZ, 0] = -x, z
     else:
-        sine, cosine = math.sin(theta), math.cos(theta)
-        task.w[PX, 0] = z * sine - x * cosine
-        task.w[PZ, 0] = x * sine + z * cosine
+        s = task.s
+        if theta != s[TURNED]:
+            s[TURNED], s[SINE_OF], s[COSINE_OF] = theta, math.sin(theta), math.cos(theta)
+        task.w[PX, 0] = z * s[SINE_OF] - x * s[COSINE_OF]
+        task.w[PZ, 0] = x * s[SINE_OF] + z * s[COSINE_OF]
     return float(task.p[INERTIA] + task.p[MASS] * (x * x + z * z))
 
 
@@ -112,43 +116,67 @@ def _aim_at_halt(task: Task, h: float) -> float:
 
 @inlined
 def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
-    """Rocking on a support that is stuck or slides; j: inertia about the pivot. Returns the order reached, n or less where the
-    step needs less, and the step."""
+    """Rocking on a support that is stuck or slides, and its forces; j: inertia about the pivot. Returns the order reached, n or
+    less where the step needs less, and the step."""
     w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
-    m, kappa = p[MASS], slide * p[MU_KINETIC]
-    ratio = m / (m + p[BASE_MASS]) if slide != 0 else 0.0
-    deg_a = n if slide != 0 else task.q[DEGREE]
-    kappa_n = kappa * p[DYNAMIC]
-    x, z = w[PX, 0], w[PZ, 0]
+    m, base, kappa = p[MASS], p[BASE_MASS], slide * p[MU_KINETIC]
+    ratio = m / (m + base) if slide != 0 else 0.0
+    kappa_n, per_length = kappa * p[DYNAMIC], 1.0 / p[CENTROID]
+    x, z, om, first, rate = w[PX, 0], w[PZ, 0], w[OM, 0], w[OM, 0], w[RATE, 0]
     lever = z - kappa_n * x
     w[DET, 0] = j - m * ratio * z * lever
     per_det, power, small = m / w[DET, 0], 1.0, 0
-    w[XW, 0], w[ZW, 0] = x * w[OM, 0], z * w[OM, 0]
+    xw, zw, a, px, lean = x * om, z * om, 0.0, x, x + kappa_n * z
+    w[XW, 0], w[ZW, 0], w[PX, 1], w[PZ, 1] = xw, zw, zw, -xw
+    drawing, drawn_by_acc = per_det * z * ratio, ratio * lever
+    turn = lean * om
+    by_turn, by_accel, by_rate = drawing * first, per_det * xw, -(drawing * turn)
     for i in range(n):
-        inverse = INVERSE[i + 1]
-        w[TH, i + 1], w[SLIP, i + 1] = w[OM, i] * inverse, w[RATE, i] * inverse
-        w[PX, i + 1], w[PZ, i + 1] = w[ZW, i] * inverse, -(w[XW, i] * inverse)
-        sx, sz, moment = 0.0, 0.0, 0.0
-        for k in range(1, i + 2):
-            sx += w[PX, k] * w[OM, i + 1 - k]
-            sz += w[PZ, k] * w[OM, i + 1 - k]
-        for k in range(min(i, deg_z) + 1):
-            moment += w[GE, k] * w[PX, i - k]
-        for k in range(max(1, i - deg_a), i + 1):
-            moment -= w[ABS, i - k] * w[PZ, k]
-        drawn = ratio * (i + 1) * (sz - kappa_n * sx)
-        held = w[AX, i] if slide == 0 else -(kappa * w[GE, i])
-        acc = per_det * (moment - z * (held - drawn))
-        w[ABS, i] = held - (drawn + ratio * lever * acc)
-        w[OM, i + 1], w[RATE, i + 1] = acc * inverse, (w[ABS, i] - w[AX, i]) * inverse
-        w[XW, i + 1], w[ZW, i + 1] = x * w[OM, i + 1] + sx, z * w[OM, i + 1] + sz
+        inverse, order = INVERSE[i + 1], float(i + 1)
+        sx, sz, moment = 0.0, 0.0, term(w, GE, 0) * px
+        for k in range(2, i + 1):
+            omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
+            sx += term(w, PX, k) * omega
+            sz += depth * omega
+            moment -= term(w, ABS, i - k) * depth
+        for k in range(1, min(i, deg_z) + 1):
+            moment += term(w, GE, k) * term(w, PX, i - k)
+        pull, weight = term(w, AX, i), term(w, GE, i)
+        held = pull if slide == 0 else -(kappa * weight)
+        known = per_det * (moment - z * held) + drawing * order * (sz - kappa_n * sx)
+        # what the order before has just given (θ̇, A and, through them, the next X and Z) comes in on the shortest way
+        if i > 0:
+            known += order * by_rate * om + by_accel * a
+            sx += w[PX, 1] * om
+            sz += w[PZ, 1] * om
+        acc = known - by_turn * turn
+        set_term(w, TH, i + 1, om * inverse)
+        set_term(w, SLIP, i + 1, rate * inverse)
+        px, pz = zw * inverse, -(xw * inverse)
+        set_term(w, PX, i + 1, px)
+        set_term(w, PZ, i + 1, pz)
+        sx += px * first
+        sz += pz * first
+        a = held - ratio * order * (sz - kappa_n * sx) - drawn_by_acc * acc
+        om, rate = acc * inverse, (a - pull) * inverse
+        xw, zw, turn = x * om + sx, z * om + sz, lean * om + (sx + kappa_n * sz)
+        set_term(w, ABS, i, a)
+        set_term(w, OM, i + 1, om)
+        set_term(w, RATE, i + 1, rate)
+        set_term(w, XW, i + 1, xw)
+        set_term(w, ZW, i + 1, zw)
+        v, push = m * (weight - order * xw), m * (a + order * zw)
+        set_term(w, PIVOT_V, i, v)
+        set_term(w, PIVOT_H, i, push)
+        set_term(w, NORMAL, i, v + base * weight)
+        set_term(w, FLOOR, i, push + base * a)
         if i == 0 and tol > 0.0:
             h = _aim_at_halt(task, _aim(task, h))
         power *= h
         # what the floor gives directly may be small for a term while its next one is not
-        pushed = per_det * (abs(w[AX, i] * z) + abs(w[GE, i] * x)) * inverse
-        largest = max(abs(w[OM, i + 1]), pushed, abs(w[RATE, i + 1]) / p[CENTROID])
-        small = small + 1 if largest * power <= tol else 0
+        pushed = per_det * (abs(pull * z) + abs(weight * x)) * inverse
+        largest = max(abs(om), pushed, abs(rate) * per_length)
+        small = (small + 1) * int(largest * power <= tol)
         if small >= 2 and i >= 3:
             n = i + 1
             break
@@ -182,20 +210,18 @@ def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, f
     tol = p[TOLERANCE] / p[TIME_SCALE] if h < math.inf else 0.0
     if pivot < 0:
         at_rest(w, n, slide, slide * p[MU_KINETIC])
+        _forces_at_rest(w, n, p[MASS], p[BASE_MASS])
     else:
         n, h = rock(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
-    _forces(task, n, p[MASS], slide == 0 or p[WANT_VALIDITY] > 0.0)
     return n, h
 
 
 @inlined
-def _forces(task: Task, n: int, m: float, all_of_them: bool) -> None:
-    """V at the pivot and N at the floor to order n − 1; H and F too where they are wanted."""
-    w, base = task.w, task.p[BASE_MASS]
+def _forces_at_rest(w: Floats, n: int, m: float, base: float) -> None:
+    """V and H on the statue, N and F on the floor to order n − 1, while the statue stands."""
     for i in range(n):
-        w[PIVOT_V, i] = m * (w[GE, i] - (i + 1) * w[XW, i + 1])
-        w[NORMAL, i] = w[PIVOT_V, i] + base * w[GE, i]
-    if all_of_them:
-        for i in range(n):
-            w[PIVOT_H, i] = m * (w[ABS, i] + (i + 1) * w[ZW, i + 1])
-            w[FLOOR, i] = w[PIVOT_H, i] + base * w[ABS, i]
+        weight, accel = term(w, GE, i), term(w, ABS, i)
+        set_term(w, PIVOT_V, i, m * weight)
+        set_term(w, PIVOT_H, i, m * accel)
+        set_term(w, NORMAL, i, m * weight + base * weight)
+        set_term(w, FLOOR, i, m * accel + base * accel)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from analytic._jit import inlined, jit
-from analytic.borrowed import peek
+from analytic.borrowed import peek, set_term, term
 from analytic.layout import (
     AT_LIMIT,
     AT_WALL,
@@ -32,7 +32,6 @@ from analytic.layout import (
     OVERTURN,
     PIVOT,
     PIVOT_V,
-    POWER,
     PX,
     PZ,
     RATE,
@@ -55,71 +54,66 @@ Rests = tuple[float, float, float, float]
 """How far the terms from the second on can carry θ, V, N, and F (stuck) or u̇ (sliding)."""
 
 
-@jit
-def _search(task: Task, n: int, lo: int, kind: int, side: int, best: Found) -> Found:
+@inlined
+def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: Found) -> Found:
     """The earlier of best and the first root of the function in the EVENT row, of which lo leading terms are zero."""
-    w = task.w
-    for k in range(n + 1):
-        w[EVENT, k] *= w[POWER, k]
-    x, level = first_root(w, EVENT, lo, n)
+    x, level, left = first_root(task.w, EVENT, lo, n, h)
     if x >= best[0]:
         return best[0], best[1], best[2], max(best[3], level), best[4]
-    terms, left = 0.0, 0.0
-    for k in range(n, -1, -1):
-        terms += abs(w[EVENT, k])
-        left = left * x + w[EVENT, k]
-    return x, kind, side, max(best[3], level), (abs(left) / terms if terms > 0.0 else 0.0)
+    return x, kind, side, max(best[3], level), left
 
 
 @inlined
 def _level(task: Task, row: int, n: int, sign: float, level: float) -> None:
     """EVENT = sign (row − level)."""
-    for k in range(n + 1):
-        task.w[EVENT, k] = sign * task.w[row, k]
-    task.w[EVENT, 0] = sign * (task.w[row, 0] - level)
+    w = task.w
+    w[EVENT, 0] = sign * (w[row, 0] - level)
+    for k in range(1, n + 1):
+        set_term(w, EVENT, k, sign * term(w, row, k))
 
 
 @inlined
-def _clear(task: Task, row: int, sign: float, level: float, rest: float) -> bool:
+def _clear(task: Task, row: int, h: float, sign: float, level: float, rest: float) -> bool:
     """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
-    start, first = sign * (task.w[row, 0] - level), sign * task.w[row, 1] * task.w[POWER, 1]
+    start, first = sign * (task.w[row, 0] - level), sign * task.w[row, 1] * h
     return bool(start + min(first, 0.0) > rest)
 
 
 @inlined
-def _rests(task: Task, n: int) -> Rests:
+def _rests(task: Task, n: int, h: float) -> Rests:
     w = task.w
     row = FLOOR if task.q[SLIDE] == 0 else RATE
-    theta, pivot, normal, third = abs(w[TH, n]) * w[POWER, n], 0.0, 0.0, 0.0
-    if row == RATE:
-        third = abs(w[RATE, n]) * w[POWER, n]
+    theta, pivot, normal, third, power = 0.0, 0.0, 0.0, 0.0, h
     for k in range(2, n):
-        power = w[POWER, k]
-        theta += abs(w[TH, k]) * power
-        pivot += abs(w[PIVOT_V, k]) * power
-        normal += abs(w[NORMAL, k]) * power
-        third += abs(w[row, k]) * power
+        power *= h
+        theta += abs(term(w, TH, k)) * power
+        pivot += abs(term(w, PIVOT_V, k)) * power
+        normal += abs(term(w, NORMAL, k)) * power
+        third += abs(term(w, row, k)) * power
+    power *= h
+    theta += abs(term(w, TH, n)) * power
+    third += abs(term(w, RATE, n)) * power if row == RATE else 0.0
     return theta, pivot, normal, third
 
 
 @inlined
-def _rotation(task: Task, n: int, rest: float, best: Found) -> Found:
+def _rotation(task: Task, n: int, h: float, rest: float, best: Found) -> Found:
     """Impact on the facets at either side of the pivot, and the overturning limit."""
     pivot, w, last = task.q[PIVOT], task.w, task.length[FACET_RAD]
     for side in (-1, 1):
         j = pivot if side > 0 else pivot - 1
         if 0 <= j < last:
             angle = peek(task.address[FACET_RAD], j)
-            if _clear(task, TH, -side, angle, rest):
+            if _clear(task, TH, h, -side, angle, rest):
                 continue
             _level(task, TH, n, -side, angle)
             lo = 0
             if w[EVENT, 0] == 0.0:
                 lo = 1 if w[OM, 0] != 0.0 else 1 + omega_zeros(task, n)
-            best = _search(task, n, lo, IMPACT, j, best)
-        elif not _clear(task, TH, -side, side * task.p[OVERTURN], rest):
+            best = _search(task, n, h, lo, IMPACT, j, best)
+        elif not _clear(task, TH, h, -side, side * task.p[OVERTURN], rest):
             _level(task, TH, n, -side, side * task.p[OVERTURN])
-            best = _search(task, n, 0, AT_LIMIT, side, best)
+            best = _search(task, n, h, 0, AT_LIMIT, side, best)
     return best
 
 
@@ -142,74 +136,74 @@ def _solvable(task: Task, n: int) -> bool:
 
 
 @inlined
-def _contact(task: Task, n: int, rests: Rests, best: Found) -> Found:
+def _contact(task: Task, n: int, h: float, rests: Rests, best: Found) -> Found:
     """Loss of contact and the friction paradox; a statue that already falls may leave its corner without ending the run."""
     q = task.q
     if q[PIVOT] < 0:
         if task.q[DEGREE + 1] > 0 or task.w[GE, 0] <= 0.0:
             _level(task, GE, n, 1.0, 0.0)
-            return _search(task, n, 0, FLIGHT, 0, best)
+            return _search(task, n, h, 0, FLIGHT, 0, best)
         return best
-    if not _clear(task, PIVOT_V, 1.0, 0.0, rests[1]) and not falling(task):
+    if not _clear(task, PIVOT_V, h, 1.0, 0.0, rests[1]) and not falling(task):
         _level(task, PIVOT_V, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, 0, FLIGHT, 0, best)
-    if task.p[HAS_BASE] > 0.0 and not _clear(task, NORMAL, 1.0, 0.0, rests[2]):
+        best = _search(task, n - 1, h, 0, FLIGHT, 0, best)
+    if task.p[HAS_BASE] > 0.0 and not _clear(task, NORMAL, h, 1.0, 0.0, rests[2]):
         _level(task, NORMAL, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, 0, FLIGHT, 1, best)
+        best = _search(task, n - 1, h, 0, FLIGHT, 1, best)
     if q[SLIDE] != 0 and not _solvable(task, n):
-        best = _search(task, n - 1, 0, NO_SOLUTION, 0, best)
+        best = _search(task, n - 1, h, 0, NO_SOLUTION, 0, best)
     return best
 
 
 @inlined
-def _uplift(task: Task, n: int, best: Found) -> Found:
+def _uplift(task: Task, n: int, h: float, best: Found) -> Found:
     """Uplift of the resting statue to either side."""
     for side in (1, -1):
         scale = lift_margin(task, side, n - 1)
         lo = leading(task.w, EVENT, n - 1, scale, task.p[TIME_SCALE]) if task.q[FRESH] == 1 else 0
-        best = _search(task, n - 1, lo, UPLIFT, side, best)
+        best = _search(task, n - 1, h, lo, UPLIFT, side, best)
     return best
 
 
 @inlined
-def _friction(task: Task, n: int, rests: Rests, best: Found) -> Found:
+def _friction(task: Task, n: int, h: float, rests: Rests, best: Found) -> Found:
     """Start of the stuck pedestal to either side, or halt of the sliding one."""
     q, w, p = task.q, task.w, task.p
     if q[SLIDE] != 0:
-        if not _clear(task, RATE, q[SLIDE], 0.0, rests[3]):
+        if not _clear(task, RATE, h, q[SLIDE], 0.0, rests[3]):
             lo = rate_zeros(task, n) if w[RATE, 0] == 0.0 else 0
             _level(task, RATE, n, q[SLIDE], 0.0)
-            best = _search(task, n, lo, HALT, q[SLIDE], best)
+            best = _search(task, n, h, lo, HALT, q[SLIDE], best)
         return best
     rest = math.inf if p[DYNAMIC] == 0.0 or q[PIVOT] < 0 else p[MU_STATIC] * rests[2] + rests[3]
-    least = p[MU_STATIC] * (w[NORMAL, 0] - abs(w[NORMAL, 1]) * w[POWER, 1]) - rest
-    if least > abs(w[FLOOR, 0]) + abs(w[FLOOR, 1]) * w[POWER, 1]:
-        return best
+    held, change = p[MU_STATIC] * w[NORMAL, 0], p[MU_STATIC] * w[NORMAL, 1]
     for side in (1, -1):
+        if held + side * w[FLOOR, 0] + min(h * (change + side * w[FLOOR, 1]), 0.0) > rest:
+            continue
         scale = stick_margin(task, side, n - 1)
         lo = leading(w, EVENT, n - 1, scale, p[TIME_SCALE]) if q[FRESH] == 1 else 0
-        best = _search(task, n - 1, lo, SLIP_EVENT, side, best)
+        best = _search(task, n - 1, h, lo, SLIP_EVENT, side, best)
     return best
 
 
 @jit
-def first_event(task: Task, n: int) -> Found:
-    """The first event within the step whose coefficients and powers of length stand in the workspace."""
+def first_event(task: Task, n: int, h: float) -> Found:
+    """The first event within the step of length h whose coefficients stand in the workspace."""
     q = task.q
     best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
     rests = (0.0, 0.0, 0.0, 0.0)
     if q[PIVOT] < 0:
-        best = _uplift(task, n, best)
+        best = _uplift(task, n, h, best)
     else:
-        rests = _rests(task, n)
-        best = _rotation(task, n, rests[0], best)
+        rests = _rests(task, n, h)
+        best = _rotation(task, n, h, rests[0], best)
     if task.p[HAS_BASE] > 0.0:
         if q[PIVOT] < 0 and q[SLIDE] != 0:
             rests = (0.0, 0.0, 0.0, math.inf)
-        best = _friction(task, n, rests, best)
-    best = _contact(task, n, rests, best)
+        best = _friction(task, n, h, rests, best)
+    best = _contact(task, n, h, rests, best)
     side = int(task.p[WALL_SIDE])
-    if side != 0 and q[PIVOT] >= 0 and not _clear(task, TH, -side, side * task.p[WALL_ROTATION], rests[0]):
+    if side != 0 and q[PIVOT] >= 0 and not _clear(task, TH, h, -side, side * task.p[WALL_ROTATION], rests[0]):
         _level(task, TH, n, -side, side * task.p[WALL_ROTATION])
-        best = _search(task, n, 0, AT_WALL, side, best)
+        best = _search(task, n, h, 0, AT_WALL, side, best)
     return best

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from analytic._jit import inlined, jit
-from analytic.borrowed import peek
+from analytic.borrowed import peek, set_term, term
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.layout import (
@@ -144,7 +144,8 @@ def _oscillation(task: Task, axis: int, row: int, n: int, sine: float, cosine: f
     """amplitude sin(ωτ + φ) with sine = sin φ, cosine = cos φ."""
     w, wave = task.w, task.wave
     for k in range(0, n + 1, 2):
-        w[row, k], w[row, k + 1] = wave[axis, k] * sine, wave[axis, k + 1] * cosine
+        set_term(w, row, k, term(wave, axis, k) * sine)
+        set_term(w, row, k + 1, term(wave, axis, k + 1) * cosine)
         sine, cosine = -sine, -cosine
 
 

@@ -52,7 +52,6 @@ from analytic.layout import (
     PEAK,
     PEAK_SLIP,
     PIVOT,
-    POWER,
     PX,
     RATE,
     RESIDUAL,
@@ -98,24 +97,30 @@ MAX_STEPS: Final = 5_000_000
 
 
 @inlined
+def _size(task: Task, k: int) -> float:
+    """Size of the step's term k, rad s^-k."""
+    w, p, time_s = task.w, task.p, task.p[TIME_SCALE]
+    if task.q[PIVOT] < 0:
+        return float(time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / p[CENTROID])
+    return float(time_s * max(abs(w[OM, k]), abs(w[RATE, k]) / p[CENTROID]))
+
+
+@inlined
 def _length(task: Task, n: int, h: float) -> float:
     """Step at which the last two terms fall below the tolerance, at most h (Jorba and Zou's rule)."""
-    w, p = task.w, task.p
-    tol, time_s, length_m = p[TOLERANCE], p[TIME_SCALE], p[CENTROID]
-    for k in (n, n - 1):
-        if task.q[PIVOT] < 0:
-            size = time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / length_m
-        else:
-            size = time_s * max(abs(w[OM, k]), abs(w[RATE, k]) / length_m)
-        if size * (h / SHORTER) ** k > tol:
-            h = SHORTER * (tol / size) ** INVERSE[k]
-    return h
+    before, last = _size(task, n - 1), _size(task, n)
+    tol, step = task.p[TOLERANCE], h / SHORTER
+    if before > 0.0:
+        step = min(step, (tol / before) ** INVERSE[n - 1])
+    if last > 0.0 and last * step > before:  # else the last term is the smaller one there
+        step = min(step, (tol / last) ** INVERSE[n])
+    return min(h, SHORTER * step)
 
 
 @inlined
 def _expand_step(task: Task, h: float) -> tuple[int, float]:
     """Coefficients of the step that starts now: their order, and the length for which they hold, at most h."""
-    q, w = task.q, task.w
+    q = task.q
     n = int(task.p[ORDER])
     load(task)
     if q[PIVOT] < 0 and max(q[DEGREE], q[DEGREE + 1]) <= 1:
@@ -125,10 +130,6 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
         h = _length(task, reached, h)
     task.c[STEPS] += 1
     task.c[COEFFICIENTS] += reached
-    power = 1.0
-    for k in range(reached + 1):
-        w[POWER, k] = power
-        power *= h
     return reached, h
 
 
@@ -195,7 +196,7 @@ def _step(task: Task) -> None:
     limit = s[LIMIT]
     room = limit - s[T]
     n, h = _expand_step(task, min(room, p[STEP_CAP]))
-    x, kind, side, level, residual = first_event(task, n)
+    x, kind, side, level, residual = first_event(task, n, h)
     if level >= TANGENT_LEVEL:
         c[TANGENTS] += 1
     tau = h if kind == NO_EVENT else x * h

@@ -88,8 +88,7 @@ PIVOT_V: Final = 13  # V, support on statue
 PIVOT_H: Final = 14  # H, support on statue
 DET: Final = 15  # determinant of the sliding system, kg m²
 EVENT: Final = 16
-POWER: Final = 17  # h^k
-N_ROWS: Final = 18
+N_ROWS: Final = 17
 
 # State s and discrete state q.
 T: Final = 0
@@ -98,7 +97,10 @@ S_OM: Final = 2
 S_U: Final = 3
 S_V: Final = 4
 LIMIT: Final = 5  # the next break of a motion, or the duration, s
-N_STATE: Final = 6
+TURNED: Final = 6  # the last rotation that is not 0 of which sine and cosine were taken
+SINE_OF: Final = 7
+COSINE_OF: Final = 8
+N_STATE: Final = 9
 
 PIVOT: Final = 0  # vertex rocked about; -1 at rest
 FACET: Final = 1  # facet rested on (or last landed on)

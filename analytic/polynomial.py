@@ -1,66 +1,102 @@
-"""Polynomials of a Taylor step: value, slope and the first root, isolated by bounds on the second derivative."""
+"""Polynomials of a Taylor step: value, slope and the first root, isolated by bounds on the second derivative.
+
+Sums of many terms are taken in two halves, even and odd powers, which a processor adds up at the same time.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from analytic._jit import inlined, jit
+from analytic.borrowed import set_term, term
 from analytic.layout import Floats
 
 NO_ROOT: Final = 2.0
 """Returned where the polynomial keeps its sign on [0, 1]."""
 DEEPEST: Final = 40
 """Bisections after which an interval counts as a point: 2⁻⁴⁰ of a step is below 1e-12 of any step's length."""
-CONVERGED: Final = 1e-9
-"""Newton's step, in the bracket's width, whose square is below rounding: the slope there is at least the bend times the width."""
+CONVERGED: Final = 1e-6
+STRAIGHT: Final = 1e-4
+"""Halley's step, in the bracket's width, and what the slope changes over it at most, in the slope, at which the next error (the
+step's cube times squares of that change) is below rounding."""
+BOWED: Final = 3.999
+"""Below four: the second derivative's first term, 2 c₂, is more than the sum of all others, which then cannot change its sign."""
 TANGENT_LEVEL: Final = 12
 """An interval this small left undecided means that the function came within 2⁻²⁷ of its curvature to zero."""
+
+Search = tuple[float, int, float]
+"""Where the first root lies, the depth of the search, and the function left over there relative to its terms."""
 
 
 @inlined
 def value(w: Floats, row: int, n: int, x: float) -> float:
     """Value at x of the polynomial with coefficients w[row, 0..n]."""
-    s = float(w[row, n])
+    s = term(w, row, n)
     for k in range(n - 1, -1, -1):
-        s = s * x + w[row, k]
-    return s
-
-
-@inlined
-def slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    """First derivative at x of Σ w[row, lo + k] x^k."""
-    s = 0.0
-    for k in range(n, lo, -1):
-        s = s * x + (k - lo) * w[row, k]
+        s = s * x + term(w, row, k)
     return s
 
 
 @inlined
 def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    s = float(w[row, n])
-    for k in range(n - 1, lo - 1, -1):
-        s = s * x + w[row, k]
-    return s
+    """Σ w[row, lo + k] x^k."""
+    y, k, even, odd = x * x, n, 0.0, 0.0
+    if (n - lo) % 2 == 0:
+        even, k = term(w, row, n), n - 1
+    while k > lo:
+        odd = odd * y + term(w, row, k)
+        even = even * y + term(w, row, k - 1)
+        k -= 2
+    return even + x * odd
+
+
+@inlined
+def _slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
+    """First derivative at x of Σ w[row, lo + k] x^k."""
+    y, k, even, odd, even1, odd1 = x * x, n, 0.0, 0.0, 0.0, 0.0
+    if (n - lo) % 2 == 0:
+        even, k = term(w, row, n), n - 1
+    while k > lo:
+        odd1, even1 = odd1 * y + odd, even1 * y + even
+        odd, even = odd * y + term(w, row, k), even * y + term(w, row, k - 1)
+        k -= 2
+    return odd + 2.0 * (x * even1 + y * odd1)
 
 
 @jit
-def _refine(w: Floats, row: int, lo: int, n: int, a: float, b: float, fa: float, fb: float) -> float:
-    """The one root of a monotone polynomial that is fa > 0 at a and fb ≤ 0 at b: Newton's steps kept inside the bracket."""
+def _refine(w: Floats, row: int, lo: int, n: int, bend: float, a: float, b: float, fa: float, fb: float) -> float:
+    """The one root of a polynomial that is fa > 0 at a and fb ≤ 0 at b, its second derivative at most bend: Halley's steps kept
+    inside the bracket."""
     width = b - a
     x = a + width * fa / (fa - fb) if fa > fb else b
+    if a == 0.0 and lo < n:  # the parabola through both ends with the slope of this one
+        slope = term(w, row, lo + 1)
+        left = slope * slope - 4.0 * fa * ((fb - fa) / b - slope) / b
+        guess = 2.0 * fa / (math.sqrt(left) - slope) if left > 0.0 else x
+        x = guess if 0.0 < guess < b else x
     for _ in range(60):
-        f, d = float(w[row, n]), 0.0
-        for k in range(n - 1, lo - 1, -1):
-            d = d * x + f
-            f = f * x + w[row, k]
+        y, k = x * x, n
+        e, e1, e2, o, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        if (n - lo) % 2 == 0:
+            e, k = term(w, row, n), n - 1
+        while k > lo:
+            o2, e2 = o2 * y + o1, e2 * y + e1
+            o1, e1 = o1 * y + o, e1 * y + e
+            o, e = o * y + term(w, row, k), e * y + term(w, row, k - 1)
+            k -= 2
+        f = e + x * o
+        d = o + 2.0 * (x * e1 + y * o1)
+        curve = 2.0 * e1 + 6.0 * x * o1 + 8.0 * y * (e2 + x * o2)
         if f > 0.0:
             a = x
         else:
             b = x
-        new = x - f / d if d != 0.0 else 0.5 * (a + b)
+        below = d * d - 0.5 * f * curve
+        new = x - f * d / below if below > 0.0 else 0.5 * (a + b)
         if not (a <= new <= b):
             new = 0.5 * (a + b)
-        elif abs(new - x) <= CONVERGED * width:
+        elif abs(new - x) <= CONVERGED * width and abs(new - x) * bend <= STRAIGHT * abs(d):
             return new
         if abs(new - x) <= 1e-16 * b:
             return new
@@ -69,47 +105,81 @@ def _refine(w: Floats, row: int, lo: int, n: int, a: float, b: float, fa: float,
 
 
 @jit
-def first_root(w: Floats, row: int, lo: int, n: int) -> tuple[float, int]:
-    """First x in [0, 1] at which Σ w[row, lo + k] x^k, k = 0..n − lo, is not positive, and the depth of the search.
+def _isolate(w: Floats, row: int, lo: int, n: int, bend: float, f_right: float) -> tuple[float, int]:
+    """First root in [0, 1] of the stripped polynomial and the depth of the search; bend: sum of the second derivative's terms,
+    f_right: value at 1."""
+    level, i, deepest = 0, 0, 0
+    left, width, right = 0.0, 1.0, 1.0
+    f_left, curve = term(w, row, lo), (term(w, row, lo + 2) if lo + 2 <= n else 0.0)
+    if f_left > 0.0 and BOWED * abs(curve) > bend and (f_right <= 0.0 or curve < 0.0):  # bowed one way all along
+        return (_refine(w, row, lo, n, bend, 0.0, 1.0, f_left, f_right) if f_right <= 0.0 else NO_ROOT), 0
+    while True:
+        turn = bend * width  # what the slope can change over the interval
+        clear = f_right > 0.0 and min(f_left, f_right) > 0.125 * turn * width
+        if not clear:
+            chord = abs(f_left - f_right)
+            if chord >= turn * width or abs(_slope(w, row, lo, n, left + 0.5 * width)) >= 0.5 * turn:  # monotone
+                if f_right <= 0.0:
+                    return _refine(w, row, lo, n, bend, left, right, f_left, f_right), level
+                clear = True
+        if not clear and level < DEEPEST:
+            level, i, width = level + 1, 2 * i, 0.5 * width
+            deepest = max(deepest, level)
+        else:
+            if f_right <= 0.0:
+                return right, level
+            i, left, f_left = i + 1, right, f_right
+            while level > 0 and i % 2 == 0:
+                level, i, width = level - 1, i // 2, 2.0 * width
+            if level == 0 and i == 1:
+                return NO_ROOT, deepest
+        right = (i + 1) * width
+        f_right = _stripped(w, row, lo, n, right)
+
+
+@jit
+def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
+    """First x in [0, 1] at which Σ w[row, lo + k] (x h)^k, k = 0..n − lo, is not positive; the row takes on the powers of h.
 
     The search is exact: an interval is left only when the bound min(f(a), f(b)) − B w²/8 > 0 or a slope beyond B w/2
     proves it free of roots, B being the sum of the second derivative's terms; a touch closer than the deepest interval
     counts as none.
     """
     if lo > n:
-        return NO_ROOT, 0
-    if w[row, lo] < 0.0:
-        return 0.0, 0
-    bend, rest = 0.0, 0.0
+        return NO_ROOT, 0, 0.0
+    power, terms = 1.0, 0.0
+    for k in range(lo):
+        c = term(w, row, k) * power
+        set_term(w, row, k, c)
+        terms += abs(c)
+        power *= h
+    at, slope = term(w, row, lo) * power, 0.0
+    set_term(w, row, lo, at)
+    if lo < n:
+        power *= h
+        slope = term(w, row, lo + 1) * power
+        set_term(w, row, lo + 1, slope)
+    bend, rest, fall, end = 0.0, 0.0, 0.0, at + slope
     for k in range(lo + 2, n + 1):
-        size = abs(w[row, k])
-        rest += size
-        bend += (k - lo) * (k - lo - 1) * size
-    first = w[row, lo + 1] if lo < n else 0.0
-    if w[row, lo] + min(first, 0.0) > rest:
-        return NO_ROOT, 0
-    level, i, deepest = 0, 0, 0
-    left, width = 0.0, 1.0
-    f_left = w[row, lo]
-    while True:
-        right = (i + 1) * width
-        f_right = _stripped(w, row, lo, n, right)
-        clear = f_right > 0.0 and min(f_left, f_right) > 0.125 * bend * width * width
-        if not clear and abs(slope(w, row, lo, n, left + 0.5 * width)) >= 0.5 * bend * width:
-            if f_right <= 0.0:
-                return _refine(w, row, lo, n, left, right, f_left, f_right), level
-            clear = True
-        if not clear and level < DEEPEST:
-            level, i, width = level + 1, 2 * i, 0.5 * width
-            deepest = max(deepest, level)
-            continue
-        if f_right <= 0.0:
-            return right, level
-        i, left, f_left = i + 1, right, f_right
-        while level > 0 and i % 2 == 0:
-            level, i, width = level - 1, i // 2, 2.0 * width
-        if level == 0 and i == 1:
-            return NO_ROOT, deepest
+        power *= h
+        c, i = term(w, row, k) * power, float(k - lo)
+        set_term(w, row, k, c)
+        rest += abs(c)
+        fall += min(c, 0.0)
+        bend += i * (i - 1.0) * abs(c)
+        end += c
+    x, level = 0.0, 0
+    if at >= 0.0:
+        if at + min(slope, 0.0) + fall > 0.0:
+            return NO_ROOT, 0, 0.0
+        x, level = _isolate(w, row, lo, n, bend, end)
+        if x > 1.0:
+            return x, level, 0.0
+    left = _stripped(w, row, lo, n, x)
+    for k in range(lo - 1, -1, -1):
+        left = left * x + term(w, row, k)
+    terms += abs(at) + abs(slope) + rest
+    return x, level, (abs(left) / terms if terms > 0.0 else 0.0)
 
 
 @inlined
@@ -117,7 +187,7 @@ def leading(w: Floats, row: int, n: int, scale: float, time_s: float) -> int:
     """Index of the first coefficient that is more than rounding: |w[row, k]| time_s^k above 1e-10 of scale; n + 1 if none."""
     power = 1.0
     for k in range(n + 1):
-        if abs(w[row, k]) * power > 1e-10 * scale:
+        if abs(term(w, row, k)) * power > 1e-10 * scale:
             return k
         power *= time_s
     return n + 1

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from analytic._jit import inlined, jit
-from analytic.borrowed import peek
+from analytic.borrowed import peek, set_term, term
 from analytic.dynamics import expand, vertex
 from analytic.forcing import coefficients
 from analytic.layout import (
@@ -95,7 +95,7 @@ def lift_margin(task: Task, side: int, n: int) -> float:
     x, z, _ = corner(task, task.q[FACET], side)
     w = task.w
     for k in range(n + 1):
-        w[EVENT, k] = -side * (w[GE, k] * x - w[ABS, k] * z)
+        set_term(w, EVENT, k, -side * (term(w, GE, k) * x - term(w, ABS, k) * z))
     return float(abs(w[GE, 0] * x) + abs(w[ABS, 0] * z))
 
 
@@ -104,9 +104,9 @@ def stick_margin(task: Task, side: int, n: int) -> float:
     """Write the coefficients 0..n of μ_s N ± F, which falls to zero as the pedestal starts to that side; return their scale."""
     w, p = task.w, task.p
     total = p[MASS] + p[BASE_MASS]
+    row, factor = (NORMAL, p[MU_STATIC]) if p[DYNAMIC] > 0.0 else (GE, p[MU_STATIC] * total)
     for k in range(n + 1):
-        normal = w[NORMAL, k] if p[DYNAMIC] > 0.0 else total * w[GE, k]
-        w[EVENT, k] = p[MU_STATIC] * normal + side * w[FLOOR, k]
+        set_term(w, EVENT, k, factor * term(w, row, k) + side * term(w, FLOOR, k))
     return float(total * (abs(w[GE, 0]) + abs(w[AX, 0])))
 
 

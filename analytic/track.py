@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from analytic._jit import inlined, jit
-from analytic.borrowed import poke
+from analytic.borrowed import poke, set_term, term
 from analytic.layout import (
     BREAK,
     E_ENERGY,
@@ -25,7 +25,6 @@ from analytic.layout import (
     EVENT,
     EVENTS,
     FACET,
-    FACET_RAD,
     FLIGHT,
     FRESH,
     GRID,
@@ -43,6 +42,7 @@ from analytic.layout import (
     PEAK_TIME,
     PIVOT,
     PX,
+    PZ,
     RATE,
     S_OM,
     S_TH,
@@ -66,11 +66,9 @@ SAME_INSTANT: Final = 1e-9
 @jit
 def _crossing(task: Task, row: int, n: int, tau: float, sign: float) -> float:
     """Time within the step at which sign × row, positive at its start, reaches zero."""
-    w, power = task.w, 1.0
     for k in range(n + 1):
-        w[EVENT, k] = sign * w[row, k] * power
-        power *= tau
-    x, _ = first_root(w, EVENT, 0, n)
+        set_term(task.w, EVENT, k, sign * term(task.w, row, k))
+    x, _, _ = first_root(task.w, EVENT, 0, n, tau)
     return min(x, 1.0) * tau
 
 
@@ -81,16 +79,14 @@ def _peak(task: Task, theta: float, time: float) -> None:
 
 
 @inlined
-def move(task: Task, n: int, tau: float) -> float:
-    """Set the state to the step's polynomials at tau; return X there."""
+def _move(task: Task, n: int, tau: float) -> None:
+    """Set the state to the step's polynomials at tau."""
     s, w = task.s, task.w
-    theta, omega, slip, rate, reach = w[TH, n], w[OM, n], w[SLIP, n], w[RATE, n], w[PX, n]
-    for k in range(n - 1, -1, -1):
-        theta, omega = theta * tau + w[TH, k], omega * tau + w[OM, k]
-        slip, rate = slip * tau + w[SLIP, k], rate * tau + w[RATE, k]
-        reach = reach * tau + w[PX, k]
+    theta, omega, slip, rate = 0.0, 0.0, 0.0, 0.0
+    for k in range(n, -1, -1):
+        theta, omega = theta * tau + term(w, TH, k), omega * tau + term(w, OM, k)
+        slip, rate = slip * tau + term(w, SLIP, k), rate * tau + term(w, RATE, k)
     s[S_TH], s[S_OM], s[S_U], s[S_V] = theta, omega, slip, rate
-    return float(reach)
 
 
 @inlined
@@ -128,12 +124,23 @@ def close(task: Task) -> None:
 
 
 @inlined
+def _note_balance(task: Task, n: int, tau: float) -> None:
+    """Note when the centroid passes over the corner rocked about: the last time before a fall is that of no return."""
+    w = task.w
+    start, turned = w[PX, 0], abs(task.s[S_TH] - w[TH, 0])
+    side = 1.0 if start > 0.0 else -1.0
+    # the centroid moves on a circle: no further than the turn times its radius
+    if start != 0.0 and abs(start) <= (abs(start) + abs(w[PZ, 0])) * turned and side * value(w, PX, n, tau) <= 0.0:
+        task.r[NO_RETURN] = task.s[T] + _crossing(task, PX, n, tau, side)
+
+
+@inlined
 def follow(task: Task, n: int, tau: float, until: float) -> None:
     """Move the state to the end of a step of length tau, at until, and keep what is wanted of it; the clock stays."""
     w, s, q, r = task.w, task.s, task.q, task.r
     if task.p[GRID_STEP] > 0.0:
         _fill(task, n, until)
-    across = move(task, n, tau)
+    _move(task, n, tau)
     r[PEAK_SLIP] = max(r[PEAK_SLIP], abs(s[S_U]))
     if q[PIVOT] < 0:
         return
@@ -143,9 +150,7 @@ def follow(task: Task, n: int, tau: float, until: float) -> None:
         at = _crossing(task, OM, n, tau, 1.0 if w[OM, 0] > 0.0 else -1.0)
         _peak(task, value(w, TH, n, at), s[T] + at)
     _peak(task, theta, until)
-    side = 1 if q[PIVOT] == task.length[FACET_RAD] else (-1 if q[PIVOT] == 0 else 0)
-    if side != 0 and w[PX, 0] * side < 0.0 and across * side >= 0.0:
-        r[NO_RETURN] = s[T] + _crossing(task, PX, n, tau, -side)
+    _note_balance(task, n, tau)
 
 
 @jit

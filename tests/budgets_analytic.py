@@ -31,3 +31,7 @@ two, with room for the natural frequency of the smallest blocks."""
 
 ROOT_REL: Final = 1e-7
 """numpy's companion matrix gives simple roots of degree 13 to some 1e-10 relative, and pairs 1e-5 apart to 1e-16 / 1e-5."""
+
+SAMPLED_S: Final = 1e-6
+"""An instant read off a history of 1 ms between two samples: the chord is off by the acceleration of at most 10 rad/s², over
+eight times the rate of 0.5 rad/s or more, times the square of the step."""

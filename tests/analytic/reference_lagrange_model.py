@@ -127,9 +127,9 @@ class Lagrange:
         if side == 0:
             found |= {"uplift_right": f.moment_right, "uplift_left": f.moment_left}
         else:
-            found |= {"impact": turned, "roll": k.gap(side) - turned}
+            found |= {"impact": turned, "roll": k.gap(side) - turned, "balance": self.lean(side) - turned}
             if k.gap(side) == math.inf:
-                found |= {"overturned": k.overturn - side * (y[0] + k.tilt), "balance": self.lean(side) - turned}
+                found["overturned"] = k.overturn - side * (y[0] + k.tilt)
             if k.wall is not None:
                 found["touches_wall"] = k.wall[1] - k.wall[0] * (y[0] + k.tilt)
         if k.pedestal_kg is not None:

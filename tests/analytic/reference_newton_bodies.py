@@ -106,9 +106,9 @@ class Bodies:
             found |= {"impact": side * y[0], "friction_paradox": r.regularity}
             if k.wall is not None:
                 found["touches_wall"] = k.wall[1] - k.wall[0] * (k.tilt + y[0])
+            found["balance"] = self.lean(side) - side * y[0]
             if self.outer(side):
                 found["overturned"] = k.overturn - side * (k.tilt + y[0])
-                found["balance"] = self.lean(side) - side * y[0]
             else:
                 found["roll"] = k.gap(side) - side * y[0]
         else:

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import AnalyticInputError, Block, Harmonic, Rest, simulate
 from tests.analytic.paestum import GRAVITY, STATUE
-from tests.budgets_analytic import ENERGY_RISE_REL, EVENT_REL
+from tests.budgets_analytic import ENERGY_RISE_REL, EVENT_REL, SAMPLED_S
 
 BULGE = Block.from_profile(
     mass_kg=100.0,
@@ -110,3 +110,20 @@ def test_mirrored_profile_gives_the_mirrored_run_bit_for_bit() -> None:
 def test_a_profile_that_cannot_rock_is_refused(profile: list[tuple[float, float]], sentence: str) -> None:
     with pytest.raises(AnalyticInputError, match=sentence):
         Block.from_profile(mass_kg=1.0, centroid_height_m=0.5, inertia_kg_m2=0.1, profile_m=profile)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_no_return_is_told_where_the_last_facet_lies_beyond_balance(side: int) -> None:
+    """The statue lands on its outer corner with the centroid beyond it: what could not be undone was to pass the inner one."""
+    steep = [(-0.3, 0.2), (-0.1, 0.0), (0.1, 0.0), (0.3, 0.2)]
+    block = Block.from_profile(mass_kg=100.0, centroid_height_m=1.0, inertia_kg_m2=30.0, profile_m=steep)
+    run = simulate(block, Rest(), theta_rate0_rad_s=0.6 * side, duration_s=5.0)
+    assert run.outcome.value == ("overturned_right" if side > 0 else "overturned_left")
+    assert run.impacts
+    assert run.no_return_time_s is not None
+    balance_rad = math.atan2(0.1, 1.0)
+    landed_s = run.impacts[0].time_s
+    rising = run.t_s < landed_s
+    crossed_s = np.interp(balance_rad, side * run.theta_rad[rising], run.t_s[rising])
+    assert run.no_return_time_s == pytest.approx(crossed_s, abs=SAMPLED_S)
+    assert run.no_return_time_s < landed_s
