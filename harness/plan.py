@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, Rest
 from harness.engine import SKIPS, Engine, Want
+from harness.mirror import asymmetry
 from harness.scene import OVERTURN_RAD, Scene, Statue
 from harness.shape_need import shape_needed
 from meshes.footprint import margin_m, outward_sides
@@ -185,6 +186,17 @@ def _base_only(scene: Scene, want: Want) -> Decision:
     return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
 
 
+def _mirror(scene: Scene, want: Want) -> Decision:
+    if "base_only" not in want.skips and scene.pedestal is not None:
+        return False, "full shapes are asked"
+    if scene.table != "frame":
+        return False, "the table moves, not the frame"
+    reason = asymmetry(scene)
+    if reason is not None:
+        return False, reason
+    return True, "the scene is its own mirror image across the rocking plane: half of it is computed"
+
+
 def _no_history(scene: Scene, want: Want) -> Decision:
     return (False, "histories are asked") if want.history else (True, "only the outcome is asked")
 
@@ -199,6 +211,7 @@ DECISIONS: Final[Mapping[str, Callable[[Scene, Want], Decision]]] = {
     "quiet_end": _quiet_end,
     "energy_outcome": _energy,
     "base_only": _base_only,
+    "mirror": _mirror,
     "no_history": _no_history,
     "stop_at_overturn": _stop,
 }

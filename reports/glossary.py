@@ -78,6 +78,7 @@ SKIP_WORDS: Final[Mapping[str, str]] = {
     "quiet_end": "the time after everything has come to rest for good",
     "energy_outcome": "what follows once the outcome is certain",
     "base_only": "contact of parts other than the base",
+    "mirror": "one of two halves that mirror each other",
     "no_history": "the histories",
     "planar": "the third dimension",
     "stop_at_overturn": "what follows after the statue has fallen",

@@ -33,6 +33,7 @@ LEVERS: Final = {
     ),
     "stop_at_overturn": (Want(True, frozenset({"stop_at_overturn"})), Want(True, frozenset())),
     "base_only": (Want(True, frozenset({"base_only"})), Want(True, frozenset())),
+    "mirror": (Want(True, frozenset({"base_only", "mirror"})), Want(True, frozenset({"base_only"}))),
 }
 """What is asked with a skip alone and without it."""
 CASES: Final = {
@@ -42,6 +43,7 @@ CASES: Final = {
     "no_history": {"analytic": "study", "pymunk": "late record"},
     "stop_at_overturn": {"pymunk": "falls"},
     "base_only": {"pybullet": "on a pedestal"},
+    "mirror": {"pybullet": "on a pedestal"},
 }
 """For each skip the engines that have it, and the scene on which it is measured."""
 STUDY_RUNS: Final = 16

@@ -42,6 +42,7 @@ def shaken(name: str) -> Scene:
         "energy_outcome": {"duration_s": 9.0, "statue": COLUMN, "motion": {"x": pulse}},
         "no_history": {"duration_s": 1.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)},
         "base_only": {"duration_s": 0.5, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
+        "mirror": {"duration_s": 0.7, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)},
         "stop_at_overturn": {"duration_s": 5.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)},
     }
     return scene_of(name, contents[name])
@@ -82,6 +83,8 @@ def left_out(skip: str, on: Run, off: Run) -> bool:
         return on.history is None and off.history is not None
     if skip == "base_only":
         return off.validity.get("full_shape_from_s") == 0.0 and on.validity.get("full_shape_from_s") != 0.0
+    if skip == "mirror":
+        return bool(on.validity["mirrored"] and not off.validity["mirrored"])
     return on.steps < off.steps
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.contact.frame import step_count
 from harness.engine import Want
-from harness.engines.bullet import feet, loop, pose
+from harness.engines.bullet import feet, loop, mirror, pose
 from harness.engines.bullet.edge import EdgeWatch
 from harness.engines.bullet.full import FullShape, full_shape
 from harness.engines.bullet.loop import MOST_FREE, Watch
@@ -42,16 +42,26 @@ class Setup:
     hull_m: Array
     rest: feet.Rest
     start: pose.Body
+    mirrored: bool = False
+
+    @property
+    def halved(self) -> Setup:
+        """The half of a scene that mirrors itself."""
+        return replace(self, feet_m=mirror.halved(self.feet_m), moments=mirror.locked(self.moments), mirrored=True)
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Samples of a whole run; `full_from_s` is when the full shape `full` took over from its feet, both None if it never did."""
+    """Samples of a whole run; `full_from_s` is when the full shape `full` took over from its feet, both None if it never did.
+
+    `mirrored` says that half of a scene that is its own mirror image was computed, up to there.
+    """
 
     record: Record
     skipped: tuple[str, ...]
     full_from_s: float | None
     full: FullShape | None
+    mirrored: bool = False
 
 
 def prepare(scene: Scene) -> Setup:
@@ -76,15 +86,19 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     full = None
     if scene.pedestal is not None and not want.may_skip("base_only"):
         full = full_shape(scene, rung.full_shape)
+    whole = setup
+    if full is None and want.may_skip("mirror") and mirror.halves(scene):
+        setup = setup.halved
     watch = _watch(scene, rung, setup, want, full is not None)
     record = _part(scene, rung, setup, schedule, watch, full=full)
     full_from = None if full is None else 0.0
     if watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
         # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
         full_from, full = record.t_s[-1], full_shape(scene, rung.full_shape)
-        rest_of = _part(scene, rung, setup, schedule, _watch(scene, rung, setup, want, True), full=full, done=record)
+        rest_of = _part(scene, rung, whole, schedule, _watch(scene, rung, whole, want, True), full=full, done=record)
         record = _joined(record, rest_of)
-    return Course(record, _skipped(scene, first * rung.dt_s, full_from, record.rested), full_from, full)
+    said = _skipped(scene, first * rung.dt_s, full_from, record.rested, halved=setup.mirrored)
+    return Course(record, said, full_from, full, setup.mirrored)
 
 
 def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: bool) -> Watch:
@@ -136,7 +150,7 @@ def _part(
         wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     bodies = None if full is None else full.turned(centroid, setup.axes)
-    with World(rung) as world:
+    with World(rung, mirrored=setup.mirrored) as world:
         world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
         stepper = Stepper(world, scene, schedule)
         if done is None:
@@ -164,8 +178,10 @@ def quiet_start_s(scene: Scene, setup: Setup) -> float:
     return first_motion_s(scene) if setup.rest.lean_rad == 0.0 else 0.0
 
 
-def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool) -> tuple[str, ...]:
+def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool, *, halved: bool) -> tuple[str, ...]:
     said = []
+    if halved:
+        said.append("mirror: half of a scene that is its own mirror image across the rocking plane")
     if quiet_s > 0.0:
         said.append(f"quiet_start: the first {quiet_s:.4g} s, in which nothing can move")
     if full_from_s is None:

@@ -9,7 +9,8 @@ from typing import Final
 
 from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
-from harness.engines.bullet.march import APPROACH, EARLIER, IMPACT_SHARE, MOST_PARTS, PRECISE, SHORTEST, March
+from harness.engines.bullet.march import March
+from harness.engines.bullet.meeting import meet
 from harness.engines.bullet.schedule import Schedule, Vector
 from harness.engines.bullet.stepper import Record, Row, axis_of
 from harness.engines.bullet.touch import LEAST_RATE_RAD_S, Touch
@@ -19,14 +20,14 @@ AHEAD: Final = 1.5
 """Steps between the last look at an event and the step in which it may fall."""
 LEAST_SHARE: Final = 0.1
 """Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
-IMPOSED_PARTS: Final = 40
-"""Parts of a step in which a prescribed impact falls."""
 ALONE: Final = 13
 """Numbers in a row without a pedestal."""
 RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
 MOST_FREE: Final = 16
 """Steps taken at once at most: so often are overturning, rest and the pedestal's edge looked at."""
+MOST_JOLTS: Final = 8
+"""Events met within one step at most: what touches again and again comes to rest in a whole one."""
 LEANING: Final = 0.2
 """An axis whose vertical component is larger is far from overturned."""
 STILL_LEAN_RAD: Final = 1e-4
@@ -45,8 +46,8 @@ class Watch:
     """What the loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
-    run is not ended at rest). `halt` is asked now and then whether the statue would touch what this world leaves out, `stop` with
-    time and rotation whether the run may end. `touch` finds impacts; None leaves them to whole steps.
+    run is not ended at rest). `halt` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
+    `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps.
     """
 
     axis: Vector
@@ -62,15 +63,18 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
     """Run `march` to the schedule's end, an overturn, rest, or a halt."""
     pull = _greatest_pull(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, look, record = Still(watch), march.number, march.record
+    still, record = Still(watch), march.record
+    look = halt_look = march.number
     while march.number < schedule.count:
         row = march.row
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and fallen(zx, zy, zz):
             break
         if march.on_grid:
-            if watch.halt is not None and watch.halt(row):
-                break
+            if watch.halt is not None and march.number >= halt_look:
+                halt_look = march.number + MOST_FREE
+                if watch.halt(row):
+                    break
             if watch.stop is not None and march.number >= look:
                 look = march.number + LOOK_STEPS
                 if watch.stop(march.t_s, math.atan2(zx, zz)):
@@ -79,7 +83,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
                 record.rested = True
                 break
         free = RESTING_FREE
-        if watch.touch is not None:
+        if watch.touch is not None and march.jolts < MOST_JOLTS:
             free = _touched(march, scene, watch.touch, watch)
             if free == 0:
                 continue
@@ -101,53 +105,31 @@ def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
     stepper, step_s = march.stepper, march.step_s
     coming, soonest, foot = touch(march.row, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
-        return _imposed(march, scene, watch, soonest)
-    latest = march.next_s + EARLIER * step_s
-    if march.t_s + coming > latest:
+        return _imposed(march, scene, touch, watch, soonest)
+    # Its velocity is of half a step ago: it may come sooner than at that.
+    if coming == math.inf or march.t_s + min(coming, soonest) > march.next_s:
         return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-    for _ in range(MOST_PARTS):
-        if coming <= PRECISE * step_s:
-            break
-        end = march.t_s + APPROACH * coming
-        march.to(end, 0.5 * (march.t_s + end))
-        floor = stepper.table_place[2], stepper.table_rate[2]
-        coming = touch.until(march.row, foot, *floor)
-        if march.t_s + coming > latest:
-            # It comes later than it seemed.
-            march.to_next()
-            return 0
-    # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
-    march.lower(touch.drift_m(march.row, stepper.table_place[2]))
-    last = march.next_s - IMPACT_SHARE * step_s
-    meeting = min(march.t_s + max(coming, SHORTEST * step_s), max(last, march.t_s + SHORTEST * step_s))
-    march.to(meeting, meeting)
-    # All feet of an edge meet their support in one step.
-    early = 3.0 * (EARLIER + IMPACT_SHARE) * step_s
-    march.lower(touch.drift_m(march.row, stepper.table_place[2], coming_s=early))
-    if meeting >= last:
-        march.to_next(meeting)
-    else:
-        march.to(meeting + IMPACT_SHARE * step_s, meeting)
+    meet(
+        march, touch, lambda: touch.until(march.row, foot, stepper.table_place[2], stepper.table_rate[2]), march.impact
+    )
     return 0
 
 
-def _imposed(march: March, scene: Scene, watch: Watch, soonest: float) -> int:
-    """The same where impacts are prescribed: a step in which the statue passes upright goes in parts, the impact between two."""
+def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: float) -> int:
+    """The same where impacts are prescribed: one is imposed when the statue passes upright."""
     step_s = march.step_s
-    if _upright(march, watch) > AHEAD * step_s:
-        return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-    start, part = march.t_s, (march.next_s - march.t_s) / IMPOSED_PARTS
-    for index in range(1, IMPOSED_PARTS + 1):
-        if _upright(march, watch) <= part:
-            march.row = imposing.impose(
-                march.stepper, scene, march.row, axis_of(march.row, watch.axis)[0] - watch.rest[0]
-            )
-            march.record.imposed += 1
-        end = start + index * part
-        if index == IMPOSED_PARTS:
-            march.to_next(march.next_s - 0.5 * part)
-        else:
-            march.to(end, end - 0.5 * part)
+    # Right after an impact the statue is upright, to the last digit or not.
+    coming = math.inf if march.jolted else _upright(march, watch)
+    if march.t_s + coming > march.next_s:
+        sure = min(soonest, coming)
+        return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
+
+    def impose() -> None:
+        lean = axis_of(march.row, watch.axis)[0] - watch.rest[0]
+        march.jolt(imposing.impose(march.stepper, scene, march.row, lean))
+        march.record.imposed += 1
+
+    meet(march, touch, lambda: _upright(march, watch), impose)
     return 0
 
 
@@ -175,7 +157,7 @@ def _halted(march: March, pull: float, kinetic: float) -> int:
     if speed <= LEAST_SHARE * kinetic * step_s:
         return RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
-    if last_s <= 0.0:
+    if last_s <= 0.0 or march.jolted:
         return 1
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s

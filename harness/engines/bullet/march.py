@@ -1,8 +1,8 @@
 """One step after another: whole ones, and shorter ones around an event. Places and velocities keep clocks of their own.
 
 Bullet changes velocities first and places after. A step is therefore two numbers: how far the places go, and up to when the
-velocities are taken (`kick_s`, the middle of a whole step). Around an impact the velocities are brought to its instant and the
-places to the contact; the impact is a step of its own in which nothing pulls.
+velocities are taken (`kick_s`, the middle of a whole step). For an impact the velocities are brought to its instant, the places
+to the contact, and the impact takes no time: Bullet solves a step in which nothing pulls, of which only the velocities are kept.
 """
 
 from __future__ import annotations
@@ -10,20 +10,15 @@ from __future__ import annotations
 from array import array
 from typing import Final
 
+from harness.engines.bullet.pose import advanced
 from harness.engines.bullet.schedule import Vector
 from harness.engines.bullet.stepper import Record, Row, Stepper
 
+NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
 """Share of a step below which none is taken."""
-IMPACT_SHARE: Final = 0.01
-"""Length of the step that is an impact, in steps."""
-EARLIER: Final = 0.005
-"""An impact so little after a whole step, in steps, is met before it."""
-APPROACH: Final = 0.95
-"""Share of the time to an impact that a first step takes, so that a second one meets it."""
-PRECISE: Final = 0.01
-"""Nearer than this share of a step the velocities are brought to the impact as well."""
-MOST_PARTS: Final = 6
+TOGETHER: Final = 0.05
+"""Feet that come down within this share of a step meet their support at once, as those of one edge do: an impact's length."""
 LEAST_REST: Final = 0.04
 """A rest of a step shorter than this goes with the part before it."""
 PAST_HALT: Final = 0.01
@@ -35,7 +30,8 @@ RELEASE_PARTS: Final = 10
 class March:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
-    `even` says that both clocks stand as after a whole step, so that another one may follow.
+    `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
+    impact's, `jolts` how many there were since the last whole step.
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
@@ -44,6 +40,7 @@ class March:
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
         self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
+        self.jolted, self.jolts = False, 0
 
     @property
     def next_s(self) -> float:
@@ -61,21 +58,58 @@ class March:
         self._set(length)
         gravity = self.schedule.between(self.kick_s, kick_s, length)
         self.row = self.stepper.step(gravity, self.t_s, length, self.row)
-        self.t_s, self.kick_s, self.even = t_s, kick_s, False
+        self.t_s, self.kick_s, self.even, self.jolted = t_s, kick_s, False, False
         self.record.keep(t_s, kick_s, self.row)
         return self.row
+
+    def kick(self, length_s: float, kick_s: float) -> None:
+        """Velocities to `kick_s` by a step of the places over `length_s` that is no sample: their clock goes on by `length_s`."""
+        self._set(length_s)
+        gravity = self.schedule.between(self.kick_s, kick_s, length_s)
+        self.row = self.stepper.step(gravity, self.t_s, length_s, self.row)
+        self.t_s, self.kick_s, self.even = self.t_s + length_s, kick_s, False
+
+    def coast(self, seconds: float) -> None:
+        """Places go on, or back, with the present velocities, by no step of Bullet's."""
+        self.row = advanced(self.row, seconds)
+        self.stepper.restore(self.row)
+        self.t_s += seconds
+
+    def impact(self) -> None:
+        """An impact here and now: everything that touches meets at once, and nothing else moves."""
+        length = TOGETHER * self.step_s
+        self._set(length)
+        after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
+        before = self.row
+        # Only the velocities are kept.
+        row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
+        self.stepper.restore(row)
+        self.jolt(row)
+
+    def jolt(self, row: Row) -> None:
+        """A sample with other velocities at this instant."""
+        shortest = SHORTEST * self.step_s
+        self.row, self.even, self.jolted = row, False, True
+        self.jolts += 1
+        self.t_s = self.kick_s = max(self.t_s, self.record.t_s[-1] + shortest)
+        if self.next_s - self.t_s < shortest:
+            self.coast(self.next_s - self.t_s)
+            self.t_s = self.next_s
+            self.number += 1
+        self.record.keep(self.t_s, self.kick_s, self.row)
 
     def to_next(self, kick_s: float | None = None) -> None:
         """To the next whole step, velocities to the middle of the way or to `kick_s`."""
         end = self.next_s
         on_grid = kick_s is None and self.on_grid
-        self.to(end, 0.5 * (self.t_s + end) if kick_s is None else kick_s)
+        self.to(end, max(0.5 * (self.t_s + end), self.kick_s) if kick_s is None else kick_s)
         self.number += 1
-        self.even = on_grid
+        self.even, self.jolts = on_grid, 0
 
     def wholes(self, pulls: list[Vector]) -> None:
         """Whole steps, one for each gravity; ends before one in which static friction gives way, and takes that in parts."""
         self._set(self.step_s)
+        self.jolted, self.jolts = False, 0
         stepper, row, record, taken = self.stepper, self.row, self.record, len(pulls)
         if stepper.plain:
             advance, keep = stepper.advance, record.flat.extend

@@ -89,3 +89,24 @@ def quaternion(rotation: Array) -> tuple[float, float, float, float]:
         found[3] = skew[k] / (2.0 * size)
         found = found if found[3] >= 0.0 else -found
     return float(found[0]), float(found[1]), float(found[2]), float(found[3])
+
+
+def advanced(row: tuple[float, ...], seconds: float) -> tuple[float, ...]:
+    """The row of one or two bodies (place, quaternion, velocity, rate of each) after so many seconds at those velocities."""
+    moved = _carried(row[0:13], seconds)
+    return moved if len(row) == 13 else moved + _carried(row[13:26], seconds)
+
+
+def _carried(body: tuple[float, ...], seconds: float) -> tuple[float, ...]:
+    px, py, pz, x, y, z, w, u, v, q, a, b, c = body
+    rate = math.sqrt(a * a + b * b + c * c)
+    half = 0.5 * rate * seconds
+    share = math.sin(half) / rate if rate > 0.0 else 0.0
+    i, j, k, r = a * share, b * share, c * share, math.cos(half)
+    turn = (
+        r * x + i * w + j * z - k * y,
+        r * y - i * z + j * w + k * x,
+        r * z + i * y - j * x + k * w,
+        r * w - i * x - j * y - k * z,
+    )
+    return px + u * seconds, py + v * seconds, pz + q * seconds, *turn, u, v, q, a, b, c

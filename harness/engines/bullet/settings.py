@@ -22,13 +22,13 @@ class BulletSettings(Settings):
     """
 
     events: bool = True
-    iterations: int = 200
-    residual: float = 3e-10
+    iterations: int = 300
+    residual: float = 1e-12
     breaking_threshold_m: float = 1e-4
     event_iterations: int = 1000
     event_residual: float = 1e-3
     erp: float = 0.02
-    foot_radius_m: float = 1e-5
+    foot_radius_m: float = 1e-6
     cone_friction: bool = True
     reversed_bodies: bool = False
     full_shape: Literal["needed", "hull", "parts"] = "needed"

@@ -43,22 +43,24 @@ def feet(centres_m: Array, radius_m: float, client: int) -> int:
     )
 
 
-def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int) -> int:
+def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int, *, halved: bool = False) -> int:
     """Spheres at the four lower corners and a top `radius_m` below the pedestal's, where the statue's spheres stand at height 0.
+
+    `halved`: two spheres in the rocking plane bear for the four.
 
     Without `edges` the top is a plane without end: its contact with a sphere is a closed form. With `edges` it is a box's, found
     by iteration (GJK), which now and then misses a contact for one step.
     """
     x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
-    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]
+    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in ((0.0,) if halved else (1.0, -1.0))]
     low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
     top = {"box": [x, y, 0.5 * (high - low)], "place": [0.0, 0.0, 0.5 * (high + low) if edges else high]}
     return int(
         pybullet.createCollisionShapeArray(
-            shapeTypes=[pybullet.GEOM_SPHERE] * 4 + [pybullet.GEOM_BOX if edges else pybullet.GEOM_PLANE],
-            radii=[radius_m] * 4 + [0.0],
-            halfExtents=[[0.0, 0.0, 0.0]] * 4 + [top["box"]],
-            planeNormals=[[0.0, 0.0, 1.0]] * 5,
+            shapeTypes=[pybullet.GEOM_SPHERE] * len(corners) + [pybullet.GEOM_BOX if edges else pybullet.GEOM_PLANE],
+            radii=[radius_m] * len(corners) + [0.0],
+            halfExtents=[[0.0, 0.0, 0.0]] * len(corners) + [top["box"]],
+            planeNormals=[[0.0, 0.0, 1.0]] * (len(corners) + 1),
             collisionFramePositions=[*corners, top["place"]],
             physicsClientId=client,
         )

@@ -10,8 +10,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engine import EngineFailure
-from harness.engines.bullet import shapes
+from harness.engines.bullet import client, mirror, shapes
 from harness.engines.bullet.pose import Body
 from harness.engines.bullet.settings import BulletSettings
 from harness.scene import Contact, Pedestal, Wall
@@ -19,7 +18,14 @@ from harness.scene import Contact, Pedestal, Wall
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
+STILL: Final = (0.0, 0.0, 0.0)
+ALOFT_M: Final = 1e3
+"""Height at which bodies touch nothing, and above each other."""
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
+MIRRORED_RESIDUAL: Final = 1e-2
+"""Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
+FULL_RADIUS_M: Final = 1e-5
+"""Radius of the feet where the pedestal's top is a box: a smaller sphere against it is missed more often."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
 
@@ -31,27 +37,24 @@ class World:
     A context manager: leaving it ends the client. Raises `EngineFailure` when no client can be had.
     """
 
-    def __init__(self, settings: BulletSettings) -> None:
-        self.settings = settings
-        self.client = int(pybullet.connect(pybullet.DIRECT))
-        if self.client < 0:
-            raise EngineFailure("pybullet gave no client")
+    def __init__(self, settings: BulletSettings, *, mirrored: bool = False) -> None:
+        self.settings, self.mirrored = settings, mirrored
+        self.client = client.take()
         self.floor = -1
         self.wall: int | None = None
         self.pedestal: int | None = None
         self.statue = -1
+        self.radius_m = settings.foot_radius_m
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
-        pybullet.resetSimulation(physicsClientId=self.client)
         self._set_engine(self.settings.dt_s)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        pybullet.resetSimulation(physicsClientId=self.client)
-        pybullet.disconnect(self.client)
+        client.give_back(self.client, sound=error is None)
 
     def _set_engine(self, step_s: float) -> None:
         """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
@@ -74,14 +77,18 @@ class World:
 
         A step of another length than the rung's holds an event, whose impulses are solved more tightly.
         """
-        s, erp, whole = self.settings, self.settings.erp_for(step_s), step_s == self.settings.dt_s
+        s, erp = self.settings, self.settings.erp_for(step_s)
+        tight = step_s != s.dt_s
+        residual = s.residual_for() * (MIRRORED_RESIDUAL if self.mirrored else s.event_residual if tight else 1.0)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=step_s,
             erp=erp,
             contactERP=erp,
             frictionERP=erp,
-            numSolverIterations=s.iterations if whole else max(s.iterations, s.event_iterations),
-            solverResidualThreshold=s.residual_for() * (1.0 if whole else s.event_residual),
+            numSolverIterations=max(s.iterations, s.event_iterations) if tight or self.mirrored else s.iterations,
+            solverResidualThreshold=residual,
+            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
+            warmStartingFactor=0.0 if tight else 1.0,
             physicsClientId=self.client,
         )
 
@@ -95,7 +102,7 @@ class World:
         """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
         and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges.
         """
-        radius = self.settings.foot_radius_m
+        radius = self.radius_m = self.settings.foot_radius_m if statue[3] is None else FULL_RADIUS_M
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
         if wall is not None:
             sign = wall[0].sign
@@ -113,34 +120,64 @@ class World:
         self.set_floor_friction(contact.floor_static if self.pedestal is not None else 1.0)
         if self.wall is not None:
             self.surface(self.wall, 1.0)
+        if self.mirrored:
+            self._take_inertia(statue[4], pedestal)
+
+    def _take_inertia(self, statue: Body, pedestal: tuple[Pedestal, float] | None) -> None:
+        """A step far above everything, without gravity: until one has moved it a rigid body turns by the inertia of its shape."""
+        states = {self.statue: statue}
+        if self.pedestal is not None and pedestal is not None:
+            place = (pedestal[1], 0.0, pedestal[0].centroid_height_m)
+            states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
+        for number, (body, state) in enumerate(states.items(), 1):
+            x, y, z = state.place_m
+            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
+        pybullet.stepSimulation(self.client)
+        for body, state in states.items():
+            self.place(body, state)
 
     def _fixed(self, normal: Vector, place: Vector) -> int:
-        body = int(
-            pybullet.createMultiBody(
-                0.0, shapes.plane(normal, self.client), basePosition=place, physicsClientId=self.client
-            )
-        )
+        body = self._created(shapes.plane(normal, self.client), 0.0, place)
         self._homes[body] = place
         return body
 
     def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
         """A body of a collision shape with its mass and principal moments (3,)."""
-        body = int(pybullet.createMultiBody(mass_kg, shape, basePosition=place, physicsClientId=self.client))
+        body = self._created(shape, mass_kg, place)
         self._inert(body, mass_kg, moments_kg_m2)
         return body
+
+    def _created(self, shape: int, mass_kg: float, place: Sequence[float]) -> int:
+        """A body of a collision shape. In a mirrored world it is one of Bullet's rigid bodies, whose solver starts each step from
+        the impulses of the last; elsewhere a multibody without links, whose friction is a cone.
+        """
+        # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
+        drawn = pybullet.createVisualShape(pybullet.GEOM_SPHERE, radius=1.0, physicsClientId=self.client)
+        return int(
+            pybullet.createMultiBody(
+                mass_kg,
+                shape,
+                drawn,
+                basePosition=place,
+                useMaximalCoordinates=int(self.mirrored),
+                physicsClientId=self.client,
+            )
+        )
 
     def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None, edges: bool) -> None:
         if pedestal is None:
             return
         p, centre_m = pedestal
-        shape = shapes.pedestal(p, self.settings.foot_radius_m, edges, self.client)
+        shape = shapes.pedestal(p, self.radius_m, edges, self.client, halved=self.mirrored)
         squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
         moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
+        if self.mirrored:
+            moments = mirror.locked(moments)
         self.pedestal = self.add(shape, p.mass_kg, moments, [centre_m, 0.0, p.centroid_height_m])
 
     def _add_statue(self, statue: tuple[float, Array, Array, Sequence[Array] | None, Body]) -> None:
         mass, moments, feet_m, convex_m, state = statue
-        radius = self.settings.foot_radius_m
+        radius = self.radius_m
         if convex_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
             shape = shapes.feet(feet_m, radius, self.client)
             self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])

@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from harness.engine import Want
+from harness.engine import SKIPS, Want
 from harness.engines import load
 from harness.engines.bullet.settings import BulletSettings
 from harness.record import Run
 from harness.scene import Scene
 
 NOTHING_SKIPPED = Want(skips=frozenset())
+WHOLE = Want(skips=frozenset(SKIPS) - {"mirror"})
+"""All of a scene in three dimensions, also of one that is its own mirror image."""
 
 
 @cache
