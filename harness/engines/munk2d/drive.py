@@ -59,8 +59,8 @@ class Drive:
 
     @property
     def aligned(self) -> bool:
-        """Whether impacts are brought to the ends of steps: they come at θ = 0 only on a flat base."""
-        return self.settings.align and self.world.flat_base
+        """Whether impacts are met inside steps; a prescribed ratio is imposed on a flat base only."""
+        return self.settings.align and (self.world.flat_base or self.scene.contact.restitution is None)
 
     @property
     def moving(self) -> bool:

@@ -13,20 +13,10 @@ from typing import Final
 from harness.contact.impact import impact
 from harness.engines.munk2d import native
 from harness.engines.munk2d.drive import Drive, advance, record, set_stuck, shift, slip_rate
-from harness.engines.munk2d.standing import Standing
-from harness.engines.munk2d.world import MunkSettings
-from harness.scene import Scene
+from harness.engines.munk2d.standing import LEAST_AHEAD, MOST_AHEAD, Standing
 
-SLOW_DEPTHS: Final = 2.0
-"""An impact is split when the corner moves more than this many depths in a step; slower ones the engine resolves itself."""
-LEAST_AHEAD: Final = 0.6
-MOST_AHEAD: Final = 2.3
-"""Steps to an impact between which it is met: more than one apart, as what falls is faster in each step."""
 MOST_SHARE: Final = 1.5
 """Longest part, in steps, of those that follow an impact."""
-MOST_GAINED: Final = 0.3
-"""Share of the rate above which its change in the last step leaves an impact to whole steps: swings of so few steps must die out
-in them, and parts of steps would keep them alive."""
 SHORT: Final = 0.05
 """Share of a step before an impact at which the old corner's contact is solved once more."""
 CLEAR_DEPTHS: Final = 1.3
@@ -35,26 +25,22 @@ PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
 
-def least_spin_rad_s(scene: Scene, settings: MunkSettings) -> float:
-    """Rate below which an impact is left to the engine: the incoming corner moves less than its depth of contact in a step."""
-    base = scene.statue.corner_left_m + scene.statue.corner_right_m
-    return SLOW_DEPTHS * settings.depth_m / (base * settings.dt_s)
-
-
-def split_impact(drive: Drive, standing: Standing, end_s: float) -> bool:
-    """Pass an impact that lies within the coming step: four engine steps for three, ending at `end_s`.
+def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> bool:
+    """Pass an impact on a facet that lies within the coming steps: four engine steps for three, ending at `end_s`.
 
     Returns whether the corner was found where it was expected; if not nothing but one partial step has been made.
     """
     dt = drive.settings.dt_s
-    ahead = _time_upright(drive)
+    ahead = _time_level(drive, standing, facet)
+    # To the left the facet's left end comes down, which is the later one.
+    incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
     # Nearly there, the old corner's contact turns the velocity into what it is at the impact.
-    near = ahead - _short(drive)
+    near = ahead - _short(drive, standing.length_m[facet])
     standing.keep(near)
     advance(drive, near, ahead - 0.5 * dt)
     record(drive, drive.t_s, drive.t_s - drive.place_s)
-    standing.keep(_time_to_contact(drive, standing))
-    move = _time_to_contact(drive, standing)
+    standing.keep(_time_to_contact(drive, standing, incoming))
+    move = _time_to_contact(drive, standing, incoming)
     found = 0.0 < move < dt
     if found:
         _impact(drive, move)
@@ -79,30 +65,27 @@ def split_impact(drive: Drive, standing: Standing, end_s: float) -> bool:
     return found
 
 
-def _short(drive: Drive) -> float:
-    """Time before upright, s, at which the incoming corner is not yet at its support, which it meets above its depth."""
-    settings, statue = drive.settings, drive.scene.statue
+def _short(drive: Drive, length_m: float) -> float:
+    """Time before an impact on a facet, s, at which its end is not yet at its support, which it meets above its depth."""
+    settings = drive.settings
     spin = abs(native.get_spin(native.body_of(drive.world.statue)))
-    apart_m = CLEAR_DEPTHS * settings.depth_m
-    return float(max(SHORT * settings.dt_s, apart_m / ((statue.corner_left_m + statue.corner_right_m) * spin)))
+    return float(max(SHORT * settings.dt_s, CLEAR_DEPTHS * settings.depth_m / (length_m * spin)))
 
 
-def _time_upright(drive: Drive) -> float:
-    """Time, s, in which positions come upright; velocities, half a step ahead of them, go on changing as in the last step."""
-    dt, body = drive.settings.dt_s, native.body_of(drive.world.statue)
-    angle, spin = native.get_angle(body), native.get_spin(body)
-    plain_s = float(-angle / spin)
+def _time_level(drive: Drive, standing: Standing, facet: int) -> float:
+    """Time, s, in which positions bring a facet down; velocities, half a step ahead, go on changing as in the last step."""
+    dt, left = drive.settings.dt_s, standing.left_rad(facet)
+    spin = native.get_spin(standing.statue)
+    plain_s = float(left / spin)
     gained = spin - drive.world.recorder.last(1)[drive.world.statue_column + native.SPIN]
-    # angle + T (spin + gained (T - dt) / 2 dt) = 0, by one correction of the time at a constant rate.
-    found = float(-angle / (spin + 0.5 * gained * (plain_s / dt - 1.0)))
+    # left = T (spin + gained (T - dt) / 2 dt), by one correction of the time at a constant rate.
+    found = float(left / (spin + 0.5 * gained * (plain_s / dt - 1.0)))
     return found if LEAST_AHEAD * dt <= found <= MOST_AHEAD * dt else plain_s
 
 
-def _time_to_contact(drive: Drive, standing: Standing) -> float:
-    """Time, s, in which the incoming corner reaches the depth at which contacts are kept, at present velocities."""
-    # Anticlockwise angle: below zero the statue leans right and its left corner comes in.
-    incoming = -1 if native.get_angle(native.body_of(drive.world.statue)) < 0.0 else 1
-    gap, opening = standing.gap(incoming)
+def _time_to_contact(drive: Drive, standing: Standing, vertex: int) -> float:
+    """Time, s, in which a vertex reaches the depth at which contacts are kept, at present velocities."""
+    gap, opening = standing.gap(vertex)
     return -(gap + drive.settings.depth_m) / opening if opening < 0.0 else math.inf
 
 

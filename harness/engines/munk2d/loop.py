@@ -72,7 +72,7 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
         k, event, share = _plain_steps(drive, standing, grid, k, look)
         if event == IMPACT:
             end = min(k + EVENT_STEPS, total)
-            events.split_impact(drive, standing, float(grid.edges_s[end]))
+            events.split_impact(drive, standing, standing.facet, float(grid.edges_s[end]))
             k, drive.rate_before_m_s, drive.whole_from = end, math.nan, end
         elif event == HALT:
             events.split_halt(drive, share, float(grid.edges_s[k + 1]))
@@ -115,28 +115,24 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
     statue, floor = native.body_of(world.statue), native.body_of(world.floor)
     pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
     step, set_gravity, each = native.step, native.set_gravity, native.each_body
-    angle_of, spin_of, velocity_of = native.get_angle, native.get_spin, native.get_velocity
+    spin_of, velocity_of = native.get_spin, native.get_velocity
     record_with, record_to = recorder.each, recorder.target
     dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
     half, first_split, last_split = 0.5 * dt, drive.whole_from + LEAST_BETWEEN, len(gravity) - EVENT_STEPS
-    near, far = events.LEAST_AHEAD * dt, events.MOST_AHEAD * dt
     switches, creep = friction.switches, CREEP_SHARE * rest
     halts = drive.settings.align and pedestal is not None and rest > 0.0
-    least_spin = events.least_spin_rad_s(drive.scene, drive.settings) if drive.aligned else math.inf
+    least_spin = min(standing.least_rad_s) if drive.aligned else math.inf
     keep = standing.keep if drive.aligned else None
     table_alone = moving and pedestal is None
     begin, event, share, spin = k, END, 0.0, drive.spin_before_rad_s
     rate, before = driving.slip_rate(drive), drive.rate_before_m_s
     while k < stop:
         spin_before, spin = spin, spin_of(statue)
-        if (
-            (spin > least_spin or spin < -least_spin)
-            and near <= -angle_of(statue) / spin < far
-            and first_split <= k <= last_split
-            and abs(spin - spin_before) <= events.MOST_GAINED * abs(spin)
-        ):
-            event = IMPACT
-            break
+        if (spin > least_spin or spin < -least_spin) and first_split <= k <= last_split:
+            standing.facet = standing.coming(spin, spin_before)
+            if standing.facet >= 0:
+                event = IMPACT
+                break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
         if (
             halts

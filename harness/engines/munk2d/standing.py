@@ -1,74 +1,126 @@
-"""The corner that stands: where it is, and how it is kept at the depth at which contacts last.
+"""The base vertex that stands, the facet that comes next, and how the vertex is kept at the depth at which contacts last.
 
-A step moves a turning body along the tangent of its corner's circle, ω² h dt²/2 off the support. A contact that is lost so for
+A step moves a turning body along the tangent of its vertex's circle, ω² h dt²/2 off the support. A contact that is lost so for
 one step lets the statue fall freely and comes back as a blow: an impact met in such a step has the wrong ratio, by up to a tenth.
 """
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.engines.munk2d import native
 from harness.engines.munk2d.drive import Drive
+from harness.engines.munk2d.world import MunkSettings
+from harness.scene import Scene
+from meshes.footprint import lower_chain
 
-UPRIGHT_RAD: Final = 1e-6
-"""Below this rotation both corners stand."""
+Array = NDArray[np.float64]
+
+LEVEL_RAD: Final = 1e-6
+"""Nearer than this to a facet's rotation both of its ends stand."""
+STEEPEST_RAD: Final = 1.0
+"""Facets of the silhouette that are steeper belong to its flanks: a statue that lies on them has fallen."""
 LEANING_RAD: Final = 2.0
-"""Beyond this rotation no corner stands any more."""
+"""Beyond this rotation no vertex of the base stands any more."""
+TIPPED_RAD: Final = 1e-3
+"""A pedestal tilted by more has its own impacts: its statue is left to whole steps."""
+SLOW_DEPTHS: Final = 2.0
+"""An impact is met when its vertex moves more than this many depths in a step; slower ones the engine resolves itself."""
+LEAST_AHEAD: Final = 0.6
+MOST_AHEAD: Final = 2.3
+"""Steps to an impact between which it is met: more than one apart, as what falls is faster in each step."""
+MOST_GAINED: Final = 0.3
+"""Share of the rate above which its change in the last step leaves an impact to whole steps: swings of so few steps must die out
+in them, and parts of steps would keep them alive."""
 SLOW_STEPS: Final = 10.0
-"""A rate that gravity changes in so many steps takes a corner nowhere. Held up in each of them, a statue that comes to rest in
+"""A rate that gravity changes in so many steps takes a vertex nowhere. Held up in each of them, a statue that comes to rest in
 swings of a few steps would rock for ever."""
 RISES: Final = 4.0
-"""A corner that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
+"""A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
 
 
 class Standing:
-    """Asked before a step: brings the standing corner to its depth where the step will take it.
+    """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
 
-    Both corners of a flat base count from the centroid: `left_m` and `right_m` along it, `height_m` above it.
+    `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
+    beyond the first i of them the statue stands on vertex i. `least_rad_s` are the rates above which their impacts are met,
+    `facet` the one that was found to come.
     """
 
     def __init__(self, drive: Drive) -> None:
-        world, statue = drive.world, drive.scene.statue
+        world, scene = drive.world, drive.scene
         self.statue, self.floor = native.body_of(world.statue), native.body_of(world.floor)
         self.pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
-        self.left_m, self.right_m, self.height_m = (
-            -statue.corner_left_m,
-            statue.corner_right_m,
-            statue.centroid_height_m,
-        )
+        points = base_vertices(scene)
+        self.points = [(float(x), float(z)) for x, z in points]
+        steps = points[:-1] - points[1:]
+        self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in steps]
+        self.length_m = [float(math.hypot(dx, dz)) for dx, dz in steps]
+        self.least_rad_s = [least_rate_rad_s(drive.settings, length) for length in self.length_m]
+        self.height_m, self.moving = scene.statue.centroid_height_m, drive.moving
         self.depth_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
-        self.half_m = 0.0 if drive.scene.pedestal is None else 0.5 * drive.scene.pedestal.height_m
-        self.moving = drive.moving
-        arms = ((statue.corner_m(side), drive.scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
-        fall = max(statue.mass_kg * drive.scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
-        self.slow_rad_s = SLOW_STEPS * fall * drive.settings.dt_s
+        self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
+        self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
+        self.facet = -1
+        self.slow_rad_s = SLOW_STEPS * _fall_rad_s2(scene) * drive.settings.dt_s
 
-    def support(self, length_s: float = 0.0) -> float:
-        """Height of what the statue stands on, m, after a further move of `length_s`."""
+    def coming(self, spin_rad_s: float, before_rad_s: float) -> int:
+        """The facet whose impact is to be met now at this rate, which was another a step before; −1 for none."""
+        if abs(spin_rad_s - before_rad_s) > MOST_GAINED * abs(spin_rad_s):
+            return -1
+        tilt, level = self.tilt(), self.level_rad
+        if abs(tilt) > TIPPED_RAD:
+            return -1
+        turned = native.get_angle(self.statue) - tilt
+        facet = bisect_left(level, turned) - (1 if spin_rad_s < 0.0 else 0)
+        if not (0 <= facet < len(level) and abs(spin_rad_s) > self.least_rad_s[facet]):
+            return -1
+        return facet if self.near_s <= (level[facet] - turned) / spin_rad_s < self.far_s else -1
+
+    def left_rad(self, facet: int) -> float:
+        """Rotation left until the facet lies on the support."""
+        return float(self.level_rad[facet] - native.get_angle(self.statue) + self.tilt())
+
+    def tilt(self, length_s: float = 0.0) -> float:
+        """Rotation of the pedestal, rad, after a further move of `length_s`."""
+        if self.pedestal is None:
+            return 0.0
+        return float(native.get_angle(self.pedestal) + native.get_spin(self.pedestal) * length_s)
+
+    def support(self, x_m: float, length_s: float = 0.0) -> float:
+        """Height of what the statue stands on at x, m, after a further move of `length_s`."""
         below = self.pedestal
         if below is None:
             if not self.moving:
                 return 0.0
             below = self.floor
-        return float(native.get_place(below).y + native.get_velocity(below).y * length_s + self.half_m)
+        place, velocity = native.get_place(below), native.get_velocity(below)
+        top = place.y + velocity.y * length_s + self.half_m
+        if self.pedestal is not None:
+            top += (x_m - place.x - velocity.x * length_s) * self.tilt(length_s)
+        return float(top)
 
-    def gap(self, side: int) -> tuple[float, float]:
-        """Height of a corner (+1 right, −1 left) over its support, m, and its rate, m/s."""
+    def gap(self, vertex: int) -> tuple[float, float]:
+        """Height of a vertex over its support, m, and its rate, m/s."""
         angle, spin = native.get_angle(self.statue), native.get_spin(self.statue)
-        x, z = self.right_m if side > 0 else self.left_m, -self.height_m
+        x, z = self.points[vertex]
         cos, sin = math.cos(angle), math.sin(angle)
         rise = 0.0
         if self.pedestal is not None:
             rise = native.get_velocity(self.pedestal).y
         elif self.moving:
             rise = native.get_velocity(self.floor).y
-        height = native.get_place(self.statue).y + x * sin + z * cos - self.support()
+        place = native.get_place(self.statue)
+        height = place.y + x * sin + z * cos - self.support(place.x + x * cos - z * sin)
         return float(height), float(native.get_velocity(self.statue).y + spin * (x * cos - z * sin) - rise)
 
     def keep(self, length_s: float, support_m: float | None = None) -> None:
-        """Place the statue so that a move of `length_s` takes its standing corner to its depth.
+        """Place the statue so that a move of `length_s` takes its standing vertex to its depth.
 
         `support_m`: the support's height after that move, where the table's own motion gives it.
         """
@@ -76,14 +128,45 @@ class Standing:
         spin = native.get_spin(body)
         if -self.slow_rad_s < spin < self.slow_rad_s:
             return
-        angle = native.get_angle(body) + spin * length_s
-        if not (UPRIGHT_RAD < abs(angle) < LEANING_RAD):
+        angle, tilt = native.get_angle(body) + spin * length_s, self.tilt(length_s)
+        if abs(angle) > LEANING_RAD or abs(tilt) > TIPPED_RAD:
             return
-        x = self.left_m if angle > 0.0 else self.right_m
-        place = native.get_place(body)
-        top = self.support(length_s) if support_m is None else support_m
-        height = place.y + native.get_velocity(body).y * length_s
-        excess = height + x * math.sin(angle) - self.height_m * math.cos(angle) - top + self.depth_m
+        level, turned = self.level_rad, angle - tilt
+        vertex = bisect_left(level, turned)
+        if (vertex > 0 and turned - level[vertex - 1] < LEVEL_RAD) or (
+            vertex < len(level) and level[vertex] - turned < LEVEL_RAD
+        ):
+            return
+        x, z = self.points[vertex]
+        place, velocity = native.get_place(body), native.get_velocity(body)
+        cos, sin = math.cos(angle), math.sin(angle)
+        if support_m is None:
+            support_m = self.support(place.x + velocity.x * length_s + x * cos - z * sin, length_s)
+        excess = place.y + velocity.y * length_s + x * sin + z * cos - support_m + self.depth_m
         turn = spin * length_s
         if -self.slop_m < excess < RISES * (self.depth_m + self.height_m * turn * turn):
             native.set_place(body, (place.x, place.y - excess))
+
+
+def base_vertices(scene: Scene) -> Array:
+    """Vertices (k, 2) of the silhouette that a level support can touch while the statue stands, from right to left, m from the
+    centroid.
+    """
+    chain = lower_chain(scene.statue.section_m)
+    steps = np.diff(chain, axis=0)
+    base = np.flatnonzero(np.abs(np.arctan2(steps[:, 1], steps[:, 0])) < STEEPEST_RAD)
+    kept = chain[base[0] : base[-1] + 2]
+    found: Array = kept[::-1] - np.array([0.0, scene.statue.centroid_height_m])
+    return found
+
+
+def least_rate_rad_s(settings: MunkSettings, length_m: float) -> float:
+    """Rate below which an impact on a facet is left to the engine: its far end moves less than its depth of contact in a step."""
+    return SLOW_DEPTHS * settings.depth_m / (length_m * settings.dt_s)
+
+
+def _fall_rad_s2(scene: Scene) -> float:
+    """Greatest acceleration of a statue that stands on one corner of its base, under its weight."""
+    statue = scene.statue
+    arms = ((statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
+    return max(statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
