@@ -117,7 +117,8 @@ class Block:
 
     def p_rad_s(self, side: int, gravity_m_s2: float = 9.81) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
-        return math.sqrt(self.mass_kg * gravity_m_s2 * self.radius_m(side) / self.inertia_corner_kg_m2(side))
+        radius_m = self.radius_m(side)
+        return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / (self.inertia_kg_m2 + self.mass_kg * radius_m**2))
 
     def mirrored(self) -> Self:
         """The same statue with left and right exchanged."""
