@@ -153,7 +153,7 @@ def salvage(
     quiet: Quiet = False,
 ) -> None:
     """Copy what can still be read of a damaged store into a new one."""
-    from harness.salvage import salvage as rescue
+    from harness.studies.salvage import salvage as rescue
 
     count = rescue(damaged, fresh)
     found = {"results": count, "store": str(fresh)}

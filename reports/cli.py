@@ -86,8 +86,8 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
-    from harness import study_cli
     from harness.run import check_folder
+    from harness.studies import cli as study_cli
 
     folder = out or OUT / study_file.stem
     check_folder(folder)

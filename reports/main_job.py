@@ -10,15 +10,15 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
-from harness import study_cli
 from harness.cli import guarded, summary
 from harness.executors import Crash, Done, LocalPool, Pool, Work
 from harness.load import load_scene
 from harness.paths import data_folder
 from harness.record import Run
 from harness.run import run_scene, write_result
-from harness.store import Store
-from harness.study_jobs import stored_runs
+from harness.studies import cli as study_cli
+from harness.studies.jobs import stored_runs
+from harness.studies.store import Store
 from reports.page import write_report
 
 SCENES: Final = Path(__file__).resolve().parent.parent / "scenes"

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.asking import SAME_CELL, Answer, Place, filled
+from harness.studies.asking import SAME_CELL, Answer, Place, filled
 from reports.numbers import heading
 from reports.palette import look
 from reports.study_rows import SYMBOLS, Condition, family

@@ -155,9 +155,9 @@ def _fresh_s(code: str) -> float:
 def _cached() -> Row:
     """A study of sixteen runs, then the same study again from its store."""
     from harness.executors import LocalPool
-    from harness.store import Store
-    from harness.study import run_study
-    from harness.study_file import load_study
+    from harness.studies.file import load_study
+    from harness.studies.run import run_study
+    from harness.studies.store import Store
 
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
         path = write_study(Path(name), STUDY_RUNS, "analytic")

@@ -106,9 +106,9 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 def _workers(jobs: int) -> tuple[float, float, float]:
     from harness.benchmark.alone import write_study
     from harness.executors import LocalPool
-    from harness.store import Store
-    from harness.study import run_study
-    from harness.study_file import load_study
+    from harness.studies.file import load_study
+    from harness.studies.run import run_study
+    from harness.studies.store import Store
 
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
         path = write_study(Path(name), STUDY_RUNS, "pymunk")

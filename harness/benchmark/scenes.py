@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from harness.cases import Base
 from harness.errors import InputError
 from harness.paths import DATA_VARIABLE
 from harness.scene import Scene
+from harness.studies.cases import Base
 
 PAESTUM: Final = {
     "mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "corner_right_m": 0.0682,

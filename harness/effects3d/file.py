@@ -13,7 +13,7 @@ from harness.effects3d.search import Search
 from harness.errors import InputError, Mistake
 from harness.mistakes import Contradiction, mistakes_of
 from harness.scene_file import Table, read
-from harness.study_file import EngineName
+from harness.studies.file import EngineName
 
 KIND = "effects3d"
 SOLID = ("pybullet", "mujoco")

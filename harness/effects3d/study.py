@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import record
-from harness.cases import Base, base_of_scene
 from harness.describe import describe
-from harness.digest import scene_digest
 from harness.effects3d.band import Band, band
 from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import Departure, departure
@@ -26,6 +24,8 @@ from harness.errors import InputError, Mistake
 from harness.executors import Crash, Pool
 from harness.record import SCHEMA_VERSION
 from harness.scene import Scene
+from harness.studies.cases import Base, base_of_scene
+from harness.studies.digest import scene_digest
 from meshes import footprint
 
 ORDER: Final = ("pybullet", "mujoco", "pymunk", "analytic")

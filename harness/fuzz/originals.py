@@ -149,7 +149,7 @@ def _store() -> bytes:
     """A store with one result and its history."""
     from harness.benchmark.scenes import COLUMN, harmonic, scene_of
     from harness.run import simulate
-    from harness.store import Store
+    from harness.studies.store import Store
 
     scene = scene_of("stored", {"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)})
     run = simulate(scene, "analytic")
@@ -199,8 +199,8 @@ def _read_scene(path: Path) -> object:
 def _read_study(path: Path) -> object:
     from itertools import islice
 
-    from harness.cases import base_of, expand
-    from harness.study_file import load_study
+    from harness.studies.cases import base_of, expand
+    from harness.studies.file import load_study
 
     study = load_study(path)
     base = base_of(study, path)
@@ -232,7 +232,7 @@ def _read_mesh(path: Path) -> object:
 
 
 def _read_store(path: Path) -> object:
-    from harness.store import Store
+    from harness.studies.store import Store
 
     with Store(path) as store:
         return store.get("key"), store.history("key"), store.known(["key"])

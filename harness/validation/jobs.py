@@ -15,7 +15,7 @@ from harness.errors import InputError, Mistake
 from harness.executors import Crash, Pool
 from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, check_target, simulate
-from harness.store import Store
+from harness.studies.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
 from harness.validation.table import Trial
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.ensembles import score_sets
+from harness.studies.ensembles import score_sets
 from harness.validation.jobs import Model
 from harness.validation.scoring import Answers, Choice
 from harness.validation.table import Trial
@@ -19,7 +19,7 @@ def score_pairs(
 ) -> list[dict[str, Any]]:
     """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
 
-    It holds what `harness.ensembles.score_sets` gives (outcomes, shares of the four verdicts, flips, peaks), the names `a` and
+    It holds what `harness.studies.ensembles.score_sets` gives (outcomes, shares of the four verdicts, flips, peaks), `a` and
     `b`, and in `unstated` those whose numerical error is not stated in every run: their verdicts take it as zero. No histories
     are kept of a validation's runs: verdicts rest on the peaks and the times at which they are reached.
     """

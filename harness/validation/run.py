@@ -14,8 +14,8 @@ from harness.errors import InputError, Mistake
 from harness.executors import LocalPool
 from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
-from harness.store import Store
-from harness.study_cli import STORE_NAME, progress
+from harness.studies.cli import STORE_NAME, progress
+from harness.studies.store import Store
 from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
 from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Intensity, Variant, intensity

@@ -193,7 +193,7 @@ def test_coverage_counts_what_was_missed_and_what_died() -> None:
 def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import dataclass
 
-    from harness import study
+    from harness.studies import run as study
 
     @dataclass
     class Summary:

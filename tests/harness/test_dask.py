@@ -14,9 +14,9 @@ import pytest
 
 from harness.errors import InputError
 from harness.executors import DaskPool, LocalPool
-from harness.store import Packed, Store
-from harness.study import run_study
-from harness.study_file import load_study
+from harness.studies.file import load_study
+from harness.studies.run import run_study
+from harness.studies.store import Packed, Store
 from tests.harness.small_study import CONTACT, contents, written
 
 pytest.importorskip("distributed", reason="the extra [dask] is not installed")

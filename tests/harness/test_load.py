@@ -86,9 +86,9 @@ def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
 
 
 def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
-    from harness.cases import base_of, expand
     from harness.effects3d.file import asked, load_effects
-    from harness.study_file import load_study
+    from harness.studies.cases import base_of, expand
+    from harness.studies.file import load_study
 
     for path in sorted((root / "scenes").glob("*.toml")):
         if asked(path):

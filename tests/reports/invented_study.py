@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from harness import claims, describe, record
+from harness import describe, record
+from harness.studies import claims
 from tests.reports.invented_run import block_scene, invented_history
 
 VARIANTS = {

@@ -11,7 +11,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from harness.history import Outcome
-from harness.store import Store
+from harness.studies.store import Store
 from meshes import togatus
 from reports.cli import app
 from tests.reports.invented_run import invented_history, invented_run

@@ -12,8 +12,8 @@ from harness import engines, load_scene
 from harness.executors import Done, Work
 from harness.run import DEFAULT_ACCURACY_RAD, run_scene, simulate
 from harness.scene import Scene
-from harness.store import Store
-from harness.study_jobs import stored_runs
+from harness.studies.jobs import stored_runs
+from harness.studies.store import Store
 from reports.main_job import Beside
 from tests.harness.small_study import BLOCK
 
@@ -54,8 +54,8 @@ def scene(tmp_path: Path) -> Scene:
 def test_what_a_study_has_stored_is_not_run_again(
     scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from harness.digest import scene_digest
-    from harness.study_jobs import run_key
+    from harness.studies.digest import scene_digest
+    from harness.studies.jobs import run_key
 
     engine = engines.load("pymunk")
     key = run_key(engine, scene_digest(scene, engine.capabilities), DEFAULT_ACCURACY_RAD, True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness import asking
+from harness.studies import asking
 from reports.map_figures import CODES, map_figures
 from reports.study_rows import Condition
 

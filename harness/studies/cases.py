@@ -17,7 +17,7 @@ from harness.errors import InputError, Mistake
 from harness.mistakes import mistakes_of
 from harness.scene import Scene
 from harness.scene_file import SceneFile
-from harness.study_file import Scatter, StudyFile, Vary
+from harness.studies.file import Scatter, StudyFile, Vary
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness import asking
-from harness.study_file import StudyFile
+from harness.studies import asking
+from harness.studies.file import StudyFile
 
 Row = Mapping[str, Any]
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from harness.study_file import StudyFile
+from harness.studies.file import StudyFile
 
 Place = tuple[int, ...]
 Cell = tuple[tuple[int, int], tuple[int, int]]

@@ -11,16 +11,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import claims, record
-from harness.audits import audit
-from harness.cases import base_of
+from harness import record
 from harness.describe import describe
-from harness.ensembles import score_sets
 from harness.record import SCHEMA_VERSION
 from harness.scene import Scene
-from harness.store import Store
-from harness.study import Summary, study_name
-from harness.study_file import StudyFile
+from harness.studies import claims
+from harness.studies.audits import audit
+from harness.studies.cases import base_of
+from harness.studies.ensembles import score_sets
+from harness.studies.file import StudyFile
+from harness.studies.run import Summary, study_name
+from harness.studies.store import Store
 
 Array = NDArray[np.float64]
 

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.batches import batches, run_batches
-from harness.cases import base_of
 from harness.executors import Crash, Pool
-from harness.store import Store
-from harness.study_file import StudyFile
-from harness.study_jobs import Finished, Job, compute, lost
-from harness.study_plan import Plan
-from harness.usage import Usage
+from harness.studies.cases import base_of
+from harness.studies.file import StudyFile
+from harness.studies.jobs import Finished, Job, compute, lost
+from harness.studies.plan import Plan
+from harness.studies.store import Store
+from harness.studies.usage import Usage
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from harness import asking
-from harness.cases import Base, Case, expand
-from harness.store import Store
-from harness.study_file import StudyFile
-from harness.study_jobs import Job, Jobs
+from harness.studies import asking
+from harness.studies.cases import Base, Case, expand
+from harness.studies.file import StudyFile
+from harness.studies.jobs import Job, Jobs
+from harness.studies.store import Store
 
 COST_ORDER: Final = {"pybullet": 0, "mujoco": 1, "pymunk": 2, "analytic": 3}
 """Longest first keeps all workers busy to the end."""

@@ -11,15 +11,15 @@ from typing import Any
 
 from harness import engines, record
 from harness.batches import crashed
-from harness.cases import Base, Case
-from harness.digest import scene_digest
 from harness.engine import Engine, Want
 from harness.executors import Crash
 from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, simulate
 from harness.scene import Scene
-from harness.store import Packed, Store, packed
-from harness.study_file import StudyFile
+from harness.studies.cases import Base, Case
+from harness.studies.digest import scene_digest
+from harness.studies.file import StudyFile
+from harness.studies.store import Packed, Store, packed
 
 
 @dataclass(frozen=True)

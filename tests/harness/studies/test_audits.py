@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from harness import asking
-from harness.audits import audit
-from harness.study_file import StudyFile
+from harness.studies import asking
+from harness.studies.audits import audit
+from harness.studies.file import StudyFile
 
 SIZE = 17
 KEYS = ("motion.x.frequency_hz", "motion.x.amplitude_g")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import InputError, Mistake
-from harness.store import Store
+from harness.studies.store import Store
 
 
 def salvage(damaged: Path, fresh: Path) -> int:

@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from harness import asking, estimate
-from harness.audits import audit
-from harness.cases import Base, base_of, expand
 from harness.errors import InputError
 from harness.executors import Done, LocalPool, Work
 from harness.record import impacts
 from harness.run import simulate
 from harness.scene import Scene
-from harness.store import Packed, Store
-from harness.study import Summary, run_study, study_name
-from harness.study_file import load_study
+from harness.studies import asking, estimate
+from harness.studies.audits import audit
+from harness.studies.cases import Base, base_of, expand
+from harness.studies.file import load_study
+from harness.studies.run import Summary, run_study, study_name
+from harness.studies.store import Packed, Store
 from tests.harness.small_study import STUDY, contents, written
 
 

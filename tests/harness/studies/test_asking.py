@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
-from harness import asking
-from harness.asking import Answer, Place
-from harness.study_file import StudyFile
+from harness.studies import asking
+from harness.studies.asking import Answer, Place
+from harness.studies.file import StudyFile
 
 SIZE = 41
 

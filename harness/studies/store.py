@@ -15,8 +15,8 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.history import COLUMNS, History
-from harness.packing import pack, unpack
 from harness.record import Run, run_of, to_plain
+from harness.studies.packing import pack, unpack
 
 STORE_VERSION: Final = 2
 BUSY_MS: Final = 60_000

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from harness.asking import COARSEST, REFERENCE, map_axes
 from harness.errors import InputError, Mistake
 from harness.scene import Scene
-from harness.study_file import StudyFile
+from harness.studies.asking import COARSEST, REFERENCE, map_axes
+from harness.studies.file import StudyFile
 
 SECONDS: Final = {"analytic": (6e-5, 6e-5), "pymunk": (0.08, 0.08), "pybullet": (0.06, 0.5), "mujoco": (0.5, 1.0)}
 """Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from harness.ensembles import score_sets
 from harness.history import History, Outcome
+from harness.studies.ensembles import score_sets
 from harness.verdict import Verdict
 from tests import doubles
 

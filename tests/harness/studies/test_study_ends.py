@@ -14,9 +14,9 @@ from typing import Any
 
 from harness.batches import run_batches
 from harness.executors import Crash, LocalPool
-from harness.store import Store
-from harness.study import run_study
-from harness.study_file import load_study
+from harness.studies.file import load_study
+from harness.studies.run import run_study
+from harness.studies.store import Store
 from tests.harness.processes import ended
 from tests.harness.small_study import CONTACT, contents, lethal, written
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.export import export_csv
 from harness.history import History, Outcome
 from harness.record import Run
-from harness.salvage import salvage
-from harness.store import Store
+from harness.studies.export import export_csv
+from harness.studies.salvage import salvage
+from harness.studies.store import Store
 
 
 def run(peak: float = 0.1, wall_s: float = 1.0) -> Run:
@@ -143,7 +143,7 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from harness.errors import InputError
-from harness.store import Store
+from harness.studies.store import Store
 from tests.harness.test_store import run
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 with Store(Path(sys.argv[1])) as store:

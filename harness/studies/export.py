@@ -9,7 +9,7 @@ from typing import Any
 
 from harness.errors import InputError, Mistake
 from harness.record import impacts
-from harness.store import Store
+from harness.studies.store import Store
 
 
 def export_csv(store: Store, study: str, path: Path) -> int:

@@ -11,15 +11,16 @@ from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from harness import effects3d, estimate, record
-from harness.cases import base_of
+from harness import effects3d, record
 from harness.errors import InputError, Mistake
 from harness.executors import DaskPool, LocalPool, Pool
-from harness.export import export_csv, export_parquet
-from harness.store import Store
-from harness.study import Summary, run_study, study_name
-from harness.study_file import StudyFile, load_study
-from harness.study_record import study_record
+from harness.studies import estimate
+from harness.studies.cases import base_of
+from harness.studies.export import export_csv, export_parquet
+from harness.studies.file import StudyFile, load_study
+from harness.studies.record import study_record
+from harness.studies.run import Summary, run_study, study_name
+from harness.studies.store import Store
 
 STORE_NAME: Final = "store.sqlite"
 
