@@ -115,6 +115,30 @@ def _aim_at_halt(task: Task, h: float) -> float:
 
 
 @inlined
+def _older(w: Floats, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
+    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z (moment: its part from g_e's first term) owe to coefficients older
+    than the newest of θ̇ and A."""
+    sx, sz = 0.0, 0.0
+    for k in range(2, i + 1):
+        omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
+        sx += term(w, PX, k) * omega
+        sz += depth * omega
+        moment -= term(w, ABS, i - k) * depth
+    for k in range(1, min(i, deg_z) + 1):
+        moment += term(w, GE, k) * term(w, PX, i - k)
+    return sx, sz, moment
+
+
+@inlined
+def _forces(w: Floats, i: int, v: float, push: float, base_weight: float, base_push: float) -> None:
+    """Write term i of V and H on the statue, and of N and F on the floor, which carry the pedestal's share too."""
+    set_term(w, PIVOT_V, i, v)
+    set_term(w, PIVOT_H, i, push)
+    set_term(w, NORMAL, i, v + base_weight)
+    set_term(w, FLOOR, i, push + base_push)
+
+
+@inlined
 def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
     """Rocking on a support that is stuck or slides, and its forces; j: inertia about the pivot. Returns the order reached, n or
     less where the step needs less, and the step."""
@@ -130,17 +154,11 @@ def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tupl
     w[XW, 0], w[ZW, 0], w[PX, 1], w[PZ, 1] = xw, zw, zw, -xw
     drawing, drawn_by_acc = per_det * z * ratio, ratio * lever
     turn = lean * om
+    # what θ̈'s next term owes to (X + κ'Z)θ̇ and A of the order before, and to its θ̇
     by_turn, by_accel, by_rate = drawing * first, per_det * xw, -(drawing * turn)
     for i in range(n):
         inverse, order = INVERSE[i + 1], float(i + 1)
-        sx, sz, moment = 0.0, 0.0, term(w, GE, 0) * px
-        for k in range(2, i + 1):
-            omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
-            sx += term(w, PX, k) * omega
-            sz += depth * omega
-            moment -= term(w, ABS, i - k) * depth
-        for k in range(1, min(i, deg_z) + 1):
-            moment += term(w, GE, k) * term(w, PX, i - k)
+        sx, sz, moment = _older(w, i, deg_z, term(w, GE, 0) * px)
         pull, weight = term(w, AX, i), term(w, GE, i)
         held = pull if slide == 0 else -(kappa * weight)
         known = per_det * (moment - z * held) + drawing * order * (sz - kappa_n * sx)
@@ -165,11 +183,7 @@ def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tupl
         set_term(w, RATE, i + 1, rate)
         set_term(w, XW, i + 1, xw)
         set_term(w, ZW, i + 1, zw)
-        v, push = m * (weight - order * xw), m * (a + order * zw)
-        set_term(w, PIVOT_V, i, v)
-        set_term(w, PIVOT_H, i, push)
-        set_term(w, NORMAL, i, v + base * weight)
-        set_term(w, FLOOR, i, push + base * a)
+        _forces(w, i, m * (weight - order * xw), m * (a + order * zw), base * weight, base * a)
         if i == 0 and tol > 0.0:
             h = _aim_at_halt(task, _aim(task, h))
         power *= h
@@ -210,18 +224,9 @@ def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, f
     tol = p[TOLERANCE] / p[TIME_SCALE] if h < math.inf else 0.0
     if pivot < 0:
         at_rest(w, n, slide, slide * p[MU_KINETIC])
-        _forces_at_rest(w, n, p[MASS], p[BASE_MASS])
+        m, base = p[MASS], p[BASE_MASS]
+        for i in range(n):
+            _forces(w, i, m * w[GE, i], m * w[ABS, i], base * w[GE, i], base * w[ABS, i])
     else:
         n, h = rock(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
     return n, h
-
-
-@inlined
-def _forces_at_rest(w: Floats, n: int, m: float, base: float) -> None:
-    """V and H on the statue, N and F on the floor to order n − 1, while the statue stands."""
-    for i in range(n):
-        weight, accel = term(w, GE, i), term(w, ABS, i)
-        set_term(w, PIVOT_V, i, m * weight)
-        set_term(w, PIVOT_H, i, m * accel)
-        set_term(w, NORMAL, i, m * weight + base * weight)
-        set_term(w, FLOOR, i, m * accel + base * accel)
