@@ -144,7 +144,7 @@ import resource, sys
 from pathlib import Path
 from harness.errors import InputError
 from harness.studies.store import Store
-from tests.harness.test_store import run
+from tests.harness.studies.test_store import run
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 with Store(Path(sys.argv[1])) as store:
     for i in range(1000):
