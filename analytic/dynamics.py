@@ -116,8 +116,8 @@ def _aim_at_halt(task: Task, h: float) -> float:
 
 @inlined
 def _older(w: Floats, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
-    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z owe to coefficients older than the newest of θ̇ and A; moment: what
-    the last owes to the first term of g_e."""
+    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z owe to coefficients older than the newest of θ̇ and A; moment:
+    what the last owes to the first term of g_e."""
     sx, sz = 0.0, 0.0
     for k in range(2, i + 1):
         omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
