@@ -47,6 +47,7 @@ LEAST_COMPARED: Final = 200
 class Spread:
     """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target.
 
+    `clear_s` and `near_s` are the last instants before it passes the target over `CLEAR` and `CLEAR` times the target.
     `coarse_dt_s`: step of the coarser one. `apart_rad`: largest difference to the end, infinite where the ends differ.
     """
 
@@ -55,6 +56,8 @@ class Spread:
     whole: bool
     coarse_dt_s: float = 0.0
     apart_rad: float = math.inf
+    clear_s: float = 0.0
+    near_s: float = 0.0
 
 
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
@@ -75,7 +78,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
             found = spread(runs[-1], run, accuracy_rad / SAFETY)
             spreads.append(replace(found, coarse_dt_s=float(runs[-1].settings["dt_s"])))
         if check.stopped:
-            return _stated(runs, run, spreads, accuracy_rad, want)
+            return _stated(runs, run, spreads, accuracy_rad, want, engine.agreements)
         runs.append(run)
         if run.outcome.failed:
             continue
@@ -83,7 +86,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
             break
         if _hopeless(spreads, run.end_s, ladder[-1].dt_s):
             break
-    return _stated(runs, None, spreads, accuracy_rad, want)
+    return _stated(runs, None, spreads, accuracy_rad, want, engine.agreements)
 
 
 class _Check:
@@ -154,15 +157,29 @@ def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
     end_s = min(coarse.end_s, fine.end_s)
     times = _instants(coarse.history, fine.history, end_s)
     apart = np.abs(coarse.history.at(times) - fine.history.at(times))
-    over = np.flatnonzero(apart > target_rad)
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
     same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
-    if over.size == 0 and (same_end or coarse.outcome == fine.outcome):
-        return Spread(float(np.max(apart)), fine.end_s, True, apart_rad=float(np.max(apart)))
-    first = int(over[0]) if over.size else times.size - 1
-    within = apart[:first]
-    largest = float(np.max(apart)) if same_end else math.inf
-    return Spread(float(np.max(within, initial=0.0)), float(times[max(first - 1, 0)]), False, apart_rad=largest)
+    counts = [_within(apart, limit) for limit in (target_rad, target_rad / CLEAR, CLEAR * target_rad)]
+    _, clear, near = (fine.end_s if count == apart.size else float(times[max(count - 1, 0)]) for count in counts)
+    if counts[0] == apart.size and (same_end or coarse.outcome == fine.outcome):
+        largest = float(np.max(apart))
+        return Spread(largest, fine.end_s, True, apart_rad=largest, clear_s=clear, near_s=near)
+    first = min(counts[0], apart.size - 1)
+    until_s = float(times[max(first - 1, 0)])
+    return Spread(
+        float(np.max(apart[:first], initial=0.0)),
+        until_s,
+        False,
+        apart_rad=float(np.max(apart)) if same_end else math.inf,
+        clear_s=min(clear, until_s),
+        near_s=near,
+    )
+
+
+def _within(apart_rad: Array, limit_rad: float) -> int:
+    """Number of instants before the first at which two runs are further apart than the limit."""
+    over = np.flatnonzero(apart_rad > limit_rad)
+    return int(over[0]) if over.size else apart_rad.size
 
 
 def _instants(a: History, b: History, end_s: float) -> Array:
@@ -202,7 +219,9 @@ def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
     return possible < end_s - last.until_s
 
 
-def _stated(runs: list[Run], stopped: Run | None, spreads: list[Spread], accuracy_rad: float, want: Want) -> Run:
+def _stated(
+    runs: list[Run], stopped: Run | None, spreads: list[Spread], accuracy_rad: float, want: Want, agreements: int
+) -> Run:
     """The finest run that was not ended early, with what the spread to its neighbour says of it."""
     best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
     all_runs = runs if stopped is None else [*runs, stopped]
@@ -221,12 +240,20 @@ def _stated(runs: list[Run], stopped: Run | None, spreads: list[Spread], accurac
         return best.with_uncertainty(
             uncertainty, best.end_s, f"the target of {accuracy_rad:g} rad is below what the engine's contact resolves"
         )
-    return best.with_uncertainty(uncertainty, last.until_s, _why_not_whole(best, last, accuracy_rad))
+    until_s = _held_until_s(spreads, agreements)
+    return best.with_uncertainty(uncertainty, until_s, _why_not_whole(best, last, until_s, accuracy_rad))
 
 
-def _why_not_whole(best: Run, last: Spread, accuracy_rad: float) -> str:
-    until = f"the target of {accuracy_rad:g} rad is met until {last.until_s:.4g} s of {best.end_s:.4g} s"
-    if best.no_return_time_s is not None and last.until_s >= best.no_return_time_s:
+def _held_until_s(spreads: list[Spread], agreements: int) -> float:
+    """Until when the last comparison holds, and those before it that the engine needs nearly, or the last one holds clearly."""
+    last = spreads[-1]
+    before = [item.near_s for item in spreads[-agreements:-1]]
+    return max(last.clear_s, min([last.until_s, *before]) if len(before) == agreements - 1 else 0.0)
+
+
+def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float) -> str:
+    until = f"the target of {accuracy_rad:g} rad is met until {until_s:.4g} s of {best.end_s:.4g} s"
+    if best.no_return_time_s is not None and until_s >= best.no_return_time_s:
         return f"{until}, past the instant of no return at {best.no_return_time_s:.4g} s: in the fall every difference grows"
     return (
         f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, because "
