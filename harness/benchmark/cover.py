@@ -10,10 +10,10 @@ from harness.benchmark.precision import TARGET_RAD
 from harness.coverage import FIRST_SEED, coverage
 from harness.parts import Row
 
-SEEDS: Final = {"pybullet": 12, "pymunk": 48}
-"""Seeded scenes, as many as the bench's time allows: `python -m harness.coverage` takes as many as are asked."""
+SEEDS: Final = {"pybullet": 200, "pymunk": 200}
+"""Seeded scenes by engine."""
 QUICK_SEEDS: Final = 2
-PIECE: Final = {"pybullet": 2, "pymunk": 8}
+PIECE: Final = {"pybullet": 8, "pymunk": 25}
 
 
 def tasks(quick: bool) -> list[str]:

@@ -151,11 +151,11 @@ def test_history_is_left_out_when_only_the_outcome_is_asked() -> None:
 
 
 def test_pymunk_states_what_a_finer_run_confirms() -> None:
-    rows = list(coverage(Munk2D(), 1e-3, range(FIRST_SEED, FIRST_SEED + 4)))
-    assert len(rows) == 4
+    rows = list(coverage(Munk2D(), 1e-3, range(FIRST_SEED, FIRST_SEED + 12)))
+    assert len(rows) == 12
     missed = [row for row in rows if not row.covered]
     assert len(missed) <= (1.0 - budget.STATED_SHARE) * len(rows) + 0.5
-    assert sum(row.met_whole for row in rows) >= len(rows) // 2
+    assert sum(row.met_whole for row in rows) >= len(rows) // 3
     for row in missed:
         assert row.error_rad <= SAFETY * row.stated_rad
 
