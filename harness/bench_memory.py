@@ -31,6 +31,8 @@ SETTLED: Final = 1.0 / 3.0
 PLACES: Final = ("slip_m", "statue_y_m", "corner_right_x_m")
 TURNS: Final = ("theta_rad", "yaw_rad", "out_of_plane_rad", "pedestal_tilt_rad")
 NOTHING_SKIPPED: Final = Want(skips=frozenset())
+HALF: Final = Want(skips=frozenset({"base_only", "mirror"}))
+"""Half of a scene that is its own mirror image, where an engine computes that; every step of it."""
 
 
 def resident_kib() -> float:
@@ -57,16 +59,22 @@ def memory(engine: Engine, counts: Sequence[int] = RUNS) -> dict[str, Any]:
 
 
 def creep(engine: Engine) -> Iterator[dict[str, Any]]:
-    """Largest change of place, m, and of rotation, rad, over a minute at rest, for each rung, on the floor and on a pedestal."""
+    """Largest change of place, m, and of rotation, rad, over a minute at rest, for each rung, on the floor and on a pedestal.
+
+    For an engine with the skip `mirror` with it (`half`) and without.
+    """
+    kinds = (HALF, NOTHING_SKIPPED) if "mirror" in engine.capabilities.skips else (NOTHING_SKIPPED,)
     for pedestal in (False, True):
-        for rung in engine.ladder(paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15)):
-            yield {"engine": engine.name, "pedestal": pedestal, **_rest(engine, rung, pedestal)}
+        for want in kinds:
+            for rung in engine.ladder(paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15)):
+                about = {"engine": engine.name, "pedestal": pedestal, "half": want is HALF}
+                yield {**about, **_rest(engine, rung, pedestal, want)}
 
 
-def _rest(engine: Engine, rung: Settings, pedestal: bool) -> dict[str, Any]:
+def _rest(engine: Engine, rung: Settings, pedestal: bool, want: Want) -> dict[str, Any]:
     long_s = min(REST_S, MOST_STEPS * rung.dt_s)
     scene = paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15, duration_s=long_s)
-    history = engine.simulate(scene, rung, NOTHING_SKIPPED).history
+    history = engine.simulate(scene, rung, want).history
     if history is None:
         raise RuntimeError(f"{engine.name} kept no history")
     columns = history.columns()

@@ -25,6 +25,7 @@ def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     top = 0.0
     if pedestal is not None and scene.pedestal is not None and stepper.world.pedestal is not None:
         top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
+        stepper.let_slide(found.slip_rate_m_s != 0.0)
         moved = Body(pedestal.place_m, pedestal.turn, (base, table_y, 0.0), (0.0, 0.0, 0.0))
         stepper.world.place(stepper.world.pedestal, moved)
     place = (body.place_m[0] + shift, body.place_m[1], top + statue.centroid_height_m)

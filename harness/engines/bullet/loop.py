@@ -120,8 +120,8 @@ def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: fl
     step_s = march.step_s
     # Right after an impact the statue is upright, to the last digit or not.
     coming = math.inf if march.jolted else _upright(march, watch)
-    if march.t_s + coming > march.next_s:
-        sure = min(soonest, coming)
+    sure = min(soonest, coming)
+    if coming == math.inf or march.t_s + sure > march.next_s:
         return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
 
     def impose() -> None:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.excitation import Excitation, Rest
 from harness.contact import frame
 from harness.scene import Scene
 
@@ -41,22 +42,31 @@ class Schedule:
     def coarse(self) -> list[Vector]:
         """Gravity of every whole step that follows a whole step, from number `first` on."""
         middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
-        return self._gravity(np.concatenate([[self.first * self.step_s], middles]), self.step_s)
-
-    def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
-        """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
-        if end_s <= start_s:
-            return 0.0, 0.0, 0.0
-        return self._gravity(np.array([start_s, end_s]), step_s)[0]
-
-    def _gravity(self, edges_s: Array, step_s: float) -> list[Vector]:
-        """Impulse per mass between edges, spread over a step."""
-        share = np.diff(edges_s)[:, None] / step_s
+        edges_s = np.concatenate([[self.first * self.step_s], middles])
+        share = np.diff(edges_s)[:, None] / self.step_s
         if self.moving:
             gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
         else:
             gravity = frame.apparent_gravity(self.scene, edges_s) * share
         return [(x, y, z) for x, y, z in gravity.tolist()]
+
+    def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
+        """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
+        if end_s <= start_s:
+            return 0.0, 0.0, 0.0
+        pull = [0.0, 0.0, -self.scene.gravity_m_s2 * (end_s - start_s) / step_s]
+        edges = np.array([start_s, end_s])
+        for axis, part in self._parts:
+            before, after = part.velocity_m_s(edges).tolist()
+            pull[axis] -= (after - before) / step_s
+        return pull[0], pull[1], pull[2]
+
+    @cached_property
+    def _parts(self) -> list[tuple[int, Excitation]]:
+        """The axes along which the frame is accelerated, with their motions."""
+        shake = self.scene.shake
+        found = [] if self.moving else list(enumerate((shake.x, shake.y, shake.z)))
+        return [(axis, part) for axis, part in found if not isinstance(part, Rest)]
 
     def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step and its mean velocity in it."""

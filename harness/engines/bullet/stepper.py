@@ -155,6 +155,11 @@ class Stepper:
         self._hold(self.static)
         self.restore(row)
 
+    def let_slide(self, sliding: bool) -> None:
+        """The pedestal slides, or is held, from now on, as an impact that is not Bullet's left it."""
+        if self.switches:
+            self._hold(self.kinetic if sliding else self.static)
+
     def _hold(self, friction: float) -> None:
         self.world.set_floor_friction(friction)
         self.stuck = friction == self.static

@@ -62,12 +62,13 @@ class Touch:
         first_s = soonest_s = math.inf
         foot = -1
         for index, (gap, closing) in enumerate(self._gaps(row, floor_m, floor_m_s)):
-            if gap > NEAR_M:
+            falls = closing > falling and gap > -self.late_s * closing
+            if gap > NEAR_M or (falls and gap > 0.0):
                 bound = self.bound[index]
                 time_s = (math.sqrt(closing * closing + 2.0 * bound * gap) - closing) / bound
                 if time_s < soonest_s:
                     soonest_s = time_s
-            if closing > falling and gap > -self.late_s * closing:
+            if falls:
                 time_s = gap / closing if gap > 0.0 else 0.0
                 if time_s < first_s:
                     first_s, foot = time_s, index

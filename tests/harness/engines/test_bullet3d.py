@@ -10,7 +10,7 @@ from analytic.excitation import Harmonic, Pulse
 from harness.benchmark.scenes import standard_set
 from harness.engine import Want
 from harness.history import Outcome
-from harness.scene import Pedestal, Wall
+from harness.scene import Pedestal, Shake, Wall
 from tests import budgets_bullet as budget
 from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
@@ -71,6 +71,12 @@ def test_impacts_cost_no_order(name: str) -> None:
     assert fine <= budget.FALLEN * coarse
 
 
+def test_impacts_are_met_at_steps_that_no_foot_crosses_quickly() -> None:
+    """A coming foot that is nearer than a standing one may be, because it goes so little in a step, still comes."""
+    case = scene(rectangle(0.4, 1.0), theta_rad=2e-3, duration_s=0.12)
+    assert apart(bullet(case, 2e-5), exact(case)) <= budget.SMALL_RAD
+
+
 def test_finest_rung_stays_in_the_plane() -> None:
     from harness.engines import load
 
@@ -99,6 +105,13 @@ def test_imposed_ratio(ratio: float) -> None:
     assert run.labels == ("impact law imposed",)
     assert run.work["imposed_impacts"] == len(run.impact_times_s)
     np.testing.assert_allclose(run.validity["impact_ratios"], ratio, atol=budget.IMPOSED_RATIO)
+
+
+@pytest.mark.parametrize(("amplitude_g", "ratio", "dt_s"), [(0.429, 0.85, 1e-3), (0.334, 0.90, 4e-3)])
+def test_imposed_ratio_lets_a_pedestal_slide(amplitude_g: float, ratio: float, dt_s: float) -> None:
+    """An imposed impact says whether friction is static after it, and is met where the statue is quicker than it seemed."""
+    case = paestum(amplitude_g, 3.0, mu=(0.20, 0.15), restitution=ratio)
+    assert apart(bullet(case, dt_s), exact(case)) <= budget.COARSEST_RAD
 
 
 @pytest.mark.parametrize("pedestal", [True, False])
@@ -193,6 +206,36 @@ def test_creep_at_rest_on_the_finest_rung(pedestal: bool) -> None:
         assert long * _drift(run, column) <= budget.CREEP_RAD, column
     for column in ("slip_m", "statue_y_m", "corner_right_x_m"):
         assert long * _drift(run, column) <= budget.CREEP_M, column
+
+
+@pytest.mark.parametrize("pedestal", [True, False])
+@pytest.mark.parametrize("rung", range(5))
+def test_no_rung_creeps_in_half_of_a_scene(pedestal: bool, rung: int) -> None:
+    from harness.engines import load
+
+    engine = load("pybullet")
+    case = paestum(0.0, 1.0, pedestal=pedestal)
+    settings = engine.ladder(case)[rung]
+    # The first penetration is taken back by a share in each step, not in each second.
+    rest_s = budget.REST_STEPS * settings.dt_s
+    run = engine.simulate(case.but(duration_s=rest_s), settings, Want(skips=frozenset({"base_only", "mirror"})))
+    assert run.steps == budget.REST_STEPS
+    for column, most in (
+        ("theta_rad", budget.CREEP_RAD),
+        ("slip_m", budget.CREEP_M),
+        ("corner_right_x_m", budget.CREEP_M),
+    ):
+        assert 60.0 / rest_s * _drift(run, column) <= most, column
+
+
+def test_what_friction_just_fails_to_hold_slides() -> None:
+    """Rest without creep must not come from holding what slides: a push a hundredth above the limit moves the pedestal."""
+    peak_m_s2 = 1.01 * 0.15 * GRAVITY_M_S2
+    case = paestum(0.0, 1.0, duration_s=0.25).but(
+        statue=rectangle(0.5, 1.0), shake=Shake(x=Pulse("rectangular", peak_m_s2, 0.2))
+    )
+    slid = worst(bullet(case, 1e-3), "slip_m")
+    assert slid == pytest.approx(0.5 * (peak_m_s2 - 0.15 * GRAVITY_M_S2) * 0.2**2, rel=0.1)
 
 
 def _drift(run: object, column: str) -> float:
