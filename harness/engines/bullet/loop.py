@@ -82,7 +82,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
             if still.lasts(march.number, row, zx, zy):
                 record.rested = True
                 break
-        free = RESTING_FREE
+        free = MOST_FREE
         if watch.touch is not None and march.jolts < MOST_JOLTS:
             free = _touched(march, scene, watch.touch, watch)
             if free == 0:
