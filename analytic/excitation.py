@@ -84,7 +84,10 @@ class Harmonic(Excitation):
 
     def velocity_m_s(self, t_s: ArrayLike) -> Floats:
         """Velocity, m/s."""
-        return self._state(t_s)[0]
+        if self.ramp_s > 0.0:
+            return self._state(t_s)[0]
+        t = np.maximum(np.asarray(t_s, dtype=np.float64), 0.0)
+        return np.asarray(self.amplitude_m_s2 * (math.cos(self.phase_rad) - np.cos(self._angle(t))) / self.omega_rad_s)
 
     def displacement_m(self, t_s: ArrayLike) -> Floats:
         """Displacement, m."""

@@ -33,12 +33,13 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
 
 def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, float, float]:
     """The same for one step, m/s²."""
-    edges = np.array([start_s, end_s])
-    shake = scene.shake
-    x, y, z = (
-        0.0 if isinstance(item, Rest) else float(_mean_accel(item, edges)[0]) for item in (shake.x, shake.y, shake.z)
-    )
-    return -x, -y, -z - scene.gravity_m_s2
+    edges, length_s = np.array([start_s, end_s]), end_s - start_s
+    mean = [0.0, 0.0, 0.0]
+    for axis, item in enumerate((scene.shake.x, scene.shake.y, scene.shake.z)):
+        if not isinstance(item, Rest):
+            before, after = item.velocity_m_s(edges)
+            mean[axis] = float(after - before) / length_s
+    return -mean[0], -mean[1], -mean[2] - scene.gravity_m_s2
 
 
 def _mean_accel(item: Excitation, edges_s: Array) -> Array:

@@ -73,11 +73,18 @@ class Standing:
         """The facet whose impact is to be met now at this rate, which was another a step before; −1 for none."""
         if abs(spin_rad_s - before_rad_s) > MOST_GAINED * abs(spin_rad_s):
             return -1
-        tilt, level = self.tilt(), self.level_rad
+        level, turned = self.level_rad, native.get_angle(self.statue)
+        back = 1 if spin_rad_s < 0.0 else 0
+        facet = bisect_left(level, turned) - back
+        if not 0 <= facet < len(level) or (level[facet] - turned) / spin_rad_s > self.far_s + TIPPED_RAD / abs(
+            spin_rad_s
+        ):
+            return -1
+        tilt = self.tilt()
         if abs(tilt) > TIPPED_RAD:
             return -1
-        turned = native.get_angle(self.statue) - tilt
-        facet = bisect_left(level, turned) - (1 if spin_rad_s < 0.0 else 0)
+        turned -= tilt
+        facet = bisect_left(level, turned) - back
         if not (0 <= facet < len(level) and abs(spin_rad_s) > self.least_rad_s[facet]):
             return -1
         return facet if self.near_s <= (level[facet] - turned) / spin_rad_s < self.far_s else -1
@@ -92,8 +99,8 @@ class Standing:
             return 0.0
         return float(native.get_angle(self.pedestal) + native.get_spin(self.pedestal) * length_s)
 
-    def support(self, x_m: float, length_s: float = 0.0) -> float:
-        """Height of what the statue stands on at x, m, after a further move of `length_s`."""
+    def support(self, x_m: float, length_s: float = 0.0, tilt_rad: float | None = None) -> float:
+        """Height of what the statue stands on at x, m, after a further move of `length_s` (and the pedestal's rotation then)."""
         below = self.pedestal
         if below is None:
             if not self.moving:
@@ -102,7 +109,8 @@ class Standing:
         place, velocity = native.get_place(below), native.get_velocity(below)
         top = place.y + velocity.y * length_s + self.half_m
         if self.pedestal is not None:
-            top += (x_m - place.x - velocity.x * length_s) * self.tilt(length_s)
+            tilt = self.tilt(length_s) if tilt_rad is None else tilt_rad
+            top += (x_m - place.x - velocity.x * length_s) * tilt
         return float(top)
 
     def gap(self, vertex: int) -> tuple[float, float]:
@@ -141,7 +149,7 @@ class Standing:
         place, velocity = native.get_place(body), native.get_velocity(body)
         cos, sin = math.cos(angle), math.sin(angle)
         if support_m is None:
-            support_m = self.support(place.x + velocity.x * length_s + x * cos - z * sin, length_s)
+            support_m = self.support(place.x + velocity.x * length_s + x * cos - z * sin, length_s, tilt)
         excess = place.y + velocity.y * length_s + x * sin + z * cos - support_m + self.depth_m
         turn = spin * length_s
         if -self.slop_m < excess < RISES * (self.depth_m + self.height_m * turn * turn):
