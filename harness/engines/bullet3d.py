@@ -34,6 +34,8 @@ LADDER: Final = (
     BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=1e-5, residual=0.0, iterations=1000),
 )
+FINER: Final = 0.45
+"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""
 SWEEPS_ALONE: Final = 300
@@ -80,13 +82,14 @@ class Bullet3D(Engine):
         return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
 
     def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
-        """Half the step, with the equations of each step solved more tightly; where they are solved to the end (a residual of 0),
-        with the bodies in the other order too: before that the order changes how far the sweeps get, not what they seek.
+        """Less than half the step, with the equations of each step solved more tightly; where they are solved to the end (a
+        residual of 0), with the bodies in the other order too: before that the order changes how far the sweeps get, not what
+        they seek.
         """
         rung = _own(settings)
         tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations)
         other = rung.reversed_bodies != (rung.residual == 0.0)
-        return (replace(tighter, dt_s=0.5 * rung.dt_s, reversed_bodies=other),)
+        return (replace(tighter, dt_s=FINER * rung.dt_s, reversed_bodies=other),)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""

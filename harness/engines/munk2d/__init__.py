@@ -20,7 +20,7 @@ from harness.record import Run
 from harness.scene import Scene
 
 RUNGS: Final = (
-    (4e-3, 120, 5e-4),
+    (4e-3, 90, 5e-4),
     (2e-3, 120, 2e-4),
     (1e-3, 120, 6e-5),
     (5e-4, 160, 2e-5),

@@ -201,7 +201,7 @@ def test_probes_are_finer_and_solved_more_tightly() -> None:
     engine = load("pybullet")
     for rung in engine.ladder(case):
         for probe in engine.probes(case, rung):
-            assert probe.dt_s == 0.5 * rung.dt_s
+            assert probe.dt_s < 0.5 * rung.dt_s
             assert probe.as_dict()["residual"] <= rung.as_dict()["residual"]
             assert probe.as_dict()["iterations"] > rung.as_dict()["iterations"]
             solved = rung.as_dict()["residual"] == 0.0
