@@ -39,7 +39,7 @@ MOST_GAINED: Final = 0.3
 in them, and parts of steps would keep them alive."""
 SLOW_STEPS: Final = 10.0
 """A rate that gravity changes in so many steps takes a vertex nowhere. Held up in each of them, a statue that comes to rest in
-swings of a few steps would rock for ever."""
+swings of a few steps would rock for ever; never held up, one at rest would sink and turn within the slop."""
 RISES: Final = 4.0
 """A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
 
@@ -127,14 +127,14 @@ class Standing:
         height = place.y + x * sin + z * cos - self.support(place.x + x * cos - z * sin)
         return float(height), float(native.get_velocity(self.statue).y + spin * (x * cos - z * sin) - rise)
 
-    def keep(self, length_s: float, support_m: float | None = None) -> None:
-        """Place the statue so that a move of `length_s` takes its standing vertex to its depth.
+    def keep(self, length_s: float, support_m: float | None = None, *, slow: bool = False) -> None:
+        """Place the statue so that a move of `length_s` takes its standing vertex to its depth; at a slow rate only if `slow`.
 
         `support_m`: the support's height after that move, where the table's own motion gives it.
         """
         body = self.statue
         spin = native.get_spin(body)
-        if -self.slow_rad_s < spin < self.slow_rad_s:
+        if not slow and -self.slow_rad_s < spin < self.slow_rad_s:
             return
         angle, tilt = native.get_angle(body) + spin * length_s, self.tilt(length_s)
         if abs(angle) > LEANING_RAD or abs(tilt) > TIPPED_RAD:
