@@ -26,10 +26,15 @@ def choice(rows: Sequence[Row], target_rad: float) -> list[dict[str, Any]]:
         taken = {row["scene"]: row for row in mine if row["group"] == "accuracy" and row["failed"] is None}
         if not taken:
             continue
-        rungs: dict[str, dict[str, Row]] = defaultdict(dict)
+        # By its place in the ladder: one rung may have other iterations on another scene.
+        rungs: dict[int, dict[str, Row]] = defaultdict(dict)
+        passed: dict[str, int] = defaultdict(int)
         for row in mine:
-            if row["group"] == "ladder" and row["failed"] is None and row["scene"] in taken:
-                rungs[row["label"]][row["scene"]] = row
+            if row["group"] != "ladder" or row["scene"] not in taken:
+                continue
+            if row["failed"] is None:
+                rungs[passed[row["scene"]]][row["scene"]] = row
+            passed[row["scene"]] += 1
         meets = [
             sum(row["cpu_s"] for row in by_scene.values())
             for by_scene in rungs.values()

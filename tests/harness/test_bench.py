@@ -42,6 +42,12 @@ def test_the_choice_is_compared_with_the_fixed_rung_that_meets_every_scene() -> 
     assert found["met"] == 2
 
 
+def test_a_rung_is_known_by_its_place_in_the_ladder() -> None:
+    other = [item | {"label": f"{item['label']}, {item['scene']}"} for item in ROWS if item["group"] == "ladder"]
+    asked = [item for item in ROWS if item["group"] != "ladder"]
+    assert sentences.choice([*other, *asked], 1e-3) == sentences.choice(ROWS, 1e-3)
+
+
 def test_no_fixed_rung_is_said() -> None:
     worse = [item | {"error_rad": 1.0} if item["scene"] == "hard" else item for item in ROWS]
     found = sentences.choice(worse, 1e-3)[0]
