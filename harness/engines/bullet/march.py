@@ -112,10 +112,7 @@ class March:
         self.jolted, self.jolts = False, 0
         stepper, row, record, taken = self.stepper, self.row, self.record, len(pulls)
         if stepper.plain:
-            advance, keep = stepper.advance, record.flat.extend
-            for gravity in pulls:
-                row = advance(gravity)
-                keep(row)
+            row = stepper.run(pulls, record.flat.extend)
         else:
             for index, gravity in enumerate(pulls):
                 after = stepper.step(gravity, (self.number + index) * self.step_s, self.step_s, row)
@@ -126,9 +123,9 @@ class March:
                 row = after
                 record.flat.extend(row)
         self.row = row
-        for number in range(self.number + 1, self.number + taken + 1):
-            record.t_s.append(number * self.step_s)
-            record.kick_s.append((number - 0.5) * self.step_s)
+        numbers, step_s = range(self.number + 1, self.number + taken + 1), self.step_s
+        record.t_s.extend([number * step_s for number in numbers])
+        record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         if taken:
             self.number += taken
             self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]

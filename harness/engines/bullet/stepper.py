@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -90,6 +90,22 @@ def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
     return advance
 
 
+def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], Callable[[Row], None]], Row]:
+    """The same for several steps: their rows are kept one after the other, the last is returned. At least one step."""
+    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+
+    def run(pulls: Sequence[Vector], keep: Callable[[Row], None]) -> Row:
+        row: Row = ()
+        for gravity in pulls:
+            set_gravity(*gravity, client)
+            step(client)
+            row = read()
+            keep(row)
+        return row
+
+    return run
+
+
 def bodies(row: Row) -> tuple[Body, Body | None]:
     """States of statue and pedestal in a row."""
     statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]
@@ -105,6 +121,7 @@ class Stepper:
         self.world, self.schedule = world, schedule
         self.read = reader(world)
         self.advance = _advancer(world, self.read)
+        self.run = _runner(world, self.read)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
         self.switches = pedestal is not None and self.static != self.kinetic
