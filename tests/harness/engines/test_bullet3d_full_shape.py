@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.bullet import course, feet, pose
-from harness.engines.bullet.full import full_shape
+from harness.engines.bullet.full import HULL_VERTICES, full_shape
+from harness.engines.bullet.shapes import HULL_INSET_M
 from harness.engines.bullet.world import World
 from harness.history import Outcome
+from harness.load import load_scene
 from harness.mesh_statue import statue_of
 from harness.scene import Pedestal, Scene, Statue, Wall
 from meshes import decomposition, load_solid, toadstool
@@ -196,6 +198,22 @@ def test_without_coacd_the_hull_is_taken_and_said(monkeypatch: pytest.MonkeyPatc
     run = bullet(case, 1e-3)
     assert run.validity["full_shape"] == "hull"
     assert any("coacd is not installed" in text and "73 %" in text for text in run.warnings)
+
+
+def _planes(points_m: Array) -> Array:
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(ConvexHull(points_m).equations)
+
+
+def test_the_hull_keeps_to_its_budget() -> None:
+    still = load_scene(Path(__file__).parents[3] / "scenes" / "paestum_pedestal.toml")
+    corners = feet.hull_vertices(still.statue)
+    (taken,) = full_shape(still, "hull").bodies_m
+    assert len(corners) > HULL_VERTICES >= len(taken)
+    # What is left out stands out by no more than the hull is drawn inside.
+    distances = np.max(_planes(taken)[:, :3] @ corners.T + _planes(taken)[:, 3:], axis=0)
+    assert 0.0 < np.max(distances) < 2.5 * HULL_INSET_M
 
 
 def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
