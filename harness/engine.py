@@ -37,6 +37,10 @@ SKIPS: Final[Mapping[str, str]] = {
 }
 
 
+FINER: Final = 0.45
+"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
+
+
 class EngineFailure(RuntimeError):
     """The engine could not finish this run; the harness records it as a failure of this run only."""
 

@@ -42,6 +42,12 @@ def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, flo
     return -mean[0], -mean[1], -mean[2] - scene.gravity_m_s2
 
 
+def greatest_pull_m_s2(scene: Scene) -> float:
+    """A bound on what weight and table together can do, m/s²."""
+    shake = scene.shake
+    return scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
+
+
 def _mean_accel(item: Excitation, edges_s: Array) -> Array:
     if isinstance(item, Rest):
         return np.zeros(edges_s.size - 1)

@@ -15,7 +15,7 @@ from harness.contact.friction import floor_friction
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.spatial import fall_across
-from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.bullet.settings import BulletSettings
 from harness.record import Run
 from harness.scene import Scene
@@ -34,8 +34,6 @@ LADDER: Final = (
     BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5),
     BulletSettings(dt_s=1.25e-4, expected_error_rad=1e-5, residual=0.0, iterations=1000),
 )
-FINER: Final = 0.45
-"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""
 SWEEPS_ALONE: Final = 300

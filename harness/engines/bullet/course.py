@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.contact.frame import step_count
+from harness.contact.frame import greatest_pull_m_s2, step_count
 from harness.engine import Want
 from harness.engines.bullet import feet, loop, mirror, pose
 from harness.engines.bullet.edge import EdgeWatch
@@ -107,10 +107,8 @@ def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: b
     halt = None
     if scene.pedestal is not None and not full:
         p = scene.pedestal
-        shake = scene.shake
-        pull = scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
         half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-        halt = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, pull)
+        halt = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, greatest_pull_m_s2(scene))
     return Watch(
         axis=_vector(setup.axes[2]),
         rest=_vector(setup.rest.rotation[:, 2]),

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from harness.contact.frame import greatest_pull_m_s2
 from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
 from harness.engines.bullet.march import March
@@ -61,7 +62,7 @@ class Watch:
 
 def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> Record:
     """Run `march` to the schedule's end, an overturn, rest, or a halt."""
-    pull = _greatest_pull(scene)
+    pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
     still, record = Still(watch), march.record
     look = halt_look = march.number
@@ -137,12 +138,6 @@ def _upright(march: March, watch: Watch) -> float:
     """Time, s, until the statue passes upright; infinite when it does not come down."""
     lean, rate = axis_of(march.row, watch.axis)[0] - watch.rest[0], march.row[11]
     return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
-
-
-def _greatest_pull(scene: Scene) -> float:
-    """A bound, m/s², on what weight and table together can do."""
-    shake = scene.shake
-    return scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
 
 
 def _halted(march: March, pull: float, kinetic: float) -> int:

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.contact.frame import greatest_pull_m_s2
 from harness.contact.spatial import matrices
 from harness.scene import Scene
 
@@ -41,12 +42,12 @@ class Touch:
         step_s: float,
         within_m: tuple[float, float] | None = None,
     ) -> None:
-        statue, shake = scene.statue, scene.shake
+        statue = scene.statue
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         few = len(feet_m) <= FEW and within_m is None
         self.few = [tuple(foot) for foot in feet_m.tolist()] if few else None
         self.least_m_s = LEAST_RATE_RAD_S * (statue.corner_left_m + statue.corner_right_m)
-        pull = scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
+        pull = greatest_pull_m_s2(scene)
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
         self.drift_s = DRIFT * statue.centroid_height_m * step_s
         self.late_s = LATE * step_s

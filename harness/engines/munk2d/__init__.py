@@ -13,7 +13,7 @@ from harness.contact import frame
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.trajectory import Trajectory
-from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.munk2d.world import MunkSettings
 from harness.plan import first_motion_s
 from harness.record import Run
@@ -30,12 +30,10 @@ RUNGS: Final = (
     (2e-5, 800, 1e-6),
 )
 """(step in s, iterations, error in rad reached where tuned): the paper's four cases with a pedestal, μ_s = 0.15 and 0.20,
-μ_k = 0.15, first second, against the analytic model. A statue on a pedestal needs many iterations at any step: with fewer its
-corners lose contact. They grow as the step shrinks, because what they leave does not fall with the step."""
+μ_k = 0.15, first second, against the analytic model. A statue on a pedestal needs many iterations at any step: with fewer the
+sweeps leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the step."""
 ALONE_SHARE: Final = 0.5
 """Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling."""
-FINER: Final = 0.45
-"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
 IMPACT_ITERATIONS: Final = 400
 """Least iterations of a step that holds an event: it starts from impulses of another state."""
 DEPTH_RAD_S: Final = 0.002
