@@ -10,7 +10,7 @@ from typing import Final
 from harness.contact.frame import greatest_pull_m_s2
 from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
-from harness.engines.bullet.march import March
+from harness.engines.bullet.march import ALONE, March
 from harness.engines.bullet.meeting import meet
 from harness.engines.bullet.schedule import Schedule, Vector
 from harness.engines.bullet.stepper import Record, Row, axis_of
@@ -21,8 +21,6 @@ AHEAD: Final = 1.5
 """Steps between the last look at an event and the step in which it may fall."""
 LEAST_SHARE: Final = 0.1
 """Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
-ALONE: Final = 13
-"""Numbers in a row without a pedestal."""
 RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
 MOST_FREE: Final = 16

@@ -14,6 +14,8 @@ from harness.engines.bullet.pose import advanced
 from harness.engines.bullet.schedule import Vector
 from harness.engines.bullet.stepper import Record, Row, Stepper
 
+ALONE: Final = 13
+"""Numbers in a row without a pedestal."""
 NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
 """Share of a step below which none is taken."""
@@ -75,6 +77,16 @@ class March:
         self.stepper.restore(self.row)
         self.t_s += seconds
 
+    def turn(self, seconds: float) -> None:
+        """Turn the statue's velocity over its support as a standing body's goes on turning: v' = ω × v."""
+        row = self.row
+        base = self.stepper.table_rate if len(row) == ALONE else row[20:23]
+        u, v, w = (row[7 + k] - base[k] for k in range(3))
+        a, b, c = (seconds * rate for rate in row[10:13])
+        turned = (row[7] + b * w - c * v, row[8] + c * u - a * w, row[9] + a * v - b * u)
+        self.row = (*row[:7], *turned, *row[10:])
+        self.stepper.restore(self.row)
+
     def impact(self) -> None:
         """An impact here and now: everything that touches meets at once, and nothing else moves."""
         length = TOGETHER * self.step_s
@@ -111,6 +123,7 @@ class March:
         self._set(self.step_s)
         self.jolted, self.jolts = False, 0
         stepper, row, record, taken = self.stepper, self.row, self.record, len(pulls)
+        before = row
         if stepper.plain:
             row = stepper.run(pulls, record.flat.extend)
         else:
@@ -127,6 +140,7 @@ class March:
         record.t_s.extend([number * step_s for number in numbers])
         record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         if taken:
+            stepper.look_at_grip(pulls[:taken], before, row)
             self.number += taken
             self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         if taken < len(pulls):

@@ -46,6 +46,9 @@ def meet(march: March, touch: Touch, until: Callable[[], float], act: Callable[[
         march.coast(coming - room)
     instant = max(march.t_s + room, march.kick_s)
     march.kick(SHORT * room, instant)
+    if touch.stands(march.row, floor.table_place[2], floor.table_rate[2]):
+        # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
+        march.turn(room)
     coming = until()
     if abs(coming) > room:
         # What came down no longer does.

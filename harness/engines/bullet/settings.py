@@ -28,7 +28,7 @@ class BulletSettings(Settings):
     event_iterations: int = 1000
     event_residual: float = 1e-3
     erp: float = 0.02
-    foot_radius_m: float = 1e-6
+    foot_radius_m: float = 1e-9
     cone_friction: bool = True
     reversed_bodies: bool = False
     full_shape: Literal["needed", "hull", "parts"] = "needed"

@@ -89,6 +89,8 @@ def _other(statue_box: bool, pedestal_shape: str) -> Build:
     def build(world: World, scene: Scene, setup: course.Setup) -> None:
         _ours(world, scene, setup)
         client, radius = world.client, world.settings.foot_radius_m
+        # Points that are sought anew in each step are no place to come back to.
+        world.edges = True
         p, s, pedestal = scene.pedestal, scene.statue, world.pedestal
         if p is None or pedestal is None:
             raise ValueError("these contacts are compared on a pedestal")
@@ -216,6 +218,7 @@ def variations() -> Iterator[str]:
         ("1 mm", {"foot_radius_m": 1e-3}),
         ("0.1 mm", {"foot_radius_m": 1e-4}),
         ("1 µm", {"foot_radius_m": 1e-6}),
+        ("1 nm", {"foot_radius_m": 1e-9}),
         ("residual 1e-8", {"residual": 1e-8}),
         ("residual 1e-10", {"residual": 1e-10}),
         ("residual 1e-11", {"residual": 1e-11}),

@@ -22,6 +22,10 @@ Row = tuple[float, ...]
 
 SATURATED: Final = 0.998
 """Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
+GRIP: Final = 0.5
+"""Share of the statue's friction limit from which on its feet are not taken to stand, and"""
+GRIP_AGAIN: Final = 0.35
+"""below which they are again."""
 HALTED: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
 
@@ -128,6 +132,8 @@ class Stepper:
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
         self.plain = not (schedule.moving or self.switches)
         self.stuck = True
+        self.grip_limit, self.grips = contact.statue, False
+        self._anchor(held=not world.edges)
         self.repeated = 0
         self.just_released = False
         self.table_place: Vector = (0.0, 0.0, 0.0)
@@ -166,6 +172,22 @@ class Stepper:
         self.repeated += 1
         self.just_released = True
         return self.advance(gravity)
+
+    def look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: let the statue's feet keep their places only while friction is far from its limit."""
+        if self.world.edges:
+            return
+        step_s = self.schedule.step_s
+        x = after[7] - before[7] - step_s * sum(pull[0] for pull in pulls)
+        y = after[8] - before[8] - step_s * sum(pull[1] for pull in pulls)
+        z = after[9] - before[9] - step_s * sum(pull[2] for pull in pulls)
+        share = GRIP if self.grips else GRIP_AGAIN
+        if (math.hypot(x, y) < share * self.grip_limit * z) != self.grips:
+            self._anchor(held=not self.grips)
+
+    def _anchor(self, *, held: bool) -> None:
+        self.grips = held
+        self.world.anchor(held=held)
 
     def take_back(self, row: Row) -> None:
         """Undo a step in which the pedestal was let loose: the state before it, held by static friction."""

@@ -80,6 +80,11 @@ class Touch:
         gap, closing = self._gaps(row, floor_m, floor_m_s)[foot]
         return gap / closing if closing > self.least_m_s else math.inf
 
+    def stands(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> bool:
+        """Whether a foot rests on its support."""
+        falling = self._falling_m_s(row)
+        return any(abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self._gaps(row, floor_m, floor_m_s))
+
     def drift_m(self, row: Row, floor_m: float = 0.0, *, coming_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `coming_s`; 0 for none."""
         falling = self._falling_m_s(row)

@@ -26,6 +26,8 @@ MIRRORED_RESIDUAL: Final = 1e-2
 """Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
 FULL_RADIUS_M: Final = 1e-5
 """Radius of the feet where the pedestal's top is a box: a smaller sphere against it is missed more often."""
+SHORT: Final = 0.1
+"""Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
 
@@ -45,6 +47,7 @@ class World:
         self.pedestal: int | None = None
         self.statue = -1
         self.radius_m = settings.foot_radius_m
+        self.edges = False
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
@@ -78,13 +81,13 @@ class World:
         A step of another length than the rung's holds an event, whose impulses are solved more tightly.
         """
         s, erp = self.settings, self.settings.erp_for(step_s)
-        tight = step_s != s.dt_s
+        tight, share = step_s != s.dt_s, step_s / s.dt_s
         residual = s.residual_for() * (MIRRORED_RESIDUAL if self.mirrored else s.event_residual if tight else 1.0)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=step_s,
             erp=erp,
             contactERP=erp,
-            frictionERP=erp,
+            frictionERP=share**2 if share > SHORT else 0.0,
             numSolverIterations=max(s.iterations, s.event_iterations) if tight or self.mirrored else s.iterations,
             solverResidualThreshold=residual,
             # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
@@ -102,16 +105,17 @@ class World:
         """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
         and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges.
         """
-        radius = self.radius_m = self.settings.foot_radius_m if statue[3] is None else FULL_RADIUS_M
+        self.edges = statue[3] is not None
+        radius = self.radius_m = FULL_RADIUS_M if self.edges else self.settings.foot_radius_m
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
         if wall is not None:
             sign = wall[0].sign
             self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
             self._add_statue(statue)
-            self._add_pedestal(pedestal, statue[3] is not None)
+            self._add_pedestal(pedestal, self.edges)
         else:
-            self._add_pedestal(pedestal, statue[3] is not None)
+            self._add_pedestal(pedestal, self.edges)
             self._add_statue(statue)
         # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
         self.surface(self.statue, contact.statue)
@@ -209,6 +213,10 @@ class World:
             restitution=0.0,
             physicsClientId=self.client,
         )
+
+    def anchor(self, *, held: bool) -> None:
+        """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
+        pybullet.changeDynamics(self.statue, -1, frictionAnchor=int(held), physicsClientId=self.client)
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

@@ -1,0 +1,72 @@
+"""pybullet's errors fall faster than the step, through impacts, on any step, in half of the scene and in all of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness.engine import Want
+from harness.scene import Scene
+from tests import budgets_bullet as budget
+from tests.harness.engines.bullet_cases import WHOLE, bullet, exact
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+
+pytest.importorskip("pybullet")
+
+HALF = Want()
+
+
+def error(on: Scene, dt_s: float, want: Want = HALF) -> float:
+    found, truth = bullet(on, dt_s, want), exact(on)
+    assert found.history is not None
+    assert truth.history is not None
+    times = np.linspace(0.0, min(found.end_s, truth.end_s), 500)
+    return float(np.max(np.abs(found.history.at(times) - truth.history.at(times))))
+
+
+def free_rocking(duration_s: float = 2.0) -> Scene:
+    return scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=duration_s)
+
+
+@pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
+def test_four_impacts_leave_no_error_of_first_order(want: Want) -> None:
+    errors = [error(free_rocking(), dt_s, want) for dt_s in (4e-3, 1e-3)]
+    assert errors[0] <= budget.FREE_ROCKING_COARSE_RAD
+    assert math.log(errors[0] / errors[1], 4.0) >= budget.ORDER_WITH_IMPACTS
+
+
+@pytest.mark.parametrize("dt_s", [4.3e-3, 2.6e-3, 1.7e-3, 1.3e-3])
+def test_impacts_may_fall_anywhere_in_a_step(dt_s: float) -> None:
+    assert error(free_rocking(), dt_s) <= budget.FREE_ROCKING_RAD * (dt_s / 1e-3) ** budget.ORDER_WITH_IMPACTS
+
+
+def test_a_standing_foot_stays_where_it_stands() -> None:
+    # Each step takes it along the tangent of its circle, half a step's turning off its place: back again in the next.
+    on = scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=0.3)
+    run = bullet(on, 4e-3)
+    assert run.history is not None
+    assert np.max(np.abs(run.history.columns()["statue_slip_m"])) <= budget.STANDING_M
+
+
+def test_a_sliding_foot_has_no_place_to_come_back_to() -> None:
+    friction, motion = 0.1, Harmonic(0.4 * GRAVITY_M_S2, 2.0)
+    on = scene(rectangle(0.2, 1.0), motion, mu_statue=friction, duration_s=1.0)
+    run = bullet(on, 2.5e-4)
+    assert run.history is not None
+    slip_m = run.history.columns()["statue_slip_m"][-1]
+    assert slip_m == pytest.approx(newmark_m(motion, friction, 1.0), rel=budget.SLIDING_REL)
+
+
+def newmark_m(motion: Harmonic, friction: float, duration_s: float, steps: int = 20_000) -> float:
+    """Displacement of a sliding block on its support at the end, by steps in which friction may at most stop it."""
+    dt_s = duration_s / steps
+    table_m_s = motion.velocity_m_s(np.linspace(0.0, duration_s, steps + 1))
+    lost_m_s, rate_m_s, slip_m = friction * GRAVITY_M_S2 * dt_s, 0.0, 0.0
+    for pushed_m_s in -np.diff(table_m_s):
+        free_m_s = rate_m_s + float(pushed_m_s)
+        rate_m_s = math.copysign(max(abs(free_m_s) - lost_m_s, 0.0), free_m_s)
+        slip_m += rate_m_s * dt_s
+    return slip_m
