@@ -1,9 +1,9 @@
 """A target accuracy instead of a time step: climb an engine's ladder until its own runs agree.
 
 The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
-step, other order of bodies, fewer iterations), never from another model. A run that is finer than the one it is compared with
-by a factor of two in the step, at an order of at least one, is nearer to the limit than the two are to each other; `SAFETY`
-covers that errors of contact fall irregularly (tests/harness/test_uncertainty.py; `rockcheck bench` prints the coverage).
+step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
+the finer run's is at most the spread over (the steps' ratio - 1); `SAFETY` covers that errors of contact fall irregularly
+(tests/harness/test_uncertainty.py; `rockcheck bench` prints the coverage).
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ from harness.scene import Scene
 
 Array = NDArray[np.float64]
 
-SAFETY: Final = 4.0
-"""Factor from the spread to the stated uncertainty; docs/pymunk.md, "A target accuracy", says how often it was enough."""
+SAFETY: Final = 3.0
+"""Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);
+docs/pymunk.md, "A target accuracy", says how often it was enough."""
+LEAST_RATIO: Final = 1.5
+"""Two steps that are nearer to each other than this say no more of the error than two that are so far apart."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CLEAR: Final = 4.0
@@ -45,19 +48,30 @@ LEAST_COMPARED: Final = 200
 
 @dataclass(frozen=True)
 class Spread:
-    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it passes the target.
+    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it says that the target is missed.
 
-    `clear_s` and `near_s` are the last instants before it passes the target over `CLEAR` and `CLEAR` times the target.
-    `coarse_dt_s`: step of the coarser one. `apart_rad`: largest difference to the end, infinite where the ends differ.
+    `clear_s` and `near_s` are the same for the target over `CLEAR` and for `CLEAR` times the target.
+    `coarse_dt_s`, `fine_dt_s`: their steps. `apart_rad`: largest difference to the end, infinite where the ends differ.
     """
 
     largest_rad: float
     until_s: float
     whole: bool
-    coarse_dt_s: float = 0.0
+    coarse_dt_s: float
+    fine_dt_s: float
     apart_rad: float = math.inf
     clear_s: float = 0.0
     near_s: float = 0.0
+
+    @property
+    def stated_rad(self) -> float:
+        """Uncertainty of the finer run that this difference shows, rad."""
+        return factor(self.coarse_dt_s, self.fine_dt_s) * self.largest_rad
+
+
+def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
+    """Stated uncertainty of a run over its largest difference from a run with a longer step."""
+    return SAFETY / (max(coarse_dt_s / fine_dt_s, LEAST_RATIO) - 1.0)
 
 
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
@@ -75,8 +89,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         check = _Check(runs, spreads, settings.dt_s, ladder[-1].dt_s, accuracy_rad)
         run = engine.simulate(scene, settings, replace(want, history=True, stop=check))
         if runs and not run.outcome.failed and not runs[-1].outcome.failed:
-            found = spread(runs[-1], run, accuracy_rad / SAFETY)
-            spreads.append(replace(found, coarse_dt_s=float(runs[-1].settings["dt_s"])))
+            spreads.append(spread(runs[-1], run, accuracy_rad))
         if check.stopped:
             return _stated(runs, run, spreads, accuracy_rad, want, engine.agreements)
         runs.append(run)
@@ -104,10 +117,11 @@ class _Check:
         if self.before is None or self.before.history is None or not self.spreads or t_s > self.before.end_s:
             return False
         apart = abs(float(self.before.history.at(t_s)) - theta_rad)
-        if apart > self.accuracy_rad / SAFETY:
+        before_s = float(self.before.settings["dt_s"])
+        if apart > self.accuracy_rad / factor(before_s, self.dt_s):
             self.parted_s = min(self.parted_s, t_s)
         if apart > PARTED * self.accuracy_rad:
-            now = Spread(0.0, self.parted_s, False, float(self.before.settings["dt_s"]))
+            now = Spread(0.0, self.parted_s, False, before_s, self.dt_s)
             self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s)
         return self.stopped
 
@@ -143,12 +157,13 @@ def _factor(spreads: Sequence[Spread], accuracy_rad: float) -> float:
     """How many times finer than the last step the next should be."""
     if not spreads or spreads[-1].apart_rad > PARTED * accuracy_rad:
         return 1.0
-    needed = float((SAFETY * spreads[-1].apart_rad / accuracy_rad) ** (1.0 / ORDER))
-    return min(max(needed, 1.0), LEAP)
+    last = spreads[-1]
+    needed = (factor(last.coarse_dt_s, last.fine_dt_s) * last.apart_rad / accuracy_rad) ** (1.0 / ORDER)
+    return float(min(max(needed, 1.0), LEAP))
 
 
-def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
-    """How far two runs are apart, and until when that stays within `target_rad`.
+def spread(coarse: Run, fine: Run, accuracy_rad: float) -> Spread:
+    """How far two runs are apart, and until when the finer one is by that within `accuracy_rad`.
 
     Raises `ValueError` when a run has no history.
     """
@@ -159,17 +174,20 @@ def spread(coarse: Run, fine: Run, target_rad: float) -> Spread:
     apart = np.abs(coarse.history.at(times) - fine.history.at(times))
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
     same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
+    steps = float(coarse.settings["dt_s"]), float(fine.settings["dt_s"])
+    target_rad = accuracy_rad / factor(*steps)
     counts = [_within(apart, limit) for limit in (target_rad, target_rad / CLEAR, CLEAR * target_rad)]
     _, clear, near = (fine.end_s if count == apart.size else float(times[max(count - 1, 0)]) for count in counts)
     if counts[0] == apart.size and (same_end or coarse.outcome == fine.outcome):
         largest = float(np.max(apart))
-        return Spread(largest, fine.end_s, True, apart_rad=largest, clear_s=clear, near_s=near)
+        return Spread(largest, fine.end_s, True, *steps, apart_rad=largest, clear_s=clear, near_s=near)
     first = min(counts[0], apart.size - 1)
     until_s = float(times[max(first - 1, 0)])
     return Spread(
         float(np.max(apart[:first], initial=0.0)),
         until_s,
         False,
+        *steps,
         apart_rad=float(np.max(apart)) if same_end else math.inf,
         clear_s=min(clear, until_s),
         near_s=near,
@@ -189,7 +207,7 @@ def _instants(a: History, b: History, end_s: float) -> Array:
 
 def _agreed(spreads: list[Spread], accuracy_rad: float, agreements: int) -> bool:
     """Whether as many comparisons as the engine needs hold in a row, or the last one holds clearly."""
-    if spreads and spreads[-1].whole and CLEAR * SAFETY * spreads[-1].largest_rad <= accuracy_rad:
+    if spreads and spreads[-1].whole and CLEAR * spreads[-1].stated_rad <= accuracy_rad:
         return True
     return len(spreads) >= agreements and all(item.whole for item in spreads[-agreements:])
 
@@ -233,7 +251,7 @@ def _stated(
         return best
     last = spreads[-1]
     expected = float(best.settings.get("expected_error_rad", 0.0))
-    uncertainty = max(SAFETY * last.largest_rad, FLOOR_SHARE * expected)
+    uncertainty = max(last.stated_rad, FLOOR_SHARE * expected)
     if last.whole and uncertainty <= accuracy_rad:
         return best.with_uncertainty(uncertainty, best.end_s)
     if last.whole:

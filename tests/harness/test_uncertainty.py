@@ -144,6 +144,13 @@ def test_spread_sees_an_overturn_that_only_one_run_has() -> None:
     assert not spread(stands, falls, 1e-6).whole
 
 
+@pytest.mark.parametrize("ratio", [2.0, 2.2, 5.0])
+def test_the_further_apart_the_steps_the_more_of_the_difference_is_the_coarser_runs_error(ratio: float) -> None:
+    fine = Fake().simulate(paestum(), Settings(1e-4, 1e-4), Want())
+    coarse = Fake().simulate(paestum(), Settings(ratio * 1e-4, 1e-4), Want())
+    assert spread(coarse, fine, 1.0).stated_rad == pytest.approx(SAFETY * error_of(fine), rel=0.02)
+
+
 def test_history_is_left_out_when_only_the_outcome_is_asked() -> None:
     assert run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False)).history is None
     kept = run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False, skips=frozenset()))
