@@ -83,16 +83,26 @@ def _clear(task: Task, row: int, h: float, sign: float, level: float, rest: floa
 def _rests(task: Task, n: int, h: float) -> Rests:
     w = task.w
     row = FLOOR if task.q[SLIDE] == 0 else RATE
-    theta, pivot, normal, third, power = 0.0, 0.0, 0.0, 0.0, h
-    for k in range(2, n):
-        power *= h
-        theta += abs(term(w, TH, k)) * power
-        pivot += abs(term(w, PIVOT_V, k)) * power
-        normal += abs(term(w, NORMAL, k)) * power
-        third += abs(term(w, row, k)) * power
-    power *= h
-    theta += abs(term(w, TH, n)) * power
-    third += abs(term(w, RATE, n)) * power if row == RATE else 0.0
+    theta, pivot, third, theta1, pivot1, third1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for column in (n, n + 1):  # pairs of terms, without an odd one out
+        set_term(w, PIVOT_V, column, 0.0)
+        set_term(w, FLOOR, column, 0.0)
+    set_term(w, TH, n + 1, 0.0)
+    set_term(w, RATE, n + 1, 0.0)
+    k, power, square = 2, h * h, h * h
+    while k <= n:
+        power1 = power * h
+        theta, theta1 = theta + abs(term(w, TH, k)) * power, theta1 + abs(term(w, TH, k + 1)) * power1
+        pivot, pivot1 = pivot + abs(term(w, PIVOT_V, k)) * power, pivot1 + abs(term(w, PIVOT_V, k + 1)) * power1
+        third, third1 = third + abs(term(w, row, k)) * power, third1 + abs(term(w, row, k + 1)) * power1
+        power *= square
+        k += 2
+    theta, pivot, third, normal = theta + theta1, pivot + pivot1, third + third1, pivot + pivot1
+    if task.q[DEGREE + 1] > 1:  # else N has no other terms than V from the second on
+        normal, power = 0.0, h
+        for k in range(2, n):
+            power *= h
+            normal += abs(term(w, NORMAL, k)) * power
     return theta, pivot, normal, third
 
 

@@ -40,10 +40,8 @@ def value(w: Floats, row: int, n: int, x: float) -> float:
 
 @inlined
 def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    """Σ w[row, lo + k] x^k."""
+    """Σ w[row, lo + k] x^k, k = 0..n − lo, which is odd."""
     y, k, even, odd = x * x, n, 0.0, 0.0
-    if (n - lo) % 2 == 0:
-        even, k = term(w, row, n), n - 1
     while k > lo:
         odd = odd * y + term(w, row, k)
         even = even * y + term(w, row, k - 1)
@@ -53,10 +51,8 @@ def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
 
 @inlined
 def _slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    """First derivative at x of Σ w[row, lo + k] x^k."""
+    """First derivative at x of Σ w[row, lo + k] x^k, k = 0..n − lo, which is odd."""
     y, k, even, odd, even1, odd1 = x * x, n, 0.0, 0.0, 0.0, 0.0
-    if (n - lo) % 2 == 0:
-        even, k = term(w, row, n), n - 1
     while k > lo:
         odd1, even1 = odd1 * y + odd, even1 * y + even
         odd, even = odd * y + term(w, row, k), even * y + term(w, row, k - 1)
@@ -78,8 +74,6 @@ def _refine(w: Floats, row: int, lo: int, n: int, bend: float, a: float, b: floa
     for _ in range(60):
         y, k = x * x, n
         e, e1, e2, o, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        if (n - lo) % 2 == 0:
-            e, k = term(w, row, n), n - 1
         while k > lo:
             o2, e2 = o2 * y + o1, e2 * y + e1
             o1, e1 = o1 * y + o, e1 * y + e
@@ -139,7 +133,8 @@ def _isolate(w: Floats, row: int, lo: int, n: int, bend: float, f_right: float) 
 
 @jit
 def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
-    """First x in [0, 1] at which Σ w[row, lo + k] (x h)^k, k = 0..n − lo, is not positive; the row takes on the powers of h.
+    """First x in [0, 1] at which Σ w[row, lo + k] (x h)^k, k = 0..n − lo, is not positive; the row takes on the powers of h, and
+    may get a zero as term n + 1, for which it must have room.
 
     The search is exact: an interval is left only when the bound min(f(a), f(b)) − B w²/8 > 0 or a slope beyond B w/2
     proves it free of roots, B being the sum of the second derivative's terms; a touch closer than the deepest interval
@@ -147,27 +142,31 @@ def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
     """
     if lo > n:
         return NO_ROOT, 0, 0.0
+    if (n - lo) % 2 == 0:  # the sums below go by pairs of terms
+        n += 1
+        set_term(w, row, n, 0.0)
     power, terms = 1.0, 0.0
     for k in range(lo):
         c = term(w, row, k) * power
         set_term(w, row, k, c)
         terms += abs(c)
         power *= h
-    at, slope = term(w, row, lo) * power, 0.0
+    at, slope = term(w, row, lo) * power, term(w, row, lo + 1) * (power * h)
     set_term(w, row, lo, at)
-    if lo < n:
-        power *= h
-        slope = term(w, row, lo + 1) * power
-        set_term(w, row, lo + 1, slope)
-    bend, rest, fall, end = 0.0, 0.0, 0.0, at + slope
-    for k in range(lo + 2, n + 1):
-        power *= h
-        c, i = term(w, row, k) * power, float(k - lo)
+    set_term(w, row, lo + 1, slope)
+    bend, rest, rise, bend1, rest1, rise1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    k, i, square = lo + 2, 2.0, h * h
+    while k < n:
+        power *= square
+        c, c1 = term(w, row, k) * power, term(w, row, k + 1) * (power * h)
         set_term(w, row, k, c)
-        rest += abs(c)
-        fall += min(c, 0.0)
-        bend += i * (i - 1.0) * abs(c)
-        end += c
+        set_term(w, row, k + 1, c1)
+        rise, rise1 = rise + c, rise1 + c1
+        rest, rest1 = rest + abs(c), rest1 + abs(c1)
+        bend, bend1 = bend + i * (i - 1.0) * abs(c), bend1 + i * (i + 1.0) * abs(c1)
+        k, i = k + 2, i + 2.0
+    bend, rest, rise = bend + bend1, rest + rest1, rise + rise1
+    fall, end = 0.5 * (rise - rest), at + slope + rise
     x, level = 0.0, 0
     if at >= 0.0:
         if at + min(slope, 0.0) + fall > 0.0:

@@ -53,6 +53,7 @@ from analytic.layout import (
     TABLE,
     TH,
     TIES,
+    Floats,
     T,
     Task,
 )
@@ -79,14 +80,27 @@ def _peak(task: Task, theta: float, time: float) -> None:
 
 
 @inlined
+def _two(w: Floats, a: int, b: int, n: int, x: float) -> tuple[float, float]:
+    """Values at x of the polynomials with coefficients w[a, 0..n] and w[b, 0..n], even and odd powers apart."""
+    y, k = x * x, n
+    even, odd, even1, odd1 = 0.0, 0.0, 0.0, 0.0
+    if n % 2 == 0:
+        even, even1, k = term(w, a, n), term(w, b, n), n - 1
+    while k > 0:
+        odd, odd1 = odd * y + term(w, a, k), odd1 * y + term(w, b, k)
+        even, even1 = even * y + term(w, a, k - 1), even1 * y + term(w, b, k - 1)
+        k -= 2
+    return even + x * odd, even1 + x * odd1
+
+
+@inlined
 def _move(task: Task, n: int, tau: float) -> None:
-    """Set the state to the step's polynomials at tau."""
-    s, w = task.s, task.w
-    theta, omega, slip, rate = 0.0, 0.0, 0.0, 0.0
-    for k in range(n, -1, -1):
-        theta, omega = theta * tau + term(w, TH, k), omega * tau + term(w, OM, k)
-        slip, rate = slip * tau + term(w, SLIP, k), rate * tau + term(w, RATE, k)
-    s[S_TH], s[S_OM], s[S_U], s[S_V] = theta, omega, slip, rate
+    """Set what moves to the step's polynomials at tau."""
+    s = task.s
+    if task.q[PIVOT] >= 0:
+        s[S_TH], s[S_OM] = _two(task.w, TH, OM, n, tau)
+    if task.q[SLIDE] != 0:
+        s[S_U], s[S_V] = _two(task.w, SLIP, RATE, n, tau)
 
 
 @inlined
@@ -107,9 +121,10 @@ def _fill(task: Task, n: int, until: float) -> None:
     while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
         time = q[GRID] * dt
         at = max(time - task.s[T], 0.0)
-        sample(
-            task, q[GRID], time, value(w, TH, n, at), value(w, OM, n, at), value(w, SLIP, n, at), value(w, RATE, n, at)
-        )
+        slip, rate = task.s[S_U], 0.0
+        if q[SLIDE] != 0:
+            slip, rate = value(w, SLIP, n, at), value(w, RATE, n, at)
+        sample(task, q[GRID], time, value(w, TH, n, at), value(w, OM, n, at), slip, rate)
         q[GRID] += 1
 
 

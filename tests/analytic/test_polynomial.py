@@ -10,7 +10,8 @@ from tests.budgets_analytic import ROOT_REL
 
 
 def row(coefficients: list[float] | np.ndarray) -> np.ndarray:
-    return np.array([coefficients], dtype=np.float64)
+    """The coefficients, and the room for one more that a search may fill up with a zero."""
+    return np.array([[*coefficients, np.nan]], dtype=np.float64)
 
 
 @pytest.mark.parametrize("seed", range(200))
