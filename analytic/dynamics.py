@@ -20,6 +20,7 @@ from typing import Final
 
 from analytic._jit import inlined
 from analytic.borrowed import peek, set_term, term
+from analytic.elementary import sine_cosine
 from analytic.layout import (
     ABS,
     AX,
@@ -47,13 +48,12 @@ from analytic.layout import (
     PZ,
     RATE,
     SINE_OF,
+    SLIDE,
     SLIP,
     TH,
     TIME_SCALE,
     TOLERANCE,
     TURNED,
-    XW,
-    ZW,
     Floats,
     Task,
 )
@@ -77,7 +77,8 @@ def place(task: Task, theta: float, pivot: int) -> float:
     else:
         s = task.s
         if theta != s[TURNED]:
-            s[TURNED], s[SINE_OF], s[COSINE_OF] = theta, math.sin(theta), math.cos(theta)
+            s[TURNED] = theta
+            s[SINE_OF], s[COSINE_OF] = sine_cosine(theta)
         task.w[PX, 0] = z * s[SINE_OF] - x * s[COSINE_OF]
         task.w[PZ, 0] = x * s[SINE_OF] + z * s[COSINE_OF]
     return float(task.p[INERTIA] + task.p[MASS] * (x * x + z * z))
@@ -115,87 +116,136 @@ def _aim_at_halt(task: Task, h: float) -> float:
 
 
 @inlined
-def _older(w: Floats, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
-    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z owe to coefficients older than the newest of θ̇ and A; moment:
-    what the last owes to the first term of g_e."""
+def _older(w: Floats, row: int, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
+    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z, A being in the row, owe to coefficients older than the newest of
+    θ̇ and A; moment: what the last owes to the first term of g_e."""
     sx, sz = 0.0, 0.0
     for k in range(2, i + 1):
         omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
         sx += term(w, PX, k) * omega
         sz += depth * omega
-        moment -= term(w, ABS, i - k) * depth
+        moment -= term(w, row, i - k) * depth
     for k in range(1, min(i, deg_z) + 1):
         moment += term(w, GE, k) * term(w, PX, i - k)
     return sx, sz, moment
 
 
 @inlined
-def _forces(w: Floats, i: int, v: float, push: float, base_weight: float, base_push: float) -> None:
-    """Write term i of V and H on the statue, and of N and F on the floor, which carry the pedestal's share too."""
-    set_term(w, PIVOT_V, i, v)
-    set_term(w, PIVOT_H, i, push)
-    set_term(w, NORMAL, i, v + base_weight)
-    set_term(w, FLOOR, i, push + base_push)
+def _pushed(x: float, z: float, pull: float, weight: float) -> float:
+    """What a term of the floor's acceleration gives directly: the sum may be small for a term while its next one is not."""
+    return abs(pull * z) + abs(weight * x)
 
 
 @inlined
-def rock(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
-    """Rocking on a support that is stuck or slides, and its forces; j: inertia about the pivot. Returns the order reached, n or
-    less where the step needs less, and the step."""
+def rock_stuck(task: Task, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
+    """Rocking on a support that is stuck, A being the floor's own a_x, and its forces V, N and F; j: inertia about the pivot.
+
+    Returns the order reached, n or less where the step needs less, and the step. X and Z are written to one order more.
+    """
+    w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
+    m, base, per_j = p[MASS], p[BASE_MASS], p[MASS] / j
+    x, z, om, first = w[PX, 0], w[PZ, 0], w[OM, 0], w[OM, 0]
+    px1, pz1 = z * om, -(x * om)
+    px, next_px, next_pz = x, px1, pz1
+    w[DET, 0], w[PX, 1], w[PZ, 1], w[ABS, 0] = j, px1, pz1, w[AX, 0]
+    power, small, order = 1.0, 0, 1.0
+    for i in range(n):
+        inverse = INVERSE[i + 1]
+        sx, sz, moment = _older(w, AX, i, deg_z, term(w, GE, 0) * px)
+        pull, weight = term(w, AX, i), term(w, GE, i)
+        if i > 0:
+            moment -= pz1 * term(w, AX, i - 1)
+            sx += px1 * om
+            sz += pz1 * om
+        px = next_px
+        set_term(w, TH, i + 1, om * inverse)
+        om = per_j * (moment - z * pull) * inverse
+        xw, zw = x * om + (sx + px * first), z * om + (sz + next_pz * first)
+        next_px, next_pz = zw * INVERSE[i + 2], -(xw * INVERSE[i + 2])
+        set_term(w, OM, i + 1, om)
+        set_term(w, PX, i + 2, next_px)
+        set_term(w, PZ, i + 2, next_pz)
+        v = m * (weight - order * xw)
+        set_term(w, PIVOT_V, i, v)
+        set_term(w, NORMAL, i, v + base * weight)
+        set_term(w, FLOOR, i, m * (pull + order * zw) + base * pull)
+        if i == 0 and tol > 0.0:
+            h = _aim(task, h)
+        power *= h
+        order += 1.0
+        small = (small + 1) * int(max(abs(om), per_j * _pushed(x, z, pull, weight) * inverse) * power <= tol)
+        if small >= 2 and i >= 3:
+            return i + 1, h
+    return n, h
+
+
+@inlined
+def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
+    """Rocking on a sliding support, and its forces V and N; arguments and answer as of `rock_stuck`."""
     w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
     m, base, kappa = p[MASS], p[BASE_MASS], slide * p[MU_KINETIC]
-    ratio = m / (m + base) if slide != 0 else 0.0
+    ratio = m / (m + base)
     kappa_n, per_length = kappa * p[DYNAMIC], 1.0 / p[CENTROID]
     x, z, om, first, rate = w[PX, 0], w[PZ, 0], w[OM, 0], w[OM, 0], w[RATE, 0]
     lever = z - kappa_n * x
     w[DET, 0] = j - m * ratio * z * lever
-    per_det, power, small = m / w[DET, 0], 1.0, 0
-    xw, zw, a, px, lean = x * om, z * om, 0.0, x, x + kappa_n * z
-    w[XW, 0], w[ZW, 0], w[PX, 1], w[PZ, 1] = xw, zw, zw, -xw
+    per_det, power, small, order = m / w[DET, 0], 1.0, 0, 1.0
+    px1, pz1, a, lean = z * om, -(x * om), 0.0, x + kappa_n * z
+    px, next_px, next_pz = x, px1, pz1
+    w[PX, 1], w[PZ, 1] = px1, pz1
     drawing, drawn_by_acc = per_det * z * ratio, ratio * lever
     turn = lean * om
     # what θ̈'s next term owes to (X + κ'Z)θ̇ and A of the order before, and to its θ̇
-    by_turn, by_accel, by_rate = drawing * first, per_det * xw, -(drawing * turn)
+    by_turn, by_accel, by_rate = drawing * first, -(per_det * pz1), -(drawing * turn)
     for i in range(n):
-        inverse, order = INVERSE[i + 1], float(i + 1)
-        sx, sz, moment = _older(w, i, deg_z, term(w, GE, 0) * px)
+        inverse = INVERSE[i + 1]
+        sx, sz, moment = _older(w, ABS, i, deg_z, term(w, GE, 0) * px)
         pull, weight = term(w, AX, i), term(w, GE, i)
-        held = pull if slide == 0 else -(kappa * weight)
+        held = -(kappa * weight)
         known = per_det * (moment - z * held) + drawing * order * (sz - kappa_n * sx)
         # what the order before has just given (θ̇, A and, through them, the next X and Z) comes in on the shortest way
         if i > 0:
             known += order * by_rate * om + by_accel * a
-            sx += w[PX, 1] * om
-            sz += w[PZ, 1] * om
+            sx += px1 * om
+            sz += pz1 * om
+        px = next_px
         acc = known - by_turn * turn
         set_term(w, TH, i + 1, om * inverse)
         set_term(w, SLIP, i + 1, rate * inverse)
-        px, pz = zw * inverse, -(xw * inverse)
-        set_term(w, PX, i + 1, px)
-        set_term(w, PZ, i + 1, pz)
         sx += px * first
-        sz += pz * first
+        sz += next_pz * first
         a = held - ratio * order * (sz - kappa_n * sx) - drawn_by_acc * acc
         om, rate = acc * inverse, (a - pull) * inverse
         xw, zw, turn = x * om + sx, z * om + sz, lean * om + (sx + kappa_n * sz)
         set_term(w, ABS, i, a)
         set_term(w, OM, i + 1, om)
         set_term(w, RATE, i + 1, rate)
-        set_term(w, XW, i + 1, xw)
-        set_term(w, ZW, i + 1, zw)
-        _forces(w, i, m * (weight - order * xw), m * (a + order * zw), base * weight, base * a)
+        next_px, next_pz = zw * INVERSE[i + 2], -(xw * INVERSE[i + 2])
+        set_term(w, PX, i + 2, next_px)
+        set_term(w, PZ, i + 2, next_pz)
+        v = m * (weight - order * xw)
+        set_term(w, PIVOT_V, i, v)
+        set_term(w, NORMAL, i, v + base * weight)
         if i == 0 and tol > 0.0:
             h = _aim_at_halt(task, _aim(task, h))
         power *= h
-        # what the floor gives directly may be small for a term while its next one is not
-        pushed = per_det * (abs(pull * z) + abs(weight * x)) * inverse
-        largest = max(abs(om), pushed, abs(rate) * per_length)
+        order += 1.0
+        largest = max(abs(om), per_det * _pushed(x, z, pull, weight) * inverse, abs(rate) * per_length)
         small = (small + 1) * int(largest * power <= tol)
         if small >= 2 and i >= 3:
-            n = i + 1
-            break
-    w[ABS, n] = w[AX, n] if slide == 0 else 0.0
+            return i + 1, h
     return n, h
+
+
+@inlined
+def complete(task: Task, n: int) -> None:
+    """Write what only the model's limits need of a rocking step: terms 0..n of H = m (A + X''), and of A while the support is
+    stuck."""
+    w, m = task.w, task.p[MASS]
+    for k in range(n + 1):
+        if task.q[SLIDE] == 0:
+            w[ABS, k] = w[AX, k]
+        w[PIVOT_H, k] = m * (w[ABS, k] + (k + 1) * (k + 2) * w[PX, k + 2])
 
 
 @inlined
@@ -204,7 +254,7 @@ def at_rest(w: Floats, n: int, slide: int, kappa: float) -> None:
     for k in range(n + 1):
         if k > 0:
             w[TH, k], w[SLIP, k] = 0.0, 0.0
-        w[OM, k], w[XW, k], w[ZW, k] = 0.0, 0.0, 0.0
+        w[OM, k] = 0.0
         if slide == 0:
             w[RATE, k], w[ABS, k] = 0.0, w[AX, k]
         else:
@@ -224,9 +274,13 @@ def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, f
     tol = p[TOLERANCE] / p[TIME_SCALE] if h < math.inf else 0.0
     if pivot < 0:
         at_rest(w, n, slide, slide * p[MU_KINETIC])
-        m, base = p[MASS], p[BASE_MASS]
+        total = p[MASS] + p[BASE_MASS]
         for i in range(n):
-            _forces(w, i, m * w[GE, i], m * w[ABS, i], base * w[GE, i], base * w[ABS, i])
+            set_term(w, PIVOT_V, i, p[MASS] * term(w, GE, i))
+            set_term(w, NORMAL, i, total * term(w, GE, i))
+            set_term(w, FLOOR, i, total * term(w, ABS, i))
+    elif slide == 0:
+        n, h = rock_stuck(task, n, place(task, w[TH, 0], pivot), h, tol)
     else:
-        n, h = rock(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
+        n, h = rock_sliding(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
     return n, h

@@ -13,6 +13,7 @@ import numpy as np
 
 from analytic._jit import inlined, jit
 from analytic.borrowed import peek, set_term, term
+from analytic.elementary import sine_cosine
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.layout import (
@@ -185,7 +186,7 @@ def coefficients(task: Task, axis: int, row: int) -> int:
         _ricker(w, row, n, f[axis, AMPLITUDE], f[axis, OMEGA], since - 0.5 * (f[axis, END] - f[axis, START]))
         return n
     angle = f[axis, OMEGA] * since + f[axis, PHASE]
-    sine, cosine = math.sin(angle), math.cos(angle)
+    sine, cosine = sine_cosine(angle)
     if kind == COSINE:
         sine, cosine = cosine, -sine
     _oscillation(task, axis, row, n, sine, cosine)

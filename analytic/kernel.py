@@ -8,6 +8,7 @@ from typing import Final
 from analytic._jit import inlined, jit
 from analytic.collision import land
 from analytic.dynamics import expand
+from analytic.elementary import coarse_root
 from analytic.energy import decide
 from analytic.events import first_event
 from analytic.forcing import break_at, is_jump, look_ahead
@@ -102,7 +103,8 @@ def _size(task: Task, k: int) -> float:
     w, p, time_s = task.w, task.p, task.p[TIME_SCALE]
     if task.q[PIVOT] < 0:
         return float(time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / p[CENTROID])
-    return float(time_s * max(abs(w[OM, k]), abs(w[RATE, k]) / p[CENTROID]))
+    slip = abs(w[RATE, k]) / p[CENTROID] if task.q[SLIDE] != 0 else 0.0
+    return float(time_s * max(abs(w[OM, k]), slip))
 
 
 @inlined
@@ -111,9 +113,9 @@ def _length(task: Task, n: int, h: float) -> float:
     before, last = _size(task, n - 1), _size(task, n)
     tol, step = task.p[TOLERANCE], h / SHORTER
     if before > 0.0:
-        step = min(step, (tol / before) ** INVERSE[n - 1])
+        step = min(step, coarse_root(tol / before, INVERSE[n - 1]))
     if last > 0.0 and last * step > before:  # else the last term is the smaller one there
-        step = min(step, (tol / last) ** INVERSE[n])
+        step = min(step, coarse_root(tol / last, INVERSE[n]))
     return min(h, SHORTER * step)
 
 

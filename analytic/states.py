@@ -176,7 +176,7 @@ def _keeps(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool
 def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool) -> int:
     """1 feasible, 0 not, or the ending that the state would be (LIFT_OFF, PARADOX); more terms only where the first are zero."""
     w = task.w
-    for n in (1, LOW_ORDER):
+    for n in (1, 2, LOW_ORDER):
         load(task)
         expand(task, pivot, slide, n, math.inf)
         if pivot >= 0 and slide != 0 and w[DET, 0] <= 0.0:

@@ -7,6 +7,7 @@ from typing import Final
 
 from analytic._jit import jit
 from analytic.borrowed import peek
+from analytic.dynamics import complete
 from analytic.layout import (
     ABS,
     BASE_CENTRE,
@@ -85,6 +86,8 @@ def note_rest(task: Task, time: float, accel: float, gravity: float) -> None:
 def note_step(task: Task, n: int, tau: float) -> None:
     """Forces during a step of length tau whose coefficients stand in the workspace to order n − 1."""
     w, pivot = task.w, task.q[PIVOT]
+    if pivot >= 0:
+        complete(task, n - 1)
     for i in range(SAMPLES):
         at = tau * i / (SAMPLES - 1)
         time = task.s[T] + at
