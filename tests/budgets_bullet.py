@@ -45,6 +45,9 @@ STANDING_M = 6e-7
 SLIDING_REL = 5e-3
 """A block that slides to and fro at 0.25 ms, against the sliding block: 1e-3 measured; held back by anchors it loses 5e-2."""
 
+SCAN_UPLIFT_RAD = 5e-5
+"""A scan's uplift and swing at 4 ms against 0.5 ms: twice the 2e-5 rad measured; with contacts kept up to 0.1 mm 4e-4."""
+
 FALLEN = 0.5
 """Error at 0.25 ms over that at 4 ms, sixteen times the step: 0.05 to 0.2 measured, as slips fall anywhere."""
 

@@ -10,10 +10,10 @@ from typing import Final
 from harness.contact.frame import greatest_pull_m_s2
 from harness.contact.spatial import fallen
 from harness.engines.bullet import imposing
-from harness.engines.bullet.march import ALONE, March
+from harness.engines.bullet.march import March
 from harness.engines.bullet.meeting import meet
 from harness.engines.bullet.schedule import Schedule, Vector
-from harness.engines.bullet.stepper import Record, Row, axis_of
+from harness.engines.bullet.stepper import ALONE, Record, Row, axis_of
 from harness.engines.bullet.touch import LEAST_RATE_RAD_S, Touch
 from harness.scene import Scene
 

@@ -12,10 +12,8 @@ from typing import Final
 
 from harness.engines.bullet.pose import advanced
 from harness.engines.bullet.schedule import Vector
-from harness.engines.bullet.stepper import Record, Row, Stepper
+from harness.engines.bullet.stepper import ALONE, Record, Row, Stepper
 
-ALONE: Final = 13
-"""Numbers in a row without a pedestal."""
 NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
 """Share of a step below which none is taken."""
@@ -140,7 +138,7 @@ class March:
         record.t_s.extend([number * step_s for number in numbers])
         record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         if taken:
-            stepper.look_at_grip(pulls[:taken], before, row)
+            stepper.look(pulls[:taken], before, row)
             self.number += taken
             self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         if taken < len(pulls):

@@ -17,14 +17,15 @@ class BulletSettings(Settings):
 
     `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which sweeps end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
-    spheres at the base's vertices. `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps.
-    `full_shape` is what meets a pedestal's edge: what the scene needs (harness/shape_need.py), or one of two whatever it needs.
+    spheres at the base's vertices, `reach` the gap, in radii of the body, up to which they are contacts while it turns slowly.
+    `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps. `full_shape` is what meets a
+    pedestal's edge: what the scene needs (harness/shape_need.py), or one of two whatever it needs.
     """
 
     events: bool = True
     iterations: int = 300
     residual: float = 1e-12
-    breaking_threshold_m: float = 1e-4
+    reach: float = 1e-5
     event_iterations: int = 1000
     event_residual: float = 1e-3
     erp: float = 0.02

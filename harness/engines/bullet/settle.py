@@ -226,8 +226,9 @@ def variations() -> Iterator[str]:
         ("50 sweeps", {"iterations": 50}),
         ("penetration corrected by 0.2 a step", {"erp": 0.2}),
         ("by 0.005", {"erp": 0.005}),
-        ("breaking threshold 20 mm", {"breaking_threshold_m": 0.02}),
-        ("breaking threshold 0.01 mm", {"breaking_threshold_m": 1e-5}),
+        ("contacts up to a gap of 2 % of the body's radius", {"reach": 0.02}),
+        ("up to a ten-thousandth", {"reach": 1e-4}),
+        ("up to a millionth", {"reach": 1e-6}),
         ("pyramid of friction", {"cone_friction": False}),
         ("bodies in the other order", {"reversed_bodies": True}),
     ]

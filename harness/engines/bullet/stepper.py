@@ -20,12 +20,20 @@ from harness.scene import Scene
 Array = NDArray[np.float64]
 Row = tuple[float, ...]
 
+ALONE: Final = 13
+"""Numbers in a row without a pedestal."""
 SATURATED: Final = 0.998
 """Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
 GRIP: Final = 0.5
 """Share of the statue's friction limit from which on its feet are not taken to stand, and"""
 GRIP_AGAIN: Final = 0.35
 """below which they are again."""
+STEPS_OFF: Final = 2.0
+"""A body's reach over the square of its turning in a step, at least: half of that is what a step takes a foot off its support."""
+WIDER: Final = 4.0
+"""How many times as wide it is made as that, when it is too narrow, and"""
+NARROWER: Final = 256.0
+"""how many times too wide it may be."""
 HALTED: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
 
@@ -134,6 +142,7 @@ class Stepper:
         self.stuck = True
         self.grip_limit, self.grips = contact.statue, False
         self._anchor(held=not world.edges)
+        self.least_reach = world.reach
         self.repeated = 0
         self.just_released = False
         self.table_place: Vector = (0.0, 0.0, 0.0)
@@ -173,10 +182,19 @@ class Stepper:
         self.just_released = True
         return self.advance(gravity)
 
-    def look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
-        """After whole steps under `pulls`: let the statue's feet keep their places only while friction is far from its limit."""
-        if self.world.edges:
-            return
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
+        turning = after[10] * after[10] + after[11] * after[11]
+        if len(after) > ALONE:
+            turning = max(turning, after[23] * after[23] + after[24] * after[24])
+        needed = STEPS_OFF * turning * self.schedule.step_s**2
+        if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:
+            self.world.set_reach(max(WIDER * needed, self.least_reach))
+        if not self.world.edges:
+            self._look_at_grip(pulls, before, after)
+
+    def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """Let the statue's feet keep their places only while its friction is far from its limit."""
         step_s = self.schedule.step_s
         x = after[7] - before[7] - step_s * sum(pull[0] for pull in pulls)
         y = after[8] - before[8] - step_s * sum(pull[1] for pull in pulls)

@@ -26,6 +26,11 @@ MIRRORED_RESIDUAL: Final = 1e-2
 """Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
 FULL_RADIUS_M: Final = 1e-5
 """Radius of the feet where the pedestal's top is a box: a smaller sphere against it is missed more often."""
+WALL_REACH: Final = 1e-4
+"""What meets a wall is met by no shorter step: seen from further away, more of it ends a whole step there."""
+MOVING: Final = 1
+"""Bullet's own group of bodies that move; they touch"""
+EVERYTHING: Final = -1
 SHORT: Final = 0.1
 """Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
@@ -47,7 +52,7 @@ class World:
         self.pedestal: int | None = None
         self.statue = -1
         self.radius_m = settings.foot_radius_m
-        self.edges = False
+        self.edges, self.reach = False, settings.reach
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
@@ -63,7 +68,7 @@ class World:
         """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
         pybullet.setPhysicsEngineParameter(
             numSubSteps=0,
-            contactBreakingThreshold=self.settings.breaking_threshold_m,
+            contactBreakingThreshold=self.settings.reach,
             enableConeFriction=int(self.settings.cone_friction),
             globalCFM=0.0,
             contactSlop=0.0,
@@ -109,6 +114,7 @@ class World:
         radius = self.radius_m = FULL_RADIUS_M if self.edges else self.settings.foot_radius_m
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
         if wall is not None:
+            self.set_reach(max(self.reach, WALL_REACH))
             sign = wall[0].sign
             self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
@@ -217,6 +223,14 @@ class World:
     def anchor(self, *, held: bool) -> None:
         """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
         pybullet.changeDynamics(self.statue, -1, frictionAnchor=int(held), physicsClientId=self.client)
+
+    def set_reach(self, reach: float) -> None:
+        """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
+        self.reach = reach
+        pybullet.setPhysicsEngineParameter(contactBreakingThreshold=reach, physicsClientId=self.client)
+        for body in (self.statue, self.pedestal):
+            if body is not None and body >= 0:
+                pybullet.setCollisionFilterGroupMask(body, -1, MOVING, EVERYTHING, physicsClientId=self.client)
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

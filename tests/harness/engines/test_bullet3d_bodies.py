@@ -179,7 +179,7 @@ def test_feet_alone_and_the_full_shape_agree_until_the_edge_is_reached() -> None
 def test_no_result_depends_on_what_ran_before() -> None:
     case = paestum(0.429, 3.0, duration_s=0.55)
     first = bullet(case, 1e-3)
-    bullet(paestum(0.6, 2.0, pedestal=False, duration_s=0.2), 5e-4, breaking_threshold_m=2e-2, erp=0.5, iterations=7)
+    bullet(paestum(0.6, 2.0, pedestal=False, duration_s=0.2), 5e-4, reach=2e-2, erp=0.5, iterations=7)
     bullet(scene(statue_of(figure()), Harmonic(4.0, 3.0), duration_s=0.1), 1e-3)
     again = bullet(case, 1e-3)
     assert first.history is not None

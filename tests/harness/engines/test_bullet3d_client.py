@@ -59,7 +59,7 @@ def alone() -> Iterator[dict[str, bytes]]:
 def test_a_kept_client_gives_the_bits_of_a_new_one(alone: dict[str, bytes], order: tuple[str, ...]) -> None:
     odd = paestum(0.6, 2.0, duration_s=0.05)
     for name in (*order, *order):
-        bullet(odd, 5e-4, breaking_threshold_m=2e-2, erp=0.5, iterations=7, cone_friction=False, reversed_bodies=True)
+        bullet(odd, 5e-4, reach=2e-2, erp=0.5, iterations=7, cone_friction=False, reversed_bodies=True)
         assert bits(run(name)) == alone[name], name
     assert len(client._idle) == 1, "no client was kept: nothing was shown"
 
