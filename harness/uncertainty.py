@@ -38,6 +38,8 @@ LEAP: Final = 4.0
 """Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
 ORDER: Final = 1.5
 """Order at which errors are expected to fall when that step is chosen."""
+MOST_ORDER: Final = 2.0
+"""Highest order that two differences are taken to show."""
 FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 PARTED: Final = 4.0
@@ -97,7 +99,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
             continue
         if _agreed(spreads, accuracy_rad, engine.agreements) or _fallen(runs, spreads, engine.agreements):
             break
-        if _hopeless(spreads, run.end_s, ladder[-1].dt_s):
+        if _hopeless(spreads, run.end_s, ladder[-1].dt_s, accuracy_rad):
             break
     return _stated(runs, None, spreads, accuracy_rad, want, engine.agreements)
 
@@ -122,7 +124,7 @@ class _Check:
             self.parted_s = min(self.parted_s, t_s)
         if apart > PARTED * self.accuracy_rad:
             now = Spread(0.0, self.parted_s, False, before_s, self.dt_s)
-            self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s)
+            self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s, self.accuracy_rad)
         return self.stopped
 
 
@@ -224,17 +226,30 @@ def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
     return all(item.until_s >= t_s for item, t_s in zip(spreads[-agreements:], no_return_s[1:], strict=True))
 
 
-def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float) -> bool:
+def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, accuracy_rad: float) -> bool:
     """Whether no rung is expected to reach the end.
 
-    A small difference grows in proportion to itself, so each halving of the step gains about the same time.
+    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless runs keep
+    together to the end and the next ones are expected to meet the target.
     """
     if len(spreads) < 2 or spreads[-1].whole:
         return False
     last, previous = spreads[-1], spreads[-2]
+    if _falls(previous, last, finest_dt_s, accuracy_rad):
+        return False
     gained = (last.until_s - previous.until_s) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
     possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
     return possible < end_s - last.until_s
+
+
+def _falls(previous: Spread, last: Spread, finest_dt_s: float, accuracy_rad: float) -> bool:
+    """Whether the largest difference of two runs falls with the step, so fast that one leap should do."""
+    if not last.apart_rad < previous.apart_rad < math.inf:
+        return False
+    order = math.log(previous.apart_rad / last.apart_rad) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
+    expected_rad = last.apart_rad * (last.fine_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
+    next_s = max(last.fine_dt_s / LEAP, finest_dt_s)
+    return order >= 1.0 and factor(last.fine_dt_s, next_s) * expected_rad <= accuracy_rad
 
 
 def _stated(

@@ -24,12 +24,16 @@ TRUTH = 0.05 * np.sin(7.0 * TIMES)
 
 @dataclass(frozen=True)
 class Fake(Engine):
-    """An engine whose error is known: proportional to the step, growing as exp(growth·t), of either sign; counts its runs."""
+    """An engine whose error is known: proportional to the step, growing as exp(growth·t), of either sign; counts its runs.
+
+    `blow`: the error is instead this times the step squared, all of it from 0.3 s on.
+    """
 
     name: ClassVar[str] = "fake"
     capabilities: ClassVar[Capabilities] = Capabilities(dimensions=2)
     order: ClassVar[float] = 1.0
     growth: float = 0.0
+    blow: float = 0.0
     diverges_above_s: float = 1.0
     no_return_s: float | None = None
     steps_s: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5)
@@ -48,6 +52,8 @@ class Fake(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
+        if self.blow:
+            error = self.blow * settings.dt_s**2 * (TIMES > 0.3)
         theta = TRUTH + error
         end = Outcome.STANDS if self.no_return_s is None else Outcome.OVERTURNED_RIGHT
         outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else end
@@ -98,6 +104,15 @@ def test_a_growing_error_gives_a_horizon() -> None:
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
     run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, Want())
     assert run.work["runs"] <= 4
+
+
+def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_same_instant() -> None:
+    fake = Fake(blow=625.0, steps_s=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4))
+    run = run_to_accuracy(fake, paestum(), 1e-3, Want())
+    assert run.reliable_until_s == 1.0
+    assert run.settings["dt_s"] == 2.5e-4
+    assert run.numerical_uncertainty_rad is not None
+    assert error_of(run) <= run.numerical_uncertainty_rad <= 1e-3
 
 
 def test_a_fall_is_not_climbed_for_its_own_path() -> None:
