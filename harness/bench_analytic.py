@@ -1,7 +1,7 @@
 """The analytic model against public integrators on the same scenes, its throughput, and what it costs to start.
 
 Errors are the largest difference of θ from a run of 1e-13 at twenty instants of the scene; times are processor time, the least
-of several runs after a first, compiling one. A rival that is not installed is a row that says so.
+of many runs, in which solvers of a like cost take turns. A rival that is not installed is a row that says so.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from analytic import layout as at
 from analytic.kernel import run
 from analytic.solver import OVERTURN_RAD, parameters, prepare
 from harness.bench_rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
+from harness.bench_turns import Answer, Entry, take_turns
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
 STATUE: Final = Block.two_corners(
@@ -94,13 +95,15 @@ CASES: Final = (
     ),
 )
 OUR_TOLERANCES: Final = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12)
-SCIPY_HARMONIC: Final = ((1e-7, False), (1e-9, False), (1e-11, False), (1e-13, False))
-SCIPY_RECORD: Final = ((1e-7, False), (1e-9, False), (1e-9, True), (1e-11, True))
-"""Tolerances, and whether no step crosses a kink of the record."""
+SCIPY_HARMONIC: Final = (
+    *((tolerance, False, math.inf) for tolerance in (1e-7, 1e-9, 1e-10, 1e-11, 1e-13)),
+    *((tolerance, False, 0.05) for tolerance in (1e-8, 1e-10, 1e-13)),
+)
+SCIPY_RECORD: Final = tuple(
+    (tolerance, stops, math.inf) for tolerance, stops in ((1e-7, False), (1e-9, False), (1e-9, True), (1e-11, True))
+)
+"""Tolerances, whether no step crosses a kink of the record, and the longest step, s."""
 HEYOKA_TOLERANCES: Final = (1e-8, 1e-10, 1e-12)
-
-Answer = tuple[NDArray[np.float64], int]
-"""θ at the instants, rad, and the work by the solver's own measure."""
 
 
 def _ours(case: Case, tolerance: float) -> Answer:
@@ -108,7 +111,8 @@ def _ours(case: Case, tolerance: float) -> Answer:
     return found.theta_rad[1:], found.work.steps
 
 
-def scipy_of(case: Case, tolerance: float, stops: bool = False) -> Answer:
+def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: float = math.inf) -> Answer:
+    """DOP853's run of a case, stopping at the kinks of its record or not."""
     model = Model.of(case.block, case.pedestal, case.friction)
     motion, stops_s = case.motion, None
     if isinstance(motion, Record):
@@ -127,45 +131,41 @@ def scipy_of(case: Case, tolerance: float, stops: bool = False) -> Answer:
         def accel(t: float) -> float:
             return amplitude * math.sin(omega * t)
 
-    return scipy_run(model, accel, case.theta0_rad, case.at_s, tolerance, RECORD_STEP_S, stops_s)
+    return scipy_run(model, accel, case.theta0_rad, case.at_s, tolerance, RECORD_STEP_S, stops_s, longest_step_s)
 
 
-def _row(
-    case: Case, solver: str, tolerance: float, solve: Callable[[], Answer], exact: Any, repeats: int
-) -> dict[str, Any]:
-    best, answer = math.inf, (np.empty(0), 0)
-    for _ in range(repeats):
-        start = time.process_time()
-        answer = solve()
-        best = min(best, time.process_time() - start)
-    known = min(len(answer[0]), len(exact))
-    error = float(np.abs(answer[0][:known] - exact[:known]).max())
-    return {
-        "case": case.name, "solver": solver, "tolerance": tolerance, "error_rad": error, "seconds": best, "work": answer[1],
-    }  # fmt: skip
+def _told(stops: bool, longest_step_s: float) -> str:
+    """How scipy is set, in words."""
+    held = f"steps up to {longest_step_s:g} s" if longest_step_s < math.inf else ""
+    return "stopping at kinks" if stops else held
 
 
 def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """Rows (case, solver, tolerance, error_rad, seconds, work) of all scenes and solvers."""
-    rows = []
+    """Rows (case, solver, how, tolerance, error_rad, seconds, work) of all scenes and solvers."""
+    rows: list[dict[str, Any]] = []
     for case in CASES:
         exact = _ours(case, REFERENCE_RAD)[0]
-        for tolerance in OUR_TOLERANCES:
-            rows.append(_row(case, "analytic", tolerance, partial(_ours, case, tolerance), exact, 4 * repeats))
-        for tolerance, stops in SCIPY_RECORD if isinstance(case.motion, Record) else SCIPY_HARMONIC:
-            solve = partial(scipy_of, case, tolerance, stops)
-            # a record costs seconds: the first call's import is lost in them, and spent on the scene before
-            rows.append(
-                _row(case, "scipy DOP853", tolerance, solve, exact, 1 if isinstance(case.motion, Record) else 3)
-            )
-    return rows + taylor(repeats)
+        quick = [Entry("analytic", each, partial(_ours, case, each)) for each in OUR_TOLERANCES]
+        if case is FORCED:
+            others, absent = taylor()
+            quick, rows = [*quick, *others], [*rows, *absent]
+        rows += take_turns(case.name, exact, quick, 40 * repeats)
+        on_record = isinstance(case.motion, Record)
+        slow = [
+            Entry("scipy DOP853", setting[0], partial(scipy_of, case, *setting), _told(*setting[1:]))
+            for setting in (SCIPY_RECORD if on_record else SCIPY_HARMONIC)
+        ]
+        # a record costs seconds: the first call's import is lost in them, and spent on the scene before
+        rows += take_turns(case.name, exact, slow, 1 if on_record else repeats)
+    return rows
 
 
-def taylor(repeats: int) -> list[dict[str, Any]]:
+def taylor() -> tuple[list[Entry], list[dict[str, Any]]]:
     """The single block under its harmonic motion by heyoka, built and compiled beforehand, and by the kernel alone, packed
-    beforehand: the integration and nothing else. θ at the last instant only: neither keeps a history."""
-    exact = _ours(FORCED, REFERENCE_RAD)[0][-1:]
-    rows = []
+    beforehand: the integration and nothing else; and a row for each that is not installed. θ at the last instant only:
+    neither keeps a history."""
+    entries: list[Entry] = []
+    absent = []
     for tolerance in HEYOKA_TOLERANCES:
         task = packed(FORCED, tolerance)
 
@@ -173,14 +173,14 @@ def taylor(repeats: int) -> list[dict[str, Any]]:
             run(task.runs, *task.arguments)
             return task.s[at.S_TH : at.S_TH + 1].copy(), int(task.c[at.STEPS])
 
-        rows.append(_row(FORCED, "analytic, kernel alone", tolerance, kernel, exact, 20 * repeats))
+        entries.append(Entry("analytic, kernel alone", tolerance, kernel))
         assert isinstance(FORCED.motion, Harmonic)
         try:
             other = heyoka_solver(FORCED.block, FORCED.motion, FORCED.theta0_rad, FORCED.duration_s, tolerance)
-            rows.append(_row(FORCED, "heyoka", tolerance, other, exact, 20 * repeats))
+            entries.append(Entry("heyoka", tolerance, other))
         except ImportError as error:
-            rows.append({"case": FORCED.name, "solver": "heyoka", "tolerance": tolerance, "failed": str(error)})
-    return rows
+            absent.append({"case": FORCED.name, "solver": "heyoka", "tolerance": tolerance, "failed": str(error)})
+    return entries, absent
 
 
 def packed(case: Case, tolerance: float) -> Any:

@@ -154,11 +154,13 @@ def scipy_run(
     tolerance: float,
     rest_step_s: float,
     stops_s: Samples | None = None,
+    longest_step_s: float = math.inf,
 ) -> tuple[Samples, int]:
     """θ at the instants at_s by DOP853 with events, and the number of evaluations.
 
     It steps over the kinks of a record unless it stops at each of them: stops_s. While the statue rests no error bounds a step,
-    and events between its ends would be missed: rest_step_s does.
+    and events between its ends would be missed: rest_step_s does. Events are found on an interpolant of order 7, whose error
+    no tolerance bounds: longest_step_s does.
     """
     from scipy import integrate
 
@@ -182,7 +184,7 @@ def scipy_run(
         found = solve(
             motion, (t, end), y, "DOP853", t_eval=np.union1d(at_s[inside], [end]),
             events=_events(model, accel, side, slide), rtol=tolerance, atol=tolerance,
-            max_step=math.inf if side else rest_step_s,
+            max_step=longest_step_s if side else min(longest_step_s, rest_step_s),
         )  # fmt: skip
         work += int(found.nfev)
         ended = found.status == 1

@@ -72,7 +72,7 @@ def _solvers(items: Sequence[Row]) -> list[Table]:
     for case in dict.fromkeys(str(item.get("case", "one block")) for item in items):
         rows = [
             (
-                str(item["solver"]),
+                ", ".join(word for word in (str(item["solver"]), str(item.get("how", ""))) if word),
                 [digits(item["tolerance"], 2), str(item["failed"]), "–", "–"]
                 if item.get("failed")
                 else [digits(item["tolerance"], 2), digits(item["error_rad"], 2), digits(item["seconds"], 2), str(item["work"])],

@@ -104,7 +104,7 @@ def _against(case: str, ours: str, other: str, rows: Sequence[Row]) -> list[str]
     for error in errors:
         mine, theirs = _least_s(ours, error, rows), _least_s(other, error, rows)
         if mine is None or theirs is None:
-            told.append(f"{case}: no tolerance of {other if theirs is None else ours} reached {error:g} rad.")
+            told.append(_short_of(case, ours, other, ours if mine is None else other, error, rows))
             continue
         ratio = theirs / mine
         held = "at least" if ratio >= wanted else "short of"
@@ -112,6 +112,16 @@ def _against(case: str, ours: str, other: str, rows: Sequence[Row]) -> list[str]
             f"{case}: at {error:g} rad {ours} is {ratio:.3g} times as fast as {other} ({held} {wanted:g} wanted)."
         )
     return told
+
+
+def _short_of(case: str, ours: str, other: str, failed: str, error_rad: float, rows: Sequence[Row]) -> str:
+    """What is known where a solver did not reach the error: the smallest that it reached, and the ratio there."""
+    least = min(row["error_rad"] for row in rows if row["solver"] == failed)
+    text = f"{case}: no setting of {failed} reached {error_rad:g} rad"
+    mine, theirs = _least_s(ours, least, rows), _least_s(other, least, rows)
+    if mine is None or theirs is None:
+        return f"{text}; its smallest error is {least:.2g}."
+    return f"{text}; at its smallest error, {least:.2g}, {ours} is {theirs / mine:.3g} times as fast as {other}."
 
 
 def _least_s(solver: str, error_rad: float, rows: Sequence[Row]) -> float | None:

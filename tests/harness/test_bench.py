@@ -162,7 +162,10 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
     found = {"solvers": solvers, "throughput": rates, "startup": start, "overhead": ratios}
     told = others.sentences(found)
     assert "block: at 1e-06 rad analytic is 200 times as fast as scipy DOP853 (at least 100 wanted)" in told[0]
-    assert told[1] == "block: no tolerance of scipy DOP853 reached 1e-09 rad."
+    assert told[1] == (
+        "block: no setting of scipy DOP853 reached 1e-09 rad; at its smallest error, 1e-07, analytic is 200 times as fast as "
+        "scipy DOP853."
+    )
     assert "not installed" in told[2]
     assert "9e+03 a second and core (short of the 10000 wanted)" in told[3]
     assert "takes 4 s on 2 cores (at most 5 wanted)" in told[4]
@@ -170,6 +173,20 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
     assert "2.50 times that of a trivial cached kernel (above 2 wanted)" in told[6]
     assert "0.50 times a bare loop (at most" in told[7]
     assert "1.20 times a bare loop (above" in told[8]
+
+
+@pytest.mark.parametrize(
+    ("theirs_rad", "told"),
+    [
+        (1e-7, "; at its smallest error, 0.0001, analytic is 0.2 times as fast as scipy DOP853."),
+        (1e-3, "; its smallest error is 0.0001."),
+    ],
+)
+def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, told: str) -> None:
+    ours = {"case": "block", "solver": "analytic", "error_rad": 1e-4, "seconds": 1.0}
+    theirs = {"case": "block", "solver": "scipy DOP853", "error_rad": theirs_rad, "seconds": 0.2}
+    found = others.sentences({"solvers": [ours, theirs], "throughput": {}, "startup": {}, "overhead": {}})
+    assert found[0] == f"block: no setting of analytic reached 1e-06 rad{told}"
 
 
 def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:

@@ -12,6 +12,7 @@ from analytic.kernel import run
 from analytic.layout import S_TH
 from harness import bench_analytic as bench
 from harness.bench_rivals import Model, heyoka_solver, scipy_run
+from harness.bench_turns import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
 
 SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]
@@ -22,6 +23,29 @@ def test_scipy_solves_the_same_problem(case: bench.Case) -> None:
     ours, theirs = case.ours(1e-12).theta_rad[1:], bench.scipy_of(case, 1e-10)[0]
     assert np.abs(ours).max() > 0.0
     assert np.abs(ours - theirs).max() <= budgets.RIVAL_RAD
+
+
+def test_shorter_steps_bring_scipy_to_an_error_that_its_tolerance_does_not() -> None:
+    exact = bench.FORCED.ours(bench.REFERENCE_RAD).theta_rad[1:]
+    free, held = (bench.scipy_of(bench.FORCED, 1e-10, longest_step_s=cap)[0] for cap in (np.inf, 0.05))
+    assert np.abs(held - exact).max() <= 1e-9 < np.abs(free - exact).max()
+    assert (1e-10, False, 0.05) in bench.SCIPY_HARMONIC
+
+
+def test_solvers_of_a_case_take_turns_and_keep_their_least_time() -> None:
+    calls: list[str] = []
+
+    def solver(name: str, theta: float) -> Entry:
+        def solve() -> Answer:
+            calls.append(name)
+            return np.array([theta]), len(calls)
+
+        return Entry(name, 1e-6, solve)
+
+    rows = take_turns("block", np.array([9.0, 1.0]), [solver("a", 1.0), solver("b", 1.5)], 3)
+    assert calls == ["a", "b"] * 3
+    assert [row["error_rad"] for row in rows] == [0.0, 0.5], "one instant is compared with the last"
+    assert all(0.0 <= row["seconds"] < np.inf for row in rows)
 
 
 def test_a_wrong_rival_is_seen() -> None:
@@ -70,7 +94,8 @@ def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
         raise ImportError("no heyoka here")
 
     monkeypatch.setattr(bench, "heyoka_solver", missing)
-    rows = [row for row in bench.taylor(1) if row["solver"] == "heyoka"]
+    entries, rows = bench.taylor()
+    assert {entry.solver for entry in entries} == {"analytic, kernel alone"}
     assert {row["failed"] for row in rows} == {"no heyoka here"}
     assert len(rows) == len(bench.HEYOKA_TOLERANCES)
 
