@@ -110,7 +110,7 @@ def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_sa
     fake = Fake(blow=1e4, steps_s=(1e-3, 2.5e-4, 6e-5))
     run = run_to_accuracy(fake, paestum(), 1e-3, Want())
     assert run.reliable_until_s == 1.0
-    assert run.settings["dt_s"] == 6e-5
+    assert run.settings["dt_s"] <= 6e-5
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= 1e-3
 
