@@ -34,8 +34,11 @@ RUNGS: Final = (
 sweeps leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the step."""
 ALONE_SHARE: Final = 0.5
 """Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling."""
+TURNING_SHARE: Final = 0.25
+TURNING_LEAST: Final = 24
+"""Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
 IMPACT_ITERATIONS: Final = 400
-"""Least iterations of a step that holds an event: it starts from impulses of another state."""
+"""Least iterations of a step in which all contacts meet an impact or a halt: it starts from impulses of another state."""
 DEPTH_RAD_S: Final = 0.002
 """Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
 SLOP_DEPTHS: Final = 50.0
@@ -83,6 +86,7 @@ class Munk2D(Engine):
     def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order and half as many iterations more."""
         own = _own(settings)
+        iterations = round(1.5 * own.iterations)
         return (
             replace(
                 own,
@@ -90,7 +94,8 @@ class Munk2D(Engine):
                 depth_m=FINER * own.depth_m,
                 slop_m=FINER * own.slop_m,
                 expected_error_rad=FINER * own.expected_error_rad,
-                iterations=round(1.5 * own.iterations),
+                iterations=iterations,
+                turning_iterations=_turning(iterations),
                 impact_iterations=max(IMPACT_ITERATIONS, 3 * own.iterations),
                 pedestal_first=not own.pedestal_first,
             ),
@@ -138,7 +143,11 @@ def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> M
         iterations = round(ALONE_SHARE * iterations)
     depth = DEPTH_RAD_S * base * dt_s
     many = max(IMPACT_ITERATIONS, 2 * iterations)
-    return MunkSettings(dt_s, error_rad, iterations, depth, SLOP_DEPTHS * depth, many)
+    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, SLOP_DEPTHS * depth, many)
+
+
+def _turning(iterations: int) -> int:
+    return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
 
 
 def _own(settings: Settings) -> MunkSettings:

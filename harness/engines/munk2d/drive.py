@@ -85,13 +85,13 @@ def record(drive: Drive, t_s: float, lag_s: float | None = None) -> None:
     drive.lags_s.append(0.5 * drive.settings.dt_s if lag_s is None else lag_s)
 
 
-def advance(drive: Drive, move_s: float, kick_s: float) -> None:
-    """One engine step that moves positions by `move_s` and velocities by `kick_s`, with many iterations."""
+def advance(drive: Drive, move_s: float, kick_s: float, *, hard: bool = False) -> None:
+    """One engine step that moves positions by `move_s` and velocities by `kick_s`; `hard` with an impact's iterations."""
     space, dt = native.space_of(drive.world.space), drive.settings.dt_s
     back = move_s - dt
     for body in drive.world.movers:
         shift(body, back)
-    native.set_iterations(space, drive.settings.impact_iterations)
+    native.set_iterations(space, drive.settings.impact_iterations if hard else drive.settings.iterations)
     end_s = drive.t_s + kick_s
     gravity = (0.0, 0.0)
     if drive.moving:

@@ -92,7 +92,7 @@ def _time_to_contact(drive: Drive, standing: Standing, vertex: int) -> float:
 def _impact(drive: Drive, move_s: float) -> None:
     """The impact alone: positions at contact, no gravity; by the engine, or by the prescribed ratio."""
     if drive.scene.contact.restitution is None:
-        advance(drive, move_s, 0.0)
+        advance(drive, move_s, 0.0, hard=True)
         return
     world, scene = drive.world, drive.scene
     body = native.body_of(world.statue)
@@ -121,11 +121,14 @@ def _impact(drive: Drive, move_s: float) -> None:
         set_stuck(drive, stuck=abs(after.slip_rate_m_s) <= drive.friction.stuck_below_m_s)
 
 
-def split_halt(drive: Drive, share: float, end_s: float) -> None:
-    """End a step where the pedestal halts, and make the rest of it."""
+def split_halt(drive: Drive, standing: Standing, share: float, end_s: float) -> None:
+    """End a step where the pedestal halts, and make the rest of it.
+
+    A statue at rest meets the halt with both ends of its base, which takes the solver many times longer than one vertex.
+    """
     dt = drive.settings.dt_s
     first = min(share * (1.0 + PAST_HALT), 1.0) * dt
-    advance(drive, first, first)
+    advance(drive, first, first, hard=abs(native.get_spin(standing.statue)) <= min(standing.least_rad_s))
     rest = end_s - drive.t_s
     if rest > 0.0:
         advance(drive, rest, rest)

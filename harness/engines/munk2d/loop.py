@@ -15,7 +15,7 @@ from harness.engine import Want
 from harness.engines.munk2d import drive as driving
 from harness.engines.munk2d import events, native
 from harness.engines.munk2d.drive import Drive
-from harness.engines.munk2d.standing import Standing
+from harness.engines.munk2d.standing import FAR, Standing
 from harness.engines.munk2d.world import MunkSettings
 from harness.scene import OVERTURN_RAD, Scene
 
@@ -24,7 +24,7 @@ Pair = tuple[float, float]
 
 BLOCK_STEPS: Final = 512
 """Whole steps between two looks at whether the run can end."""
-CREEP_SHARE: Final = 1e-3
+CREEP_SHARE: Final = 2e-2
 """Share of the velocity of rest above which a stuck pedestal is asked whether its friction is at the limit."""
 STILL_BLOCKS: Final = 2
 STILL_RAD_S: Final = 1e-5
@@ -79,7 +79,7 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
             events.split_impact(drive, standing, standing.facet, float(grid.edges_s[end]))
             k, drive.rate_before_m_s, drive.whole_from = end, math.nan, end
         elif event == HALT:
-            events.split_halt(drive, share, float(grid.edges_s[k + 1]))
+            events.split_halt(drive, standing, share, float(grid.edges_s[k + 1]))
             k, drive.rate_before_m_s, drive.whole_from = k + 1, math.nan, k + 1
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
@@ -120,6 +120,8 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
     statue, floor = native.body_of(world.statue), native.body_of(world.floor)
     pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
     step, set_gravity, each = native.step, native.set_gravity, native.each_body
+    many, few, set_iterations = drive.settings.iterations, drive.settings.turning_iterations, native.set_iterations
+    using = many
     spin_of, velocity_of = native.get_spin, native.get_velocity
     record_with, record_to = recorder.each, recorder.target
     dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
@@ -133,10 +135,13 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
     rate, before = driving.slip_rate(drive), drive.rate_before_m_s
     while k < stop:
         spin_before, spin = spin, spin_of(statue)
-        if (spin > least_spin or spin < -least_spin) and first_split <= k <= last_split:
-            standing.facet = standing.coming(spin, spin_before)
-            if standing.facet >= 0:
-                event = IMPACT
+        wanted = many
+        if spin > least_spin or spin < -least_spin:
+            found = standing.coming(spin, spin_before)
+            if found == FAR and standing.held(k, (dt * gravity[k - 1][0], dt * gravity[k - 1][1])):
+                wanted = few
+            elif found >= 0 and first_split <= k <= last_split:
+                event, standing.facet = IMPACT, found
                 break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
         if (
@@ -146,6 +151,9 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
         ):
             event, share = HALT, rate / (before - rate)
             break
+        if wanted != using:
+            set_iterations(space, wanted)
+            using = wanted
         set_gravity(space, gravity[k])
         if keep is not None:
             top = grid.table_place[k][1] + dt * grid.table_velocity[k][1] if table_alone else None
@@ -157,9 +165,10 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
         if pedestal is not None:
             before, rate = rate, velocity_of(pedestal).x - (grid.table_velocity[k][0] if moving else 0.0)
             if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
-                rate = _switch(drive, grid, k, rate)
+                rate, using = _switch(drive, grid, k, rate), many
         each(space, record_with, record_to)
         k += 1
+    set_iterations(space, many)
     drive.rate_before_m_s, drive.spin_before_rad_s = before, spin
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
     drive.lags_s.extend([half] * (k - begin))

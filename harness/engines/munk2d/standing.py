@@ -20,6 +20,7 @@ from harness.scene import Scene
 from meshes.footprint import lower_chain
 
 Array = NDArray[np.float64]
+Pair = tuple[float, float]
 
 LEVEL_RAD: Final = 1e-6
 """Nearer than this to a facet's rotation both of its ends stand."""
@@ -42,6 +43,15 @@ SLOW_STEPS: Final = 10.0
 swings of a few steps would rock for ever; never held up, one at rest would sink and turn within the slop."""
 RISES: Final = 4.0
 """A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
+
+NEAR, FAR = -1, -2
+"""No facet to be met now: a contact may come or go in the step, or the statue turns on one vertex throughout."""
+CLEAR_STEPS: Final = 0.02
+"""Rotation over the step, rad/s, beyond which the vertex left behind is off the support: ten times its depth of contact."""
+LEAST_BORNE: Final = 0.02
+"""Share of its weight below which a statue counts as flying: it may land in the coming step."""
+MOST_FRICTION: Final = 0.9
+"""Share of its friction's limit above which a vertex counts as sliding: at a high coefficient the solver is slow there."""
 
 
 class Standing:
@@ -66,28 +76,46 @@ class Standing:
         self.depth_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
-        self.facet = -1
+        self.facet = NEAR
+        self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
+        self.velocity_m_s, self.asked, self.most_friction = (0.0, 0.0), -2, MOST_FRICTION * scene.contact.statue
         self.slow_rad_s = SLOW_STEPS * _fall_rad_s2(scene) * drive.settings.dt_s
 
     def coming(self, spin_rad_s: float, before_rad_s: float) -> int:
-        """The facet whose impact is to be met now at this rate, which was another a step before; −1 for none."""
-        if abs(spin_rad_s - before_rad_s) > MOST_GAINED * abs(spin_rad_s):
-            return -1
+        """The facet whose impact is to be met now at this rate, which was another a step before; else `NEAR` or `FAR`.
+
+        `FAR`: the statue turns on one vertex, no facet is met in the coming steps, and the one left behind is off its support.
+        """
         level, turned = self.level_rad, native.get_angle(self.statue)
-        back = 1 if spin_rad_s < 0.0 else 0
-        facet = bisect_left(level, turned) - back
-        if not 0 <= facet < len(level) or (level[facet] - turned) / spin_rad_s > self.far_s + TIPPED_RAD / abs(
-            spin_rad_s
-        ):
-            return -1
-        tilt = self.tilt()
-        if abs(tilt) > TIPPED_RAD:
-            return -1
-        turned -= tilt
-        facet = bisect_left(level, turned) - back
-        if not (0 <= facet < len(level) and abs(spin_rad_s) > self.least_rad_s[facet]):
-            return -1
-        return facet if self.near_s <= (level[facet] - turned) / spin_rad_s < self.far_s else -1
+        if self.pedestal is not None:
+            tilt = native.get_angle(self.pedestal)
+            if not -TIPPED_RAD <= tilt <= TIPPED_RAD:
+                return NEAR
+            turned -= tilt
+        above = bisect_left(level, turned)
+        facet, behind = (above - 1, above) if spin_rad_s < 0.0 else (above, above - 1)
+        if 0 <= facet < len(level):
+            ahead_s = (level[facet] - turned) / spin_rad_s
+            if ahead_s < self.far_s:
+                fast = abs(spin_rad_s) > self.least_rad_s[facet]
+                steady = abs(spin_rad_s - before_rad_s) <= MOST_GAINED * abs(spin_rad_s)
+                return facet if fast and steady and ahead_s >= self.near_s else NEAR
+        close = 0 <= behind < len(level) and abs(turned - level[behind]) < self.clear_rad
+        return NEAR if close or self.walled or not -STEEPEST_RAD < turned < STEEPEST_RAD else FAR
+
+    def held(self, k: int, free_m_s: Pair) -> bool:
+        """Whether the support bore it and kept its vertex from sliding in step k − 1, which would have changed the velocity of a
+        free body by `free_m_s`; to be asked before each step.
+        """
+        velocity, (before_x, before_z) = native.get_velocity(self.statue), self.velocity_m_s
+        followed, self.asked = self.asked == k - 1, k
+        x, z = self.velocity_m_s = velocity.x, velocity.y
+        borne = z - before_z - free_m_s[1]
+        return bool(
+            followed
+            and borne > -LEAST_BORNE * free_m_s[1]
+            and abs(x - before_x - free_m_s[0]) < self.most_friction * borne
+        )
 
     def left_rad(self, facet: int) -> float:
         """Rotation left until the facet lies on the support."""

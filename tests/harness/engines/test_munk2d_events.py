@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from harness.coverage import random_scene
 from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.twoblock import TwoBlock
@@ -22,8 +24,9 @@ def run(on: Scene, dt_s: float) -> Run:
     return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
 
 
-def error(on: Scene, dt_s: float) -> float:
-    found, exact = run(on, dt_s), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+def error(on: Scene, dt_s: float, **changes: int) -> float:
+    settings = replace(ENGINE.settings_for_dt(on, dt_s), **changes)
+    found, exact = ENGINE.simulate(on, settings, Want()), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
     assert found.history is not None
     assert exact.history is not None
     times = np.linspace(0.0, min(found.end_s, exact.end_s), 500)
@@ -58,3 +61,23 @@ def test_static_friction_gives_way_inside_a_step() -> None:
     errors = [error(on, dt_s) for dt_s in (2e-3, 5e-4)]
     assert errors[1] <= budget.RELEASE_RAD
     assert errors[1] <= errors[0] / 4.0
+
+
+@pytest.mark.parametrize("static", [0.15, 0.20])
+def test_a_statue_that_turns_on_one_corner_needs_a_quarter_of_the_iterations(static: float) -> None:
+    on = paestum(0.429, 3.0, mu=(static, 0.15))
+    settings = ENGINE.settings_for_dt(on, 4e-3)
+    assert settings.turning_iterations <= 0.3 * settings.iterations
+    few, all_of_them = error(on, 4e-3), error(on, 4e-3, turning_iterations=settings.iterations)
+    assert few <= budget.TURNING_SHARE * all_of_them
+    assert error(on, 4e-3, turning_iterations=1) > 10.0 * few, "no step takes them"
+
+
+def test_a_corner_that_reaches_its_friction_takes_all_iterations() -> None:
+    # At a coefficient of 2 the solver turns normal impulse into friction and back: what is left grows from step to step.
+    on = random_scene(19112, 1.19)
+    settings = ENGINE.settings_for_dt(on, 2e-4)
+    runs = [ENGINE.simulate(on, replace(settings, turning_iterations=n), Want()) for n in (24, settings.iterations)]
+    times = np.linspace(1.1, 1.19, 50)
+    few, all_of_them = (found.history.at(times) for found in runs if found.history is not None)
+    np.testing.assert_allclose(few, all_of_them, rtol=0.0, atol=budget.TURNING_RAD)
