@@ -45,6 +45,9 @@ STANDING_M = 6e-7
 SLIDING_REL = 5e-3
 """A block that slides to and fro at 0.25 ms, against the sliding block: 1e-3 measured; held back by anchors it loses 5e-2."""
 
+RELEASE_M = 1.2e-5
+"""Slip 0.15 s after static friction gave way, at 1 and 2 ms: twice the 5e-6 m measured; in ten parts of a step it is 3e-5."""
+
 SCAN_UPLIFT_RAD = 5e-5
 """A scan's uplift and swing at 4 ms against 0.5 ms: twice the 2e-5 rad measured; with contacts kept up to 0.1 mm 4e-4."""
 

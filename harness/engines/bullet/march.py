@@ -10,6 +10,7 @@ from __future__ import annotations
 from array import array
 from typing import Final
 
+from harness.engines.bullet import release
 from harness.engines.bullet.pose import advanced
 from harness.engines.bullet.schedule import Vector
 from harness.engines.bullet.stepper import ALONE, Record, Row, Stepper
@@ -23,8 +24,6 @@ LEAST_REST: Final = 0.04
 """A rest of a step shorter than this goes with the part before it."""
 PAST_HALT: Final = 0.01
 """Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
-RELEASE_PARTS: Final = 10
-"""Parts of a step in which static friction gives way."""
 
 
 class March:
@@ -117,40 +116,25 @@ class March:
         self.even, self.jolts = on_grid, 0
 
     def wholes(self, pulls: list[Vector]) -> None:
-        """Whole steps, one for each gravity; ends before one in which static friction gives way, and takes that in parts."""
+        """Whole steps, one for each gravity; one in which static friction gives way acts with the coefficient of its mean."""
         self._set(self.step_s)
         self.jolted, self.jolts = False, 0
-        stepper, row, record, taken = self.stepper, self.row, self.record, len(pulls)
-        before = row
+        stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
+        numbers = range(self.number + 1, self.number + len(pulls) + 1)
         if stepper.plain:
-            row = stepper.run(pulls, record.flat.extend)
+            self.row = stepper.run(pulls, record.flat.extend)
+            record.t_s.extend([number * step_s for number in numbers])
+            record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         else:
-            for index, gravity in enumerate(pulls):
-                after = stepper.step(gravity, (self.number + index) * self.step_s, self.step_s, row)
+            for number, gravity in zip(numbers, pulls, strict=True):
+                row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
                 if stepper.just_released:
-                    stepper.take_back(row)
-                    taken = index
-                    break
-                row = after
-                record.flat.extend(row)
-        self.row = row
-        numbers, step_s = range(self.number + 1, self.number + taken + 1), self.step_s
-        record.t_s.extend([number * step_s for number in numbers])
-        record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
-        if taken:
-            stepper.look(pulls[:taken], before, row)
-            self.number += taken
-            self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
-        if taken < len(pulls):
-            self.release()
-
-    def release(self) -> None:
-        """A step in which static friction gives way, in parts."""
-        start, part = self.t_s, (self.next_s - self.t_s) / RELEASE_PARTS
-        for index in range(1, RELEASE_PARTS):
-            self.to(start + index * part, start + (index - 0.5) * part)
-        self.to(self.next_s, self.next_s - 0.5 * part)
-        self.number += 1
+                    row = stepper.let_loose(release.coefficient(stepper, record, step_s), gravity, self.row)
+                self.row = row
+                record.keep(number * step_s, (number - 0.5) * step_s, row)
+        stepper.look(pulls, before, self.row)
+        self.number += len(pulls)
+        self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
     def halt(self, halt_s: float) -> None:
         """Velocities to the instant at which the pedestal halts."""

@@ -42,7 +42,8 @@ engine lets a gap close at the speed that closes it within the step, whatever it
 and brings the velocities to the instant; the places then go on by these velocities, and the velocity turns on with the arm of
 the foot that stands. The impact is a step in which nothing
 pulls, solved a thousand times more tightly, of which only the velocities are kept: it takes no time. A prescribed impact is put
-in its place. The step in which the pedestal halts ends there, one in which static friction gives way goes in ten parts. A
+in its place. The step in which the pedestal halts ends there, one in which static friction gives way acts with
+the coefficient of its mean: static friction's force up to the instant that the two steps before foretell, kinetic after it. A
 penetration is corrected in proportion to the step, or short steps would throw the bodies up. The residual is the squared
 change of velocity at which the sweeps end, at 0.25 ms; it scales with the square of the step. The order of bodies changes how
 fast the sweeps converge, not what they converge to: with a residual of 0 both orders agree. So it is a probe of the finest rung

@@ -64,10 +64,15 @@ class Record:
         self.kick_s.append(kick_s)
         self.flat.extend(row)
 
+    def row(self, index: int) -> Row:
+        """A row, counted from the last (-1) backwards."""
+        end = len(self.flat) + (index + 1) * self.width
+        return tuple(self.flat[end - self.width : end])
+
     @property
     def last(self) -> Row:
         """The last row."""
-        return tuple(self.flat[-self.width :])
+        return self.row(-1)
 
 
 def reader(world: World) -> Callable[[], Row]:
@@ -161,7 +166,9 @@ class Stepper:
             return row
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
         if self.stuck:
-            return self._released(gravity, pull, before, row)
+            row = self._released(gravity, pull, before, row)
+            self.just_released = not self.stuck
+            return row
         if not self._saturated(self.kinetic, pull, before, row) and self._halted(before, row):
             self._hold(self.static)
         elif self._reversed(before, row):
@@ -179,7 +186,6 @@ class Stepper:
         self._hold(self.kinetic)
         self.restore(before)
         self.repeated += 1
-        self.just_released = True
         return self.advance(gravity)
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
@@ -207,10 +213,13 @@ class Stepper:
         self.grips = held
         self.world.anchor(held=held)
 
-    def take_back(self, row: Row) -> None:
-        """Undo a step in which the pedestal was let loose: the state before it, held by static friction."""
-        self._hold(self.static)
-        self.restore(row)
+    def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
+        """A step in which the pedestal was let loose once more, with the coefficient that acts over it."""
+        self.restore(before)
+        self.world.set_floor_friction(friction)
+        row = self.advance(gravity)
+        self._hold(self.kinetic)
+        return row
 
     def let_slide(self, sliding: bool) -> None:
         """The pedestal slides, or is held, from now on, as an impact that is not Bullet's left it."""
@@ -223,12 +232,17 @@ class Stepper:
 
     def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
         """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+        x, y, normal = self.friction(pull, before, row)
+        return math.hypot(x, y) >= SATURATED * friction * normal
+
+    def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
+        """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
         statue, pedestal = self.masses
-        along, across, normal = (
+        x, y, z = (
             statue * (row[7 + k] - before[7 + k] - pull[k]) + pedestal * (row[20 + k] - before[20 + k] - pull[k])
             for k in range(3)
         )
-        return math.hypot(along, across) >= SATURATED * friction * normal
+        return x, y, z
 
     def restore(self, row: Row) -> None:
         """Put both bodies back into a row's state."""

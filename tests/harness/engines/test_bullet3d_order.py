@@ -13,8 +13,8 @@ from harness.benchmark.scenes import standard_set
 from harness.engine import Want
 from harness.scene import Scene
 from tests import budgets_bullet as budget
-from tests.harness.engines.bullet_cases import WHOLE, bullet, exact
-from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+from tests.harness.engines.bullet_cases import WHOLE, apart, bullet, exact
+from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 
 pytest.importorskip("pybullet")
 
@@ -70,6 +70,17 @@ def test_many_vertices_let_go_at_once(data_dir: Path) -> None:
     assert rough is not None
     assert fine is not None
     assert np.max(np.abs(rough.theta_rad - fine.at(rough.t_s))) <= budget.SCAN_UPLIFT_RAD
+
+
+@pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
+def test_static_friction_gives_way_inside_a_step(want: Want) -> None:
+    # From rest to the first slip: a step that is wholly static or wholly kinetic is off by up to (μ_s − μ_k) g times the step.
+    on = paestum(0.334, 2.0, mu=(0.20, 0.15), duration_s=0.2)
+    truth = exact(on)
+    for dt_s in (2e-3, 1e-3):
+        run = bullet(on, dt_s, want)
+        assert run.work["repeated_steps"] == 1
+        assert apart(run, truth, "slip_m") <= budget.RELEASE_M
 
 
 def newmark_m(motion: Harmonic, friction: float, duration_s: float, steps: int = 20_000) -> float:
