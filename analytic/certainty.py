@@ -21,6 +21,9 @@ CAP: Final = 0.7
 """The third run's steps are at most half of this, in time constants 1/p: below the free steps of every order used."""
 SAFETY: Final = 3.0
 """The stated uncertainty is this many times the largest difference between the runs."""
+PARTED: Final = 1e-3
+"""Two runs whose losses of energy at impacts differ by more than this share took different paths: rotations that stay within 1e-4 rad
+of each other change it by less."""
 ROUNDING_RAD: Final = 1e-15
 """No uncertainty below rounding is stated."""
 
@@ -54,7 +57,8 @@ def certify(
 
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
     scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
-    the finer error and the shorter steps together, is the check. Raises AnalyticInputError as ``simulate`` does.
+    the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its own
+    time only. Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else Rest()
     base = min(accuracy_rad, base_accuracy_rad)
@@ -79,7 +83,8 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) 
     if first.t_s.size == 0:
         peaks = [abs(other.peak_theta_rad - first.peak_theta_rad) for other in others]
         spread = SAFETY * max(peaks)
-        return max(spread, ROUNDING_RAD), (first.end_s if spread <= accuracy_rad else 0.0)
+        until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
+        return max(spread, ROUNDING_RAD), (until if spread <= accuracy_rad else 0.0)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
     spread_at = np.zeros(size)
     for other in others:
@@ -91,12 +96,22 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) 
     return max(float(spread_at[:reliable].max(initial=0.0)), ROUNDING_RAD), until
 
 
+def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:
+    """Whether runs without a history took different paths, of which an equal peak before they parted tells nothing."""
+    most = max(solution.energy_lost_j for solution in (first, *others))
+    return any(abs(other.energy_lost_j - first.energy_lost_j) > PARTED * most for other in others)
+
+
 def _warnings(first: Solution, others: tuple[Solution, ...], uncertainty_rad: float, until: float) -> tuple[str, ...]:
     told = []
     if any(other.outcome is not first.outcome for other in others):
         ends = ", ".join(sorted({solution.outcome.value for solution in (first, *others)}))
         told.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
-    if until < first.end_s and first.t_s.size == 0:
+    if until < first.end_s and first.t_s.size == 0 and until > 0.0:
+        told.append(
+            f"Beyond {until:.4g} s the path depends on the integrator's rounding: the peak may be larger there."
+        )
+    elif until < first.end_s and first.t_s.size == 0:
         told.append(f"The peak depends on the integrator's rounding: it may be off by {uncertainty_rad:.1e} rad.")
     elif until < first.end_s:
         told.append(f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted.")

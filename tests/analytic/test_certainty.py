@@ -126,3 +126,23 @@ def test_without_a_history_one_further_run_is_the_check_and_the_numbers_are_the_
     assert short.solution.work.impacts == len(whole.solution.impacts)
     exact = simulate(STATUE, motion, accuracy_rad=1e-15, duration_s=3.0, dt_s=None, **ON_PEDESTAL)  # type: ignore[arg-type]
     assert abs(short.solution.peak_theta_rad - exact.peak_theta_rad) <= short.uncertainty_rad
+
+
+def test_a_peak_that_runs_share_before_their_paths_part_holds_up_to_itself_only() -> None:
+    motion = Harmonic(3.402692436584214, 4.799942511102415)
+    scene = ON_PEDESTAL | {"duration_s": 6.342315367369476, "dt_s": None}
+    found = certify(STATUE, motion, accuracy_rad=1e-6, base_accuracy_rad=1e-6, **scene)
+    exact = simulate(STATUE, motion, accuracy_rad=1e-13, **scene)  # type: ignore[arg-type]
+    missed = exact.peak_theta_rad - found.solution.peak_theta_rad
+    assert missed > 100.0 * found.uncertainty_rad, "the runs agree on a peak that is not the largest"
+    assert found.reliable_until_s < exact.peak_time_s
+    assert found.reliable_until_s == pytest.approx(found.solution.peak_time_s, abs=1e-5)
+    assert any("the peak may be larger there" in text for text in found.warnings)
+
+
+def test_an_outcome_whose_runs_keep_to_one_path_is_sure_to_the_end() -> None:
+    scene = ON_PEDESTAL | {"duration_s": 2.0, "dt_s": None}
+    found = certify(STATUE, Harmonic(0.334 * GRAVITY, 3.0), **scene)
+    assert found.solution.energy_lost_j > 0.0
+    assert found.reliable_until_s == found.solution.end_s
+    assert not any("Beyond" in text for text in found.warnings)
