@@ -22,8 +22,8 @@ CAP: Final = 0.7
 SAFETY: Final = 3.0
 """The stated uncertainty is this many times the largest difference between the runs."""
 PARTED: Final = 1e-3
-"""Two runs whose losses of energy at impacts differ by more than this share took different paths: rotations that stay within 1e-4 rad
-of each other change it by less."""
+"""Two runs whose losses of energy at impacts differ by more than this share took different paths: where rotations stay within
+1e-4 rad of each other they differ by less."""
 ROUNDING_RAD: Final = 1e-15
 """No uncertainty below rounding is stated."""
 
@@ -57,8 +57,8 @@ def certify(
 
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
     scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
-    the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its own
-    time only. Raises AnalyticInputError as ``simulate`` does.
+    the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
+    own time only. Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else Rest()
     base = min(accuracy_rad, base_accuracy_rad)
