@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -105,10 +105,10 @@ class History:
         for name, values in self.columns().items():
             if values.shape != size:
                 raise ValueError(f"column {name} has shape {values.shape}, t_s has {size}")
-            if not np.all(np.isfinite(values)):
+            if not np.isfinite(values).all():
                 first = int(np.flatnonzero(~np.isfinite(values))[0])
                 raise ValueError(f"column {name} is not finite at sample {first}")
-        if np.any(np.diff(self.t_s) <= 0.0):
+        if (self.t_s[1:] <= self.t_s[:-1]).any():
             raise ValueError("times of a history must increase strictly")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -145,16 +145,24 @@ class History:
 
 def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:
     """Cubic Hermite interpolation of `values` with slopes `rates` at `knots_s` (increasing), held beyond the ends."""
+    return hermites(t_s, knots_s, ((values, rates),))[0]
+
+
+def hermites(t_s: Array, knots_s: Array, pairs: Sequence[tuple[Array, Array]]) -> list[Array]:
+    """The same for several (values, rates) at the same knots, whose places are looked up once."""
     if knots_s.size == 1:
-        return np.full(t_s.shape, values[0])
-    clipped = np.clip(t_s, knots_s[0], knots_s[-1])
-    i = np.clip(np.searchsorted(knots_s, clipped, side="right") - 1, 0, knots_s.size - 2)
-    step = knots_s[i + 1] - knots_s[i]
-    x = (clipped - knots_s[i]) / step
-    y0, y1 = values[i], values[i + 1]
-    d0, d1 = rates[i] * step, rates[i + 1] * step
-    result: Array = y0 + x * (d0 + x * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + x * (2.0 * (y0 - y1) + d0 + d1)))
-    return result
+        return [np.full(t_s.shape, values[0]) for values, _ in pairs]
+    clipped = np.minimum(np.maximum(t_s, knots_s[0]), knots_s[-1])
+    i = np.minimum(np.maximum(np.searchsorted(knots_s, clipped, side="right") - 1, 0), knots_s.size - 2)
+    following, begin = i + 1, knots_s[i]
+    step = knots_s[following] - begin
+    x = (clipped - begin) / step
+    found: list[Array] = []
+    for values, rates in pairs:
+        y0, y1 = values[i], values[following]
+        d0, d1 = rates[i] * step, rates[following] * step
+        found.append(y0 + x * (d0 + x * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + x * (2.0 * (y0 - y1) + d0 + d1))))
+    return found
 
 
 def output_grid(duration_s: float, dt_s: float) -> Array:

@@ -6,6 +6,7 @@ impulses, read without asking it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -35,23 +36,32 @@ class Impulses:
 
 def impulses(scene: Scene, trajectory: Trajectory) -> Impulses:
     """Cumulative contact impulses of a trajectory; without a pedestal both are the same."""
-    step = np.diff(trajectory.t_s)[:, None]
-    gravity = trajectory.gravity_xz_m_s2 * step
-    statue = scene.statue.mass_kg * (np.diff(trajectory.statue_rate_m_s, axis=0) - gravity)
-    floor = statue
-    if scene.pedestal is not None and trajectory.pedestal_rate_m_s is not None:
-        floor = statue + scene.pedestal.mass_kg * (np.diff(trajectory.pedestal_rate_m_s, axis=0) - gravity)
-    total = [np.concatenate([[0.0], np.cumsum(part[:, axis])]) for part in (statue, floor) for axis in (0, 1)]
-    return Impulses(*total)
+    t_s, rate = trajectory.t_s, trajectory.statue_rate_m_s
+    gravity = trajectory.gravity_xz_m_s2 * (t_s[1:] - t_s[:-1])[:, None]
+    statue = scene.statue.mass_kg * (rate[1:] - rate[:-1] - gravity)
+    held = _summed(statue)
+    rate_below = trajectory.pedestal_rate_m_s
+    if scene.pedestal is None or rate_below is None:
+        return Impulses(*held, *held)
+    return Impulses(*held, *_summed(statue + scene.pedestal.mass_kg * (rate_below[1:] - rate_below[:-1] - gravity)))
 
 
-def mean_force(t_s: Array, impulse_n_s: Array, grid_s: Array) -> Array:
-    """Mean force, N, over the interval before each time of the grid (the first repeats the second), shape of the grid."""
-    if grid_s.size < 2:
-        return np.zeros_like(grid_s)
-    at = np.interp(grid_s, t_s, impulse_n_s)
-    force = np.diff(at) / np.diff(grid_s)
-    return np.concatenate([force[:1], force])
+def _summed(parts: Array) -> tuple[Array, Array]:
+    total = np.zeros((2, parts.shape[0] + 1))
+    np.cumsum(parts.T, axis=1, out=total[:, 1:])
+    return total[0], total[1]
+
+
+def mean_forces(t_s: Array, impulses_n_s: Sequence[Array], grid_s: Array) -> Array:
+    """Mean force, N, for each row of impulses over the interval before each time of the grid (the first repeats the second)."""
+    force: Array = np.zeros((len(impulses_n_s), grid_s.size))
+    if grid_s.size > 1:
+        for row, impulse in zip(force, impulses_n_s, strict=True):
+            row[:] = np.interp(grid_s, t_s, impulse)
+        force[:, 1:] -= force[:, :-1].copy()
+        force[:, 1:] /= grid_s[1:] - grid_s[:-1]
+        force[:, 0] = force[:, 1]
+    return force
 
 
 def force_limits(scene: Scene, trajectory: Trajectory, found: Impulses) -> dict[str, float]:
@@ -64,11 +74,11 @@ def force_limits(scene: Scene, trajectory: Trajectory, found: Impulses) -> dict[
     shear = (found.statue_x[width:] - found.statue_x[:-width]) / span
     floor = (found.floor_z[width:] - found.floor_z[:-width]) / span
     held = normal > LEAST_SHARE * scene.statue.mass_kg * scene.gravity_m_s2
-    needed = float(np.max(np.abs(shear[held]) / normal[held])) if np.any(held) else 0.0
+    needed = float((np.abs(shear[held]) / normal[held]).max()) if held.any() else 0.0
     return {
         "statue_friction_needed": needed,
-        "statue_normal_least_n": float(np.min(normal)),
-        "floor_normal_least_n": float(np.min(floor)),
+        "statue_normal_least_n": float(normal.min()),
+        "floor_normal_least_n": float(floor.min()),
     }
 
 
@@ -85,16 +95,16 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
     return energy
 
 
-def energy_gained_j(scene: Scene, trajectory: Trajectory) -> float:
-    """Largest rise, J, of the energy above what the table's motion has put in: contacts may only take energy away."""
+def energy_gained_j(scene: Scene, trajectory: Trajectory, energy: Array) -> float:
+    """Largest rise, J, of the energy (`energy_j`) above what the table's motion put in: contacts may only take energy away."""
     given = np.zeros(trajectory.t_s.size)
     extra = trajectory.gravity_xz_m_s2 + np.array([0.0, scene.gravity_m_s2])
-    step = np.diff(trajectory.t_s)
+    step = trajectory.t_s[1:] - trajectory.t_s[:-1]
     bodies = [(scene.statue.mass_kg, trajectory.statue_rate_m_s)]
     if scene.pedestal is not None and trajectory.pedestal_rate_m_s is not None:
         bodies.append((scene.pedestal.mass_kg, trajectory.pedestal_rate_m_s))
     for mass, rate in bodies:
         power = mass * np.sum(extra * 0.5 * (rate[1:] + rate[:-1]), axis=1)
         given[1:] += np.cumsum(power * step)
-    lost = given - energy_j(scene, trajectory)
-    return float(np.max(np.maximum.accumulate(lost) - lost))
+    lost = given - energy
+    return float((np.maximum.accumulate(lost) - lost).max())

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.contact import forces, support
 from harness.contact.rocking import patterns, rocking
 from harness.contact.trajectory import Trajectory
-from harness.history import History, Outcome, hermite, output_grid
+from harness.history import History, Outcome, hermites, output_grid
 from harness.record import Run
 from harness.scene import OVERTURN_RAD, Scene
 
@@ -52,7 +52,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
     )
-    if not np.all(finite):
+    if not finite.all():
         return _diverged(report, float(trajectory.t_s[int(np.flatnonzero(~finite)[0])]))
     end_s, overturn_s, kept = _ending(scene, trajectory, report.rested)
     motion = trajectory.until(kept)
@@ -60,16 +60,17 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     swings = rocking(motion.t_s, theta, rate, report.resolution_rad)
     wall = support.wall_touch(scene, motion)
     inside = motion.t_s <= end_s
-    peak = int(np.argmax(np.abs(np.where(inside, theta, 0.0))))
-    outcome = report.outcome or _outcome(scene, motion, overturn_s, wall)
-    validity, found = _validity(scene, motion)
+    peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
+    derived = _derive(scene, motion)
+    outcome = report.outcome or _outcome(scene, motion, overturn_s, wall, float(derived.slip_m[-1]))
+    validity = _validity(scene, motion, derived)
     validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
     if wall is not None:
         validity["wall_touch_time_s"] = float(motion.t_s[wall])
     return Run(
         engine=report.engine,
         outcome=outcome,
-        history=_history(scene, motion, found, end_s) if report.with_history else None,
+        history=_history(scene, motion, derived, end_s) if report.with_history else None,
         settings=report.settings,
         steps=report.steps,
         wall_s=report.wall_s,
@@ -80,7 +81,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         no_return_time_s=None if overturn_s is None else no_return_time_s(scene, motion.t_s, theta),
         impact_times_s=tuple(time for time in swings.impact_times_s if time <= end_s),
         uplift_times_s=tuple(time for time in swings.uplift_times_s if time <= end_s),
-        peak_slip_m=float(np.max(np.abs(motion.slip_m))),
+        peak_slip_m=float(np.abs(motion.slip_m).max()),
         residual_slip_m=float(motion.slip_m[-1]),
         patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
         validity=validity | dict(report.validity),
@@ -88,6 +89,26 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         skipped=report.skipped,
         warnings=report.warnings,
         labels=report.labels,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Derived:
+    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy."""
+
+    impulses: forces.Impulses
+    slip_m: Array
+    gap_m: Array
+    energy_j: Array
+
+
+def _derive(scene: Scene, motion: Trajectory) -> _Derived:
+    at = support.corners(scene, motion)
+    return _Derived(
+        forces.impulses(scene, motion),
+        support.statue_slip_m(scene, motion, at),
+        support.gap_m(scene, motion, at),
+        forces.energy_j(scene, motion),
     )
 
 
@@ -141,63 +162,63 @@ def no_return_time_s(scene: Scene, t_s: Array, theta_rad: Array) -> float | None
     return float(t_s[k] + share * (t_s[k + 1] - t_s[k]))
 
 
-def _outcome(scene: Scene, motion: Trajectory, overturn_s: float | None, wall: int | None) -> Outcome:
+def _outcome(
+    scene: Scene, motion: Trajectory, overturn_s: float | None, wall: int | None, statue_slip_m: float
+) -> Outcome:
     last = float(motion.theta_rad[-1])
     if wall is not None:
         return Outcome.TOUCHES_WALL
     if overturn_s is not None:
         return Outcome.OVERTURNED_RIGHT if last > 0.0 else Outcome.OVERTURNED_LEFT
-    if _left_support(scene, motion):
+    if _left_support(scene, motion, statue_slip_m):
         return Outcome.LEFT_PEDESTAL
     side = 1 if last > 0.0 else -1
     return Outcome.UNDECIDED if abs(last) > scene.statue.slenderness_rad(side) else Outcome.STANDS
 
 
-def _left_support(scene: Scene, motion: Trajectory) -> bool:
+def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:
     """Whether the middle of the statue's base ends beside the pedestal's top."""
     if scene.pedestal is None or motion.pedestal_xz_m is None:
         return False
-    middle = -scene.pedestal.offset_m + support.statue_slip_m(scene, motion)[-1]
-    return bool(abs(middle) > 0.5 * scene.pedestal.width_m)
+    middle = -scene.pedestal.offset_m + statue_slip_m
+    return abs(middle) > 0.5 * scene.pedestal.width_m
 
 
-def _validity(scene: Scene, motion: Trajectory) -> tuple[dict[str, Any], forces.Impulses]:
-    found = forces.impulses(scene, motion)
-    gap = support.gap_m(scene, motion)
+def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, Any]:
+    gap = derived.gap_m
     validity: dict[str, Any] = {
-        **forces.force_limits(scene, motion, found),
-        "statue_slip_m": float(np.max(np.abs(support.statue_slip_m(scene, motion)))),
-        "statue_flight_m": float(max(np.max(gap), 0.0)),
-        "penetration_m": float(max(-np.min(gap), 0.0)),
-        "energy_gained_j": forces.energy_gained_j(scene, motion),
+        **forces.force_limits(scene, motion, derived.impulses),
+        "statue_slip_m": float(np.abs(derived.slip_m).max()),
+        "statue_flight_m": float(max(gap.max(), 0.0)),
+        "penetration_m": float(max(-gap.min(), 0.0)),
+        "energy_gained_j": forces.energy_gained_j(scene, motion, derived.energy_j),
     }
     if "pedestal_tilt_rad" in motion.extra:
-        validity["pedestal_tilt_rad"] = float(np.max(np.abs(motion.extra["pedestal_tilt_rad"])))
-    return validity, found
+        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    return validity
 
 
 def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
     return [b / a if a != 0.0 else 0.0 for a, b in zip(before, after, strict=True)]
 
 
-def _history(scene: Scene, motion: Trajectory, found: forces.Impulses, end_s: float) -> History:
+def _history(scene: Scene, motion: Trajectory, derived: _Derived, end_s: float) -> History:
     grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
-    t_s = motion.t_s
-    columns = {
-        "statue_slip_m": support.statue_slip_m(scene, motion),
-        "energy_j": forces.energy_j(scene, motion),
-        **motion.extra,
-    }
+    t_s, found = motion.t_s, derived.impulses
+    columns = {"statue_slip_m": derived.slip_m, "energy_j": derived.energy_j, **motion.extra}
     extra = {name: np.interp(grid, t_s, values) for name, values in columns.items()}
-    pairs = [("statue_force_x_n", found.statue_x), ("statue_force_z_n", found.statue_z)]
+    loads = {"statue_force_x_n": found.statue_x, "statue_force_z_n": found.statue_z}
     if scene.pedestal is not None:
-        pairs += [("floor_force_x_n", found.floor_x), ("floor_force_z_n", found.floor_z)]
-    extra |= {name: forces.mean_force(t_s, impulse, grid) for name, impulse in pairs}
+        loads |= {"floor_force_x_n": found.floor_x, "floor_force_z_n": found.floor_z}
+    extra |= zip(loads, forces.mean_forces(t_s, list(loads.values()), grid), strict=True)
+    theta, slip = hermites(
+        grid, t_s, ((motion.theta_rad, motion.theta_rate_rad_s), (motion.slip_m, motion.slip_rate_m_s))
+    )
     return History(
         grid,
-        hermite(grid, t_s, motion.theta_rad, motion.theta_rate_rad_s),
+        theta,
         np.interp(grid, t_s, motion.theta_rate_rad_s),
-        hermite(grid, t_s, motion.slip_m, motion.slip_rate_m_s),
+        slip,
         np.interp(grid, t_s, motion.slip_rate_m_s),
         extra,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -17,34 +18,49 @@ CORNERS_ONLY_RAD: Final = 0.3
 FLAT_M: Final = 1e-9
 
 
-def corner_xz_m(scene: Scene, trajectory: Trajectory, side: int) -> Array:
-    """Place of the corner on that side (+1 right, −1 left) in the table's frame, shape (n, 2), for a planar pose."""
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Places of both corners in the table's frame, m, shape (n,), for a planar pose."""
+
+    right_x: Array
+    right_z: Array
+    left_x: Array
+    left_z: Array
+
+
+def corners(scene: Scene, trajectory: Trajectory) -> Corners:
+    """Where both corners of the base are at each sample."""
     statue = scene.statue
-    x, z = side * statue.corner_m(side), -statue.centroid_height_m
+    right, left, z = statue.corner_right_m, -statue.corner_left_m, -statue.centroid_height_m
     cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
+    place_x, place_z = trajectory.statue_xz_m[:, 0], trajectory.statue_xz_m[:, 1]
     # θ turns clockwise: x' = x cos θ + z sin θ, z' = z cos θ − x sin θ.
-    return trajectory.statue_xz_m + np.column_stack([x * cos + z * sin, z * cos - x * sin])
+    z_sin, z_cos = z * sin, z * cos
+    return Corners(
+        place_x + (right * cos + z_sin),
+        place_z + (z_cos - right * sin),
+        place_x + (left * cos + z_sin),
+        place_z + (z_cos - left * sin),
+    )
 
 
-def statue_slip_m(scene: Scene, trajectory: Trajectory) -> Array:
+def statue_slip_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
     """Displacement of the standing corner along the support since t = 0, shape (n,): the model assumes none."""
-    low = np.where(trajectory.theta_rad >= 0.0, 1, -1)
-    right, left = (corner_xz_m(scene, trajectory, side)[:, 0] for side in (1, -1))
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     # Upright the corners are a base apart; the standing one tells where the base is.
-    place = np.where(low > 0, right, left + base) - trajectory.slip_m
+    place = np.where(trajectory.theta_rad >= 0.0, at.right_x, at.left_x + base) - trajectory.slip_m
     start: Array = place - place[0]
     return start
 
 
-def gap_m(scene: Scene, trajectory: Trajectory) -> Array:
+def gap_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
     """Height of the lowest point above the support, shape (n,); negative: penetration. The support is taken as level.
 
     Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
     """
-    lowest = np.minimum(*(corner_xz_m(scene, trajectory, side)[:, 1] for side in (1, -1)))
+    lowest = np.minimum(at.right_z, at.left_z)
     far = np.abs(trajectory.theta_rad) > CORNERS_ONLY_RAD if _flat(scene) else np.ones(lowest.size, dtype=bool)
-    if np.any(far):
+    if far.any():
         theta, height = trajectory.theta_rad[far], trajectory.statue_xz_m[far, 1]
         cos, sin = np.cos(theta), np.sin(theta)
         least = np.full(theta.size, np.inf)
