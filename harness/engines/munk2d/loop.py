@@ -63,7 +63,7 @@ def grid_of(scene: Scene, dt_s: float) -> Grid:
 
 
 def _pairs(rows: Array) -> list[Pair]:
-    return [(float(x), float(z)) for x, z in zip(rows[:, 0], rows[:, 2], strict=True)]
+    return list(zip(rows[:, 0].tolist(), rows[:, 2].tolist(), strict=True))
 
 
 def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
@@ -115,31 +115,32 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
 
     Returns the next step, what it holds (END: nothing) and, at a halt, the share of the step at which it comes.
     """
-    world, friction = drive.world, drive.friction
-    space, recorder = native.space_of(world.space), world.recorder
-    statue, floor = native.body_of(world.statue), native.body_of(world.floor)
-    pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
-    step, set_gravity, each = native.step, native.set_gravity, native.each_body
-    many, few, set_iterations = drive.settings.iterations, drive.settings.turning_iterations, native.set_iterations
-    using = many
-    spin_of, velocity_of = native.get_spin, native.get_velocity
-    record_with, record_to = recorder.each, recorder.target
-    dt, gravity, moving, rest = drive.settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
-    half, first_split, last_split = 0.5 * dt, drive.whole_from + LEAST_BETWEEN, len(gravity) - EVENT_STEPS
-    switches, creep = friction.switches, CREEP_SHARE * rest
-    halts = drive.settings.align and pedestal is not None and rest > 0.0
-    least_spin = min(standing.least_rad_s) if drive.aligned else math.inf
-    keep = standing.keep if drive.aligned else None
-    table_alone = moving and pedestal is None
-    begin, event, share, spin = k, END, 0.0, drive.spin_before_rad_s
-    rate, before = driving.slip_rate(drive), drive.rate_before_m_s
+    world, friction, settings = drive.world, drive.friction, drive.settings
+    space, recorder, floor = native.space_of(world.space), world.recorder, native.body_of(world.floor)
+    step, set_gravity, each, last = native.step, native.set_gravity, native.each_body, recorder.last
+    record_with, record_to, hold = recorder.each, recorder.target, standing.hold
+    dt, gravity, moving, rest = settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
+    first_split, last_split = drive.whole_from + LEAST_BETWEEN, len(gravity) - EVENT_STEPS
+    switches, creep, aligned, on_pedestal = (
+        friction.switches,
+        CREEP_SHARE * rest,
+        drive.aligned,
+        world.pedestal is not None,
+    )
+    halts = settings.align and on_pedestal and rest > 0.0
+    many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
+    least_spin = min(standing.least_rad_s) if aligned else math.inf
+    own, under = world.statue_slice, world.pedestal_slice
+    begin, event, share, spin, row = k, END, 0.0, drive.spin_before_rad_s, last()
+    state, below = row[own], row[under] if on_pedestal else None
+    rate, before, top, standing.asked = driving.slip_rate(drive), drive.rate_before_m_s, None, -2
     while k < stop:
-        spin_before, spin = spin, spin_of(statue)
+        spin_before, spin = spin, state[5]
         wanted = many
         if spin > least_spin or spin < -least_spin:
-            found = standing.coming(spin, spin_before)
-            if found == FAR and standing.held(k, (dt * gravity[k - 1][0], dt * gravity[k - 1][1])):
-                wanted = few
+            found = standing.coming(state, below, spin_before)
+            if found == FAR:
+                wanted = few if standing.held(k, state, gravity[k - 1]) else many
             elif found >= 0 and first_split <= k <= last_split:
                 event, standing.facet = IMPACT, found
                 break
@@ -152,29 +153,36 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
             event, share = HALT, rate / (before - rate)
             break
         if wanted != using:
-            set_iterations(space, wanted)
+            native.set_iterations(space, wanted)
             using = wanted
         set_gravity(space, gravity[k])
-        if keep is not None:
-            top = grid.table_place[k][1] + dt * grid.table_velocity[k][1] if table_alone else None
-            keep(dt, top, slow=k % SLOW_EVERY == 0)
+        if aligned:
+            if moving and not on_pedestal:
+                top = grid.table_place[k][1] + dt * grid.table_velocity[k][1]
+            hold(state, below, dt, top, slow=k % SLOW_EVERY == 0)
         if moving:
             native.set_velocity(floor, grid.table_velocity[k])
             native.set_place(floor, grid.table_place[k])
         step(space, dt)
-        if pedestal is not None:
-            before, rate = rate, velocity_of(pedestal).x - (grid.table_velocity[k][0] if moving else 0.0)
-            if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
-                rate, using = _switch(drive, grid, k, rate), many
         each(space, record_with, record_to)
+        row = last()
+        if on_pedestal:
+            before, rate = rate, row[world.pedestal_column + 3] - (grid.table_velocity[k][0] if moving else 0.0)
+            if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
+                recorder.drop()
+                rate, using = _switch(drive, grid, k, rate), many
+                each(space, record_with, record_to)
+                row = last()
+            below = row[under]
+        state = row[own]
         k += 1
-    set_iterations(space, many)
+    native.set_iterations(space, many)
     drive.rate_before_m_s, drive.spin_before_rad_s = before, spin
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
-    drive.lags_s.extend([half] * (k - begin))
+    drive.lags_s.extend([0.5 * dt] * (k - begin))
     drive.work["engine_steps"] += k - begin
     drive.t_s = float(grid.edges_s[k])
-    drive.place_s = drive.t_s - half
+    drive.place_s = drive.t_s - 0.5 * dt
     return k, event, share
 
 

@@ -32,6 +32,8 @@ get_velocity: Final = lib.cpBodyGetVelocity
 set_velocity: Final = lib.cpBodySetVelocity
 set_friction: Final = lib.cpShapeSetFriction
 
+unpack: Final = ffi.unpack
+
 FIELDS: Final = (
     batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 )
@@ -58,6 +60,12 @@ def shape_of(shape: pymunk.Shape) -> Any:
     return shape._shape
 
 
+def state_of(body: Any) -> list[float]:
+    """x, z, angle, and their rates, as a row of the recorder has them."""
+    place, velocity = get_place(body), get_velocity(body)
+    return [place.x, place.y, get_angle(body), velocity.x, velocity.y, get_spin(body)]
+
+
 class Recorder:
     """Appends the state of every body of a space to memory in C; `take` moves what is there into an array."""
 
@@ -73,24 +81,29 @@ class Recorder:
         self.target.intArray = self._ints
         self.each = ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")
         each_body(space_of(space), self.each, self.target)
-        self._row = int(self._floats.num)
+        self.row = int(self._floats.num)
         self._floats.num = 0
 
     def last(self, back: int = 0) -> list[float]:
         """The row recorded last, or one of the two before it (`back` 1, 2); empty where there is none yet."""
         floats = self._floats
-        end = floats.num - back * self._row
+        end = floats.num - back * self.row
         if end > 0:
-            return [float(floats.arr[i]) for i in range(end - self._row, end)]
+            row: list[float] = unpack(floats.arr + (end - self.row), self.row)
+            return row
         # The rows before were taken.
-        kept = end // self._row - 1
+        kept = end // self.row - 1
         return self._taken[kept] if -kept <= len(self._taken) else []
+
+    def drop(self) -> None:
+        """Forget the row recorded last."""
+        self._floats.num -= self.row
 
     def take(self) -> Array:
         """The states recorded since the last call, shape (n, 6·bodies), in the order of the space's bodies."""
         floats = self._floats
         recorded = ffi.buffer(floats.arr, floats.num * ffi.sizeof("cpFloat"))
-        states = np.frombuffer(recorded, dtype=np.float64).reshape(-1, self._row).copy()
+        states = np.frombuffer(recorded, dtype=np.float64).reshape(-1, self.row).copy()
         self._taken = [*self._taken, *states[-KEPT:].tolist()][-KEPT:]
         floats.num = 0
         return states

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,7 @@ from meshes.footprint import lower_chain
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
+Row = Sequence[float]
 
 LEVEL_RAD: Final = 1e-6
 """Nearer than this to a facet's rotation both of its ends stand."""
@@ -78,94 +80,82 @@ class Standing:
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
         self.facet = NEAR
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
-        self.velocity_m_s, self.asked, self.most_friction = (0.0, 0.0), -2, MOST_FRICTION * scene.contact.statue
+        self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
+        self.asked = -2
+        self.last_state: Row = native.state_of(self.statue)
         self.slow_rad_s = SLOW_STEPS * _fall_rad_s2(scene) * drive.settings.dt_s
 
-    def coming(self, spin_rad_s: float, before_rad_s: float) -> int:
-        """The facet whose impact is to be met now at this rate, which was another a step before; else `NEAR` or `FAR`.
+    def coming(self, state: Row, below: Row | None, before_rad_s: float) -> int:
+        """The facet whose impact is to be met now, at a rate that was another a step before; else `NEAR` or `FAR`.
 
         `FAR`: the statue turns on one vertex, no facet is met in the coming steps, and the one left behind is off its support.
         """
-        level, turned = self.level_rad, native.get_angle(self.statue)
-        if self.pedestal is not None:
-            tilt = native.get_angle(self.pedestal)
+        level, turned, spin = self.level_rad, state[2], state[5]
+        if below is not None:
+            tilt = below[2]
             if not -TIPPED_RAD <= tilt <= TIPPED_RAD:
                 return NEAR
             turned -= tilt
         above = bisect_left(level, turned)
-        facet, behind = (above - 1, above) if spin_rad_s < 0.0 else (above, above - 1)
+        facet, behind = (above - 1, above) if spin < 0.0 else (above, above - 1)
         if 0 <= facet < len(level):
-            ahead_s = (level[facet] - turned) / spin_rad_s
+            ahead_s = (level[facet] - turned) / spin
             if ahead_s < self.far_s:
-                fast = abs(spin_rad_s) > self.least_rad_s[facet]
-                steady = abs(spin_rad_s - before_rad_s) <= MOST_GAINED * abs(spin_rad_s)
+                fast = abs(spin) > self.least_rad_s[facet]
+                steady = abs(spin - before_rad_s) <= MOST_GAINED * abs(spin)
                 return facet if fast and steady and ahead_s >= self.near_s else NEAR
         close = 0 <= behind < len(level) and abs(turned - level[behind]) < self.clear_rad
         return NEAR if close or self.walled or not -STEEPEST_RAD < turned < STEEPEST_RAD else FAR
 
-    def held(self, k: int, free_m_s: Pair) -> bool:
-        """Whether the support bore it and kept its vertex from sliding in step k − 1, which would have changed the velocity of a
-        free body by `free_m_s`; to be asked before each step.
+    def held(self, k: int, state: Row, pull_m_s2: Pair) -> bool:
+        """Whether the support bore it and kept its vertex from sliding in step k − 1, whose gravity was `pull_m_s2`.
+
+        To be asked before each step: the state of the last question is what the velocity has changed from.
         """
-        velocity, (before_x, before_z) = native.get_velocity(self.statue), self.velocity_m_s
-        followed, self.asked = self.asked == k - 1, k
-        x, z = self.velocity_m_s = velocity.x, velocity.y
-        borne = z - before_z - free_m_s[1]
-        return bool(
-            followed
-            and borne > -LEAST_BORNE * free_m_s[1]
-            and abs(x - before_x - free_m_s[0]) < self.most_friction * borne
-        )
+        before, followed = self.last_state, self.asked == k - 1
+        self.last_state, self.asked = state, k
+        if not followed:
+            return False
+        falls = self.dt_s * pull_m_s2[1]
+        borne = state[4] - before[4] - falls
+        pushed = state[3] - before[3] - self.dt_s * pull_m_s2[0]
+        return borne > -LEAST_BORNE * falls and abs(pushed) < self.most_friction * borne
 
     def left_rad(self, facet: int) -> float:
         """Rotation left until the facet lies on the support."""
-        return float(self.level_rad[facet] - native.get_angle(self.statue) + self.tilt())
+        tilt = 0.0 if self.pedestal is None else native.get_angle(self.pedestal)
+        return float(self.level_rad[facet] - native.get_angle(self.statue) + tilt)
 
-    def tilt(self, length_s: float = 0.0) -> float:
-        """Rotation of the pedestal, rad, after a further move of `length_s`."""
-        if self.pedestal is None:
-            return 0.0
-        return float(native.get_angle(self.pedestal) + native.get_spin(self.pedestal) * length_s)
-
-    def support(self, x_m: float, length_s: float = 0.0, tilt_rad: float | None = None) -> float:
-        """Height of what the statue stands on at x, m, after a further move of `length_s` (and the pedestal's rotation then)."""
-        below = self.pedestal
-        if below is None:
-            if not self.moving:
-                return 0.0
-            below = self.floor
-        place, velocity = native.get_place(below), native.get_velocity(below)
-        top = place.y + velocity.y * length_s + self.half_m
-        if self.pedestal is not None:
-            tilt = self.tilt(length_s) if tilt_rad is None else tilt_rad
-            top += (x_m - place.x - velocity.x * length_s) * tilt
-        return float(top)
-
-    def gap(self, vertex: int) -> tuple[float, float]:
+    def gap(self, vertex: int) -> Pair:
         """Height of a vertex over its support, m, and its rate, m/s."""
-        angle, spin = native.get_angle(self.statue), native.get_spin(self.statue)
+        place_x, place_z, angle, _, rise, spin = native.state_of(self.statue)
         x, z = self.points[vertex]
         cos, sin = math.cos(angle), math.sin(angle)
-        rise = 0.0
-        if self.pedestal is not None:
-            rise = native.get_velocity(self.pedestal).y
-        elif self.moving:
-            rise = native.get_velocity(self.floor).y
-        place = native.get_place(self.statue)
-        height = place.y + x * sin + z * cos - self.support(place.x + x * cos - z * sin)
-        return float(height), float(native.get_velocity(self.statue).y + spin * (x * cos - z * sin) - rise)
+        below = self._below()
+        top, top_rise = 0.0, 0.0
+        if below is not None:
+            top, top_rise = self._top(below, place_x + x * cos - z * sin, 0.0, below[2]), below[4]
+        return place_z + x * sin + z * cos - top, rise + spin * (x * cos - z * sin) - top_rise
 
-    def keep(self, length_s: float, support_m: float | None = None, *, slow: bool = False) -> None:
-        """Place the statue so that a move of `length_s` takes its standing vertex to its depth; at a slow rate only if `slow`.
+    def keep(self, length_s: float) -> None:
+        """Place the statue so that a move of `length_s` takes its standing vertex to its depth, unless it hardly turns."""
+        self.hold(native.state_of(self.statue), self._below(), length_s)
+
+    def hold(
+        self, state: Row, below: Row | None, length_s: float, support_m: float | None = None, *, slow: bool = False
+    ) -> None:
+        """The same from the states of the statue and of what moves below it; at a slow rate only if `slow`.
 
         `support_m`: the support's height after that move, where the table's own motion gives it.
         """
-        body = self.statue
-        spin = native.get_spin(body)
+        place_x, place_z, angle, rate_x, rate_z, spin = state
         if not slow and -self.slow_rad_s < spin < self.slow_rad_s:
             return
-        angle, tilt = native.get_angle(body) + spin * length_s, self.tilt(length_s)
-        if abs(angle) > LEANING_RAD or abs(tilt) > TIPPED_RAD:
+        turn, tilt = spin * length_s, 0.0
+        angle += turn
+        if self.pedestal is not None and below is not None:
+            tilt = below[2] + below[5] * length_s
+        if not (-LEANING_RAD <= angle <= LEANING_RAD and -TIPPED_RAD <= tilt <= TIPPED_RAD):
             return
         level, turned = self.level_rad, angle - tilt
         vertex = bisect_left(level, turned)
@@ -174,14 +164,26 @@ class Standing:
         ):
             return
         x, z = self.points[vertex]
-        place, velocity = native.get_place(body), native.get_velocity(body)
         cos, sin = math.cos(angle), math.sin(angle)
         if support_m is None:
-            support_m = self.support(place.x + velocity.x * length_s + x * cos - z * sin, length_s, tilt)
-        excess = place.y + velocity.y * length_s + x * sin + z * cos - support_m + self.depth_m
-        turn = spin * length_s
+            support_m = 0.0
+            if below is not None:
+                support_m = self._top(below, place_x + rate_x * length_s + x * cos - z * sin, length_s, tilt)
+        excess = place_z + rate_z * length_s + x * sin + z * cos - support_m + self.depth_m
         if -self.slop_m < excess < RISES * (self.depth_m + self.height_m * turn * turn):
-            native.set_place(body, (place.x, place.y - excess))
+            native.set_place(self.statue, (place_x, place_z - excess))
+
+    def _below(self) -> Row | None:
+        """State of what moves below the statue, if anything does."""
+        below = self.floor if self.pedestal is None and self.moving else self.pedestal
+        return None if below is None else native.state_of(below)
+
+    def _top(self, below: Row, x_m: float, length_s: float, tilt_rad: float) -> float:
+        """Height of what the statue stands on at x, m, after a further move of `length_s`, tilted by `tilt_rad` then."""
+        top = below[1] + below[4] * length_s + self.half_m
+        if self.pedestal is None:
+            return top
+        return top + (x_m - below[0] - below[3] * length_s) * tilt_rad
 
 
 def base_vertices(scene: Scene) -> Array:

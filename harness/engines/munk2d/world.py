@@ -56,6 +56,16 @@ class World:
     flat_base: bool
 
     @property
+    def statue_slice(self) -> slice:
+        """The statue's numbers in a recorded row."""
+        return slice(self.statue_column, self.statue_column + native.WIDTH)
+
+    @property
+    def pedestal_slice(self) -> slice:
+        """The pedestal's; nothing of use without one."""
+        return slice(self.pedestal_column, self.pedestal_column + native.WIDTH)
+
+    @property
     def movers(self) -> tuple[Any, ...]:
         """Chipmunk's dynamic bodies."""
         bodies = (self.statue,) if self.pedestal is None else (self.statue, self.pedestal)
