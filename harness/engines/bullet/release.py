@@ -17,7 +17,7 @@ def coefficient(stepper: Stepper, record: Record, step_s: float) -> float:
 
     The instant is where that force, taken on as a straight line from the two steps before, passes the static limit: at most a
     step ago, as a step is held whose mean is below the limit, and what it was held by too long is taken back. Where these were
-    not whole steps it is taken to be the middle.
+    not whole steps it is taken to be the middle. The static coefficient says that it comes after this step.
     """
     static, kinetic, kicks = stepper.static, stepper.kinetic, record.kick_s
     if len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < WHOLE * step_s:
@@ -25,9 +25,9 @@ def coefficient(stepper: Stepper, record: Record, step_s: float) -> float:
     before, last = (_held(stepper, record, index) for index in (-2, -1))
     slope = (last - before) / (0.5 * (kicks[-1] - kicks[-3]))
     now = last + 0.5 * slope * (kicks[-1] - kicks[-2])
-    if slope <= 0.0:
-        return kinetic
-    hold_s = min(max((static - now) / slope, -step_s), step_s)
+    if now + slope * step_s < static:
+        return static
+    hold_s = max((static - now) / slope, -step_s) if slope > 0.0 else 0.0
     return max((hold_s * (now + 0.5 * slope * hold_s) + (step_s - hold_s) * kinetic) / step_s, 0.0)
 
 

@@ -214,11 +214,11 @@ class Stepper:
         self.world.anchor(held=held)
 
     def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
-        """A step in which the pedestal was let loose once more, with the coefficient that acts over it."""
+        """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
         self.restore(before)
         self.world.set_floor_friction(friction)
         row = self.advance(gravity)
-        self._hold(self.kinetic)
+        self._hold(self.static if friction == self.static else self.kinetic)
         return row
 
     def let_slide(self, sliding: bool) -> None:
