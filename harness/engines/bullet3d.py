@@ -61,6 +61,7 @@ class Bullet3D(Engine):
         skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),
     )
     order: ClassVar[float] = 1.0
+    agreements: ClassVar[int] = 1
 
     def missing(self) -> str | None:
         """Why pybullet cannot run here, or None."""

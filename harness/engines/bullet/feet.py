@@ -58,6 +58,7 @@ def touchable(statue: Statue, lean_rad: float = OVERTURN_RAD) -> Array:
     return np.asarray(vertices[sorted(chosen)])
 
 
+@lru_cache(maxsize=KEPT)
 def hull_vertices(statue: Statue) -> Array:
     """All vertices (k, 3) of the statue's convex hull, statue frame; of a block given by numbers its eight corners."""
     vertices, hull = _hull(statue)

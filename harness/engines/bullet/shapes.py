@@ -81,6 +81,8 @@ def described_body(centres_m: Array, radius_m: float, convex_m: Sequence[Array],
         for number, points in enumerate(convex_m):
             _write_points(Path(folder) / f"{number}.obj", points)
             parts.append(f'<collision><geometry><mesh filename="{number}.obj"/></geometry></collision>')
+        # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
+        parts.append('<visual><geometry><box size="1 1 1"/></geometry></visual>')
         unit = '<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
         text = "\n".join(
             ['<robot name="statue"><link name="statue">', f"<inertial>{unit}</inertial>", *parts, "</link></robot>"]

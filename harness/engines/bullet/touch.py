@@ -14,6 +14,7 @@ from harness.scene import Scene
 
 Array = NDArray[np.float64]
 Row = tuple[float, ...]
+Four = tuple[float, float, float, float]
 
 LEAST_RATE_RAD_S: Final = 3e-3
 """A slower approach is no impact: what such a rate can lift is below a hundred-thousandth of a radian."""
@@ -52,7 +53,8 @@ class Touch:
         self.drift_s = DRIFT * statue.centroid_height_m * step_s
         self.late_s = LATE * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
-        self.bound = (2.0 * pull / statue.centroid_height_m * np.linalg.norm(feet_m, axis=1)).tolist()
+        self.bounds = 2.0 * pull / statue.centroid_height_m * np.linalg.norm(feet_m, axis=1)
+        self.bound = self.bounds.tolist()
 
     def __call__(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> tuple[float, float, int]:
         """These times and that foot's number; `floor_m`, `floor_m_s` are the height of a moving table and its velocity.
@@ -60,6 +62,8 @@ class Touch:
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self._falling_m_s(row)
+        if self.few is None:
+            return self._of_many(row, falling, floor_m, floor_m_s)
         first_s = soonest_s = math.inf
         foot = -1
         for index, (gap, closing) in enumerate(self._gaps(row, floor_m, floor_m_s)):
@@ -74,6 +78,21 @@ class Touch:
                 if time_s < first_s:
                     first_s, foot = time_s, index
         return first_s, soonest_s, foot
+
+    def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
+        """The same for arrays."""
+        gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+        falls = (closing > falling) & (gap > -self.late_s * closing)
+        ahead = (gap > NEAR_M) | (falls & (gap > 0.0))
+        bound, near, rate = self.bounds[ahead], gap[ahead], closing[ahead]
+        soonest_s = float(np.min((np.sqrt(rate * rate + 2.0 * bound * near) - rate) / bound, initial=math.inf))
+        if not falls.any():
+            return math.inf, soonest_s, -1
+        coming_s = np.full(gap.size, math.inf)
+        coming_s[falls] = np.maximum(gap[falls], 0.0) / closing[falls]
+        foot = int(np.argmin(coming_s))
+        first_s = float(coming_s[foot])
+        return first_s, soonest_s, foot if first_s < math.inf else -1
 
     def until(self, row: Row, foot: int, floor_m: float = 0.0, floor_m_s: float = 0.0) -> float:
         """Time, s, until that foot comes down, negative where it has; infinite when it does not come."""
@@ -100,6 +119,22 @@ class Touch:
 
     def _gaps(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
+        if self.few is None:
+            gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+            return list(zip(gap.tolist(), closing.tolist(), strict=True))
+        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+        return [(fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)) for fx, fy, fz in self.few]
+
+    def _all_gaps(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Array, Array]:
+        """The same as arrays, shape (k,) each; infinite heights beside the pedestal's top."""
+        height, motion = self._support(row, floor_m, floor_m_s)
+        gap = self.feet_m @ np.array(height[:3]) + height[3]
+        if self.within_m is not None:
+            gap[self._beside(row)] = math.inf
+        return gap, -(self.feet_m @ np.array(motion[:3]) + motion[3])
+
+    def _support(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Four, Four]:
+        """Height over the support, and its rate, as components in the statue's principal frame and a constant."""
         x, y, z, w = row[3:7]
         nx, ny, nz = 0.0, 0.0, 1.0
         p, q, r = row[10:13]
@@ -119,15 +154,7 @@ class Touch:
         cx, cy, cz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
         ha, hb, hc = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz, nx * cx + ny * cy + nz * cz
         va, vb, vc = sx * ax + sy * ay + sz * az, sx * bx + sy * by + sz * bz, sx * cx + sy * cy + sz * cz
-        if self.few is not None:
-            return [
-                (fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)) for fx, fy, fz in self.few
-            ]
-        found = self.feet_m @ np.array([[ha, va], [hb, vb], [hc, vc]]) * (1.0, -1.0) + (place, -rate)
-        if self.within_m is not None:
-            found[self._beside(row), 0] = math.inf
-        pairs: list[tuple[float, float]] = found.tolist()
-        return pairs
+        return (ha, hb, hc, place), (va, vb, vc, rate)
 
     def _beside(self, row: Row) -> NDArray[np.bool_]:
         """Which feet stand beside the pedestal's top, shape (k,)."""

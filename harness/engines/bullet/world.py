@@ -162,7 +162,7 @@ class World:
         the impulses of the last; elsewhere a multibody without links, whose friction is a cone.
         """
         # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
-        drawn = pybullet.createVisualShape(pybullet.GEOM_SPHERE, radius=1.0, physicsClientId=self.client)
+        drawn = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1.0, 1.0, 1.0], physicsClientId=self.client)
         return int(
             pybullet.createMultiBody(
                 mass_kg,
