@@ -186,18 +186,18 @@ def _trajectory(drive: object) -> Trajectory:
     forward = lag[:, None]
     column = world.statue_column
     body = states[:, column : column + native.WIDTH]
-    shift, speed = np.zeros((t_s.size, 2)), np.zeros((t_s.size, 2))
+    place, rate = body[:, 0:2] + forward * body[:, 3:5], body[:, 3:5]
     if drive.moving:
-        speed = frame.table_velocity(scene, t_s)[:, [0, 2]]
-        shift = frame.table_displacement(scene, t_s - lag)[:, [0, 2]] + forward * speed
-    place = body[:, 0:2] + forward * body[:, 3:5] - shift
-    rate = body[:, 3:5] - speed
+        speed = frame.table_velocity(scene, t_s)[:, ::2]
+        shift = frame.table_displacement(scene, t_s - lag)[:, ::2] + forward * speed
+        place, rate = place - shift, rate - speed
     slip, slip_rate = np.zeros(t_s.size), np.zeros(t_s.size)
     pedestal_place, pedestal_rate, extra = None, None, {}
     if world.pedestal is not None:
         other = states[:, world.pedestal_column : world.pedestal_column + native.WIDTH]
-        pedestal_place = other[:, 0:2] + forward * other[:, 3:5] - shift
-        pedestal_rate = other[:, 3:5] - speed
+        pedestal_place, pedestal_rate = other[:, 0:2] + forward * other[:, 3:5], other[:, 3:5]
+        if drive.moving:
+            pedestal_place, pedestal_rate = pedestal_place - shift, pedestal_rate - speed
         slip, slip_rate = pedestal_place[:, 0] - pedestal_place[0, 0], pedestal_rate[:, 0]
         extra = {"pedestal_tilt_rad": -(other[:, 2] + lag * other[:, 5])}
     return Trajectory(
@@ -206,7 +206,7 @@ def _trajectory(drive: object) -> Trajectory:
         -body[:, 5],
         slip,
         slip_rate,
-        frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        frame.apparent_gravity(scene, t_s)[:, ::2],
         place,
         rate,
         pedestal_place,

@@ -40,6 +40,10 @@ class MunkSettings(Settings):
     pedestal_first: bool = True
     align: bool = True
 
+    def as_dict(self) -> dict[str, Any]:
+        """The settings as plain values: all of them are."""
+        return dict(vars(self))
+
 
 @dataclass(frozen=True, eq=False)
 class World:
