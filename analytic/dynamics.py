@@ -119,12 +119,19 @@ def _aim_at_halt(task: Task, h: float) -> float:
 def _older(w: Floats, row: int, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
     """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z, A being in the row, owe to coefficients older than the newest of
     θ̇ and A; moment: what the last owes to the first term of g_e."""
-    sx, sz = 0.0, 0.0
-    for k in range(2, i + 1):
+    sx, sz, sx1, sz1, moment1, k = 0.0, 0.0, 0.0, 0.0, 0.0, 2
+    if i > 0 and i % 2 == 0:  # pairs of terms are left
+        omega, depth, k = term(w, OM, i - 1), term(w, PZ, 2), 3
+        sx, sz = term(w, PX, 2) * omega, depth * omega
+        moment -= term(w, row, i - 2) * depth
+    while k < i:
         omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
-        sx += term(w, PX, k) * omega
-        sz += depth * omega
-        moment -= term(w, row, i - k) * depth
+        omega1, depth1 = term(w, OM, i - k), term(w, PZ, k + 1)
+        sx, sx1 = sx + term(w, PX, k) * omega, sx1 + term(w, PX, k + 1) * omega1
+        sz, sz1 = sz + depth * omega, sz1 + depth1 * omega1
+        moment, moment1 = moment - term(w, row, i - k) * depth, moment1 - term(w, row, i - k - 1) * depth1
+        k += 2
+    sx, sz, moment = sx + sx1, sz + sz1, moment + moment1
     for k in range(1, min(i, deg_z) + 1):
         moment += term(w, GE, k) * term(w, PX, i - k)
     return sx, sz, moment
@@ -173,6 +180,8 @@ def rock_stuck(task: Task, n: int, j: float, h: float, tol: float) -> tuple[int,
             h = _aim(task, h)
         power *= h
         order += 1.0
+        if i < 2:  # no step ends there
+            continue
         small = (small + 1) * int(max(abs(om), per_j * _pushed(x, z, pull, weight) * inverse) * power <= tol)
         if small >= 2 and i >= 3:
             return i + 1, h
@@ -230,6 +239,8 @@ def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float)
             h = _aim_at_halt(task, _aim(task, h))
         power *= h
         order += 1.0
+        if i < 2:  # no step ends there
+            continue
         largest = max(abs(om), per_det * _pushed(x, z, pull, weight) * inverse, abs(rate) * per_length)
         small = (small + 1) * int(largest * power <= tol)
         if small >= 2 and i >= 3:

@@ -44,11 +44,12 @@ from analytic.layout import (
     WALL_SIDE,
     Task,
 )
-from analytic.polynomial import NO_ROOT, first_root, leading
+from analytic.polynomial import NO_ROOT, first_root, leading, remainder
 from analytic.states import falling, lift_margin, omega_zeros, rate_zeros, stick_margin
 
 Found = tuple[float, int, int, int, float]
-"""Fraction of the step, kind, side, depth of the search, residual relative to the function's terms."""
+"""Fraction of the step, kind, side, depth of the search, and the residual relative to the function's terms; of an impact or a
+halt these terms themselves: its residual is what the state has left that is moved there anyway."""
 
 Rests = tuple[float, float, float, float]
 """How far the terms from the second on can carry θ, V, N, and F (stuck) or u̇ (sliding)."""
@@ -57,10 +58,13 @@ Rests = tuple[float, float, float, float]
 @inlined
 def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: Found) -> Found:
     """The earlier of best and the first root of the function in the EVENT row, of which lo leading terms are zero."""
-    x, level, left = first_root(task.w, EVENT, lo, n, h)
+    x, level, terms = first_root(task.w, EVENT, lo, n, h)
     if x >= best[0]:
         return best[0], best[1], best[2], max(best[3], level), best[4]
-    return x, kind, side, max(best[3], level), left
+    residual = terms
+    if kind != IMPACT and kind != HALT:
+        residual = remainder(task.w, EVENT, n, x) / terms if terms > 0.0 else 0.0
+    return x, kind, side, max(best[3], level), residual
 
 
 @inlined

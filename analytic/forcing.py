@@ -133,10 +133,10 @@ def sampled_at(task: Task, axis: int, time: float) -> float:
 
 @jit
 def prepare(task: Task, axis: int) -> None:
-    """Write what the coefficients of a sine need at every step."""
+    """Write what the coefficients of a sine need at every step: amplitude ω^k/k! with the sign of the k-th derivative."""
     power = task.f[axis, AMPLITUDE]
     for k in range(MAX_ORDER + 2):
-        task.wave[axis, k] = power
+        task.wave[axis, k] = power if k % 4 < 2 else -power
         power *= task.f[axis, OMEGA] * INVERSE[k + 1]
 
 
@@ -147,7 +147,6 @@ def _oscillation(task: Task, axis: int, row: int, n: int, sine: float, cosine: f
     for k in range(0, n + 1, 2):
         set_term(w, row, k, term(wave, axis, k) * sine)
         set_term(w, row, k + 1, term(wave, axis, k + 1) * cosine)
-        sine, cosine = -sine, -cosine
 
 
 @jit

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from analytic._jit import inlined, jit
+from analytic.borrowed import peek
 from analytic.collision import land
 from analytic.dynamics import expand
 from analytic.elementary import coarse_root
@@ -58,6 +59,7 @@ from analytic.layout import (
     RESIDUAL,
     RUNNING,
     S_OM,
+    S_TH,
     S_V,
     SAMPLES,
     SEG,
@@ -135,10 +137,21 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
     return reached, h
 
 
+@inlined
+def _share(left: float, terms: float) -> float:
+    """What an event's function has left, relative to its terms."""
+    return abs(left) / terms if terms > 0.0 else 0.0
+
+
 @jit
 def _handle(task: Task, kind: int, side: int, residual: float) -> None:
-    """What happens at an event."""
+    """What happens at an event; residual: as first_event gives it."""
     s, q, r = task.s, task.q, task.r
+    if kind == IMPACT:
+        angle = peek(task.address[FACET_RAD], side)
+        residual = _share(s[S_TH] - angle, residual + abs(angle))
+    elif kind == HALT:
+        residual = _share(s[S_V], residual)
     r[RESIDUAL] = max(r[RESIDUAL], residual)
     if kind == IMPACT:
         land(task, side, residual)

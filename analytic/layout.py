@@ -241,7 +241,7 @@ class Task(Protocol):
 
     @property
     def wave(self) -> Floats:
-        """Amplitude ω^k/k! of the two motions, where they are sines."""
+        """Amplitude ω^k/k! of the two motions, where they are sines, with the sign of the k-th derivative."""
 
     @property
     def s(self) -> Floats:

@@ -26,7 +26,7 @@ TANGENT_LEVEL: Final = 12
 """An interval this small left undecided means that the function came within 2⁻²⁷ of its curvature to zero."""
 
 Search = tuple[float, int, float]
-"""Where the first root lies, the depth of the search, and the function left over there relative to its terms."""
+"""Where the first root lies, the depth of the search, and the sum of the function's terms at the end of the step."""
 
 
 @inlined
@@ -174,11 +174,13 @@ def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
         x, level = _isolate(w, row, lo, n, bend, end)
         if x > 1.0:
             return x, level, 0.0
-    left = _stripped(w, row, lo, n, x)
-    for k in range(lo - 1, -1, -1):
-        left = left * x + term(w, row, k)
-    terms += abs(at) + abs(slope) + rest
-    return x, level, (abs(left) / terms if terms > 0.0 else 0.0)
+    return x, level, terms + abs(at) + abs(slope) + rest
+
+
+@inlined
+def remainder(w: Floats, row: int, n: int, x: float) -> float:
+    """|Σ w[row, k] x^k| of a row that has taken on the powers of the step."""
+    return abs(value(w, row, n, x))
 
 
 @inlined

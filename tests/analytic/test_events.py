@@ -10,7 +10,7 @@ import pytest
 
 from analytic import Block, Event, EventKind, Form, Harmonic, Pedestal, Pulse, Record, Rest, Solution, Wall, simulate
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, shaken
-from tests.budgets_analytic import EVENT_REL, HALT_M_S
+from tests.budgets_analytic import EVENT_REL, HALT_M_S, RESIDUAL_REL
 
 M1, M2 = PEDESTAL.mass_kg, STATUE.mass_kg
 TOTAL = M1 + M2
@@ -197,3 +197,20 @@ def test_a_break_of_the_motion_is_a_step_end() -> None:
     coarse = simulate(STATUE, record, duration_s=2.0, accuracy_rad=1e-8)
     assert fine.work.steps >= np.count_nonzero(times > fine.events[1].time_s) - 1
     assert np.abs(fine.theta_rad - coarse.theta_rad).max() < 1e-8
+
+
+WORN = Block.from_profile(
+    mass_kg=700.0,
+    centroid_height_m=0.8,
+    inertia_kg_m2=150.0,
+    profile_m=((-0.25, 0.012), (-0.1, 0.0), (0.12, 0.0), (0.22, 0.015)),
+)
+
+
+@pytest.mark.parametrize("block", [STATUE, WORN], ids=["two corners", "worn base"])
+def test_every_event_leaves_nothing_of_its_function_but_rounding(block: Block) -> None:
+    scene = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15, "gravity_m_s2": GRAVITY}
+    run = simulate(block, Harmonic(0.429 * GRAVITY, 3.0), duration_s=4.0, **scene)  # type: ignore[arg-type]
+    left = {event.kind: event.residual for event in run.events}
+    assert {EventKind.IMPACT, EventKind.HALT, EventKind.SLIP} <= set(left)
+    assert 0.0 < run.doubts.worst_residual == max(event.residual for event in run.events) <= RESIDUAL_REL
