@@ -22,6 +22,8 @@ TOGETHER: Final = 0.05
 """Feet that come down within this share of a step meet their support at once, as those of one edge do: an impact's length."""
 LEAST_REST: Final = 0.04
 """A rest of a step shorter than this goes with the part before it."""
+LOOK_STEPS: Final = 16
+"""Steps after which the bodies' contacts are looked at again."""
 PAST_HALT: Final = 0.01
 """Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
 
@@ -39,7 +41,7 @@ class March:
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
         self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
-        self.jolted, self.jolts = False, 0
+        self.jolted, self.jolts, self.look_from = False, 0, start
 
     @property
     def next_s(self) -> float:
@@ -132,8 +134,10 @@ class March:
                     row = stepper.let_loose(release.coefficient(stepper, record, step_s), gravity, self.row)
                 self.row = row
                 record.keep(number * step_s, (number - 0.5) * step_s, row)
-        stepper.look(pulls, before, self.row)
         self.number += len(pulls)
+        if self.number >= self.look_from:
+            self.look_from = self.number + LOOK_STEPS
+            stepper.look(pulls, before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
     def halt(self, halt_s: float) -> None:

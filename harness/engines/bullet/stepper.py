@@ -201,10 +201,10 @@ class Stepper:
 
     def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """Let the statue's feet keep their places only while its friction is far from its limit."""
-        step_s = self.schedule.step_s
-        x = after[7] - before[7] - step_s * sum(pull[0] for pull in pulls)
-        y = after[8] - before[8] - step_s * sum(pull[1] for pull in pulls)
-        z = after[9] - before[9] - step_s * sum(pull[2] for pull in pulls)
+        first, last, half_s = pulls[0], pulls[-1], 0.5 * len(pulls) * self.schedule.step_s
+        x = after[7] - before[7] - half_s * (first[0] + last[0])
+        y = after[8] - before[8] - half_s * (first[1] + last[1])
+        z = after[9] - before[9] - half_s * (first[2] + last[2])
         share = GRIP if self.grips else GRIP_AGAIN
         if (math.hypot(x, y) < share * self.grip_limit * z) != self.grips:
             self._anchor(held=not self.grips)
