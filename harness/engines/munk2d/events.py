@@ -17,10 +17,6 @@ from harness.engines.munk2d.standing import LEAST_AHEAD, MOST_AHEAD, Standing
 
 MOST_SHARE: Final = 1.5
 """Longest part, in steps, of those that follow an impact."""
-SHORT: Final = 0.05
-"""Share of a step before an impact at which the old corner's contact is solved once more."""
-CLEAR_DEPTHS: Final = 1.3
-"""Depths of contact that the incoming corner is then above the place at which it is met: it touches at one."""
 PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
@@ -28,18 +24,18 @@ PAST_HALT: Final = 0.01
 def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> bool:
     """Pass an impact on a facet that lies within the coming steps: four engine steps for three, ending at `end_s`.
 
-    Returns whether the corner was found where it was expected; if not nothing but one partial step has been made.
+    Each part acts with its contacts as they are in its middle. Returns whether the corner was found where it was expected; if
+    not nothing but one partial step has been made.
     """
     dt = drive.settings.dt_s
     ahead = _time_level(drive, standing, facet)
     # To the left the facet's left end comes down, which is the later one.
     incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
-    # Nearly there, the old corner's contact turns the velocity into what it is at the impact.
-    near = ahead - _short(drive, standing.length_m[facet])
-    standing.keep(near)
-    advance(drive, near, ahead - 0.5 * dt)
+    standing.keep(0.5 * ahead + 0.25 * dt)
+    advance(drive, 0.5 * ahead + 0.25 * dt, ahead - 0.5 * dt)
+    _turn_on(drive, standing, facet, old=2 * facet + 1 - incoming)
     record(drive, drive.t_s, drive.t_s - drive.place_s)
-    standing.keep(_time_to_contact(drive, standing, incoming))
+    standing.keep(_time_to_contact(drive, standing, incoming), turned=True)
     move = _time_to_contact(drive, standing, incoming)
     found = 0.0 < move < dt
     if found:
@@ -56,20 +52,41 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
         advance(drive, dt, dt)
         record(drive, drive.t_s)
         rest = end_s - drive.t_s
-    # Positions end half a step behind velocities, whether the corner was found or not.
-    move = end_s - 0.5 * dt - drive.place_s
+    move = drive.t_s + 0.5 * rest - drive.place_s
     standing.keep(move)
     advance(drive, move, rest)
-    drive.t_s = end_s
-    record(drive, end_s)
+    _end(drive, end_s)
     return found
 
 
-def _short(drive: Drive, length_m: float) -> float:
-    """Time before an impact on a facet, s, at which its end is not yet at its support, which it meets above its depth."""
-    settings = drive.settings
-    spin = abs(native.get_spin(native.body_of(drive.world.statue)))
-    return float(max(SHORT * settings.dt_s, CLEAR_DEPTHS * settings.depth_m / (length_m * spin)))
+def _end(drive: Drive, end_s: float) -> None:
+    """End on a whole step: positions half a step behind velocities."""
+    place_s = end_s - 0.5 * drive.settings.dt_s
+    for body in drive.world.movers:
+        shift(body, place_s - drive.place_s)
+    drive.t_s, drive.place_s = end_s, place_s
+    record(drive, end_s)
+
+
+def _turn_on(drive: Drive, standing: Standing, facet: int, old: int) -> None:
+    """Give the statue's centroid the velocity that it has when it arrives on a facet, turning on vertex `old`.
+
+    The velocity found with the contact of half a part before is still that circle's tangent there. The sliding pedestal takes up
+    the momentum; friction holds one that is stuck.
+    """
+    world, body = drive.world, standing.statue
+    angle = standing.level_rad[facet] + standing.tilt()
+    spin, velocity = native.get_spin(body), native.get_velocity(body)
+    (x, z), cos, sin = standing.points[old], math.cos(angle), math.sin(angle)
+    along, up = spin * (x * sin + z * cos), -spin * (x * cos - z * sin)
+    below = world.floor if world.pedestal is None else world.pedestal
+    carried = native.get_velocity(native.body_of(below))
+    base = carried.x
+    if world.pedestal is not None and not drive.stuck:
+        statue_kg, pedestal_kg = drive.masses_kg
+        base = (pedestal_kg * carried.x + statue_kg * (velocity.x - along)) / (pedestal_kg + statue_kg)
+        native.set_velocity(native.body_of(below), (base, carried.y))
+    native.set_velocity(body, (base + along, carried.y + up))
 
 
 def _time_level(drive: Drive, standing: Standing, facet: int) -> float:

@@ -71,15 +71,16 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
     total, k = len(grid.gravity), first
     quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
-    standing, drive.whole_from = Standing(drive), first
+    standing, drive.whole_from, split_from = Standing(drive), first, first + LEAST_BETWEEN
     while k < total:
-        k, event, share = _plain_steps(drive, standing, grid, k, look)
+        k, event, share = _plain_steps(drive, standing, grid, k, look, split_from)
         if event == IMPACT:
             end = min(k + EVENT_STEPS, total)
             events.split_impact(drive, standing, standing.facet, float(grid.edges_s[end]))
-            k, drive.rate_before_m_s, drive.whole_from = end, math.nan, end
+            k, drive.rate_before_m_s, drive.whole_from, split_from = end, math.nan, end, end + LEAST_BETWEEN
         elif event == HALT:
             events.split_halt(drive, standing, share, float(grid.edges_s[k + 1]))
+            # An impact may follow at once: a halt does not change how the statue turns.
             k, drive.rate_before_m_s, drive.whole_from = k + 1, math.nan, k + 1
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
@@ -110,8 +111,10 @@ def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
     return 2.0 * settings.slop_m / (scene.statue.corner_left_m + scene.statue.corner_right_m)
 
 
-def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int) -> tuple[int, int, float]:
-    """Whole steps from k until one must be split, or `stop`.
+def _plain_steps(
+    drive: Drive, standing: Standing, grid: Grid, k: int, stop: int, first_split: int
+) -> tuple[int, int, float]:
+    """Whole steps from k until one must be split (for an impact from step `first_split` on), or `stop`.
 
     Returns the next step, what it holds (END: nothing) and, at a halt, the share of the step at which it comes.
     """
@@ -120,7 +123,7 @@ def _plain_steps(drive: Drive, standing: Standing, grid: Grid, k: int, stop: int
     step, set_gravity, each, last = native.step, native.set_gravity, native.each_body, recorder.last
     record_with, record_to, hold = recorder.each, recorder.target, standing.hold
     dt, gravity, moving, rest = settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
-    first_split, last_split = drive.whole_from + LEAST_BETWEEN, len(gravity) - EVENT_STEPS
+    last_split = len(gravity) - EVENT_STEPS
     switches, creep, aligned, on_pedestal = (
         friction.switches,
         CREEP_SHARE * rest,

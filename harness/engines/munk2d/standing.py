@@ -61,7 +61,7 @@ class Standing:
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
     beyond the first i of them the statue stands on vertex i. `least_rad_s` are the rates above which their impacts are met,
-    `facet` the one that was found to come.
+    `facet` the one that was found to come; `lost` the spin that a step would lose, over itself and the turn squared, by vertex.
     """
 
     def __init__(self, drive: Drive) -> None:
@@ -79,6 +79,7 @@ class Standing:
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
         self.facet = NEAR
+        self.lost = [0.5 * scene.statue.mass_kg * (x * x + z * z) / scene.statue.inertia_kg_m2 for x, z in self.points]
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
         self.asked = -2
@@ -123,8 +124,7 @@ class Standing:
 
     def left_rad(self, facet: int) -> float:
         """Rotation left until the facet lies on the support."""
-        tilt = 0.0 if self.pedestal is None else native.get_angle(self.pedestal)
-        return float(self.level_rad[facet] - native.get_angle(self.statue) + tilt)
+        return float(self.level_rad[facet] - native.get_angle(self.statue) + self.tilt())
 
     def gap(self, vertex: int) -> Pair:
         """Height of a vertex over its support, m, and its rate, m/s."""
@@ -137,12 +137,26 @@ class Standing:
             top, top_rise = self._top(below, place_x + x * cos - z * sin, 0.0, below[2]), below[4]
         return place_z + x * sin + z * cos - top, rise + spin * (x * cos - z * sin) - top_rise
 
-    def keep(self, length_s: float) -> None:
-        """Place the statue so that a move of `length_s` takes its standing vertex to its depth, unless it hardly turns."""
-        self.hold(native.state_of(self.statue), self._below(), length_s)
+    def tilt(self) -> float:
+        """Rotation of the pedestal, rad."""
+        return 0.0 if self.pedestal is None else float(native.get_angle(self.pedestal))
+
+    def keep(self, length_s: float, *, turned: bool = False) -> None:
+        """Place the statue so that a move of `length_s` takes its standing vertex to its depth, unless it hardly turns.
+
+        `turned`: its velocity is already that of the circle where it arrives.
+        """
+        self.hold(native.state_of(self.statue), self._below(), length_s, turned=turned)
 
     def hold(
-        self, state: Row, below: Row | None, length_s: float, support_m: float | None = None, *, slow: bool = False
+        self,
+        state: Row,
+        below: Row | None,
+        length_s: float,
+        support_m: float | None = None,
+        *,
+        slow: bool = False,
+        turned: bool = False,
     ) -> None:
         """The same from the states of the statue and of what moves below it; at a slow rate only if `slow`.
 
@@ -157,10 +171,10 @@ class Standing:
             tilt = below[2] + below[5] * length_s
         if not (-LEANING_RAD <= angle <= LEANING_RAD and -TIPPED_RAD <= tilt <= TIPPED_RAD):
             return
-        level, turned = self.level_rad, angle - tilt
-        vertex = bisect_left(level, turned)
-        if (vertex > 0 and turned - level[vertex - 1] < LEVEL_RAD) or (
-            vertex < len(level) and level[vertex] - turned < LEVEL_RAD
+        level, leaning = self.level_rad, angle - tilt
+        vertex = bisect_left(level, leaning)
+        if (vertex > 0 and leaning - level[vertex - 1] < LEVEL_RAD) or (
+            vertex < len(level) and level[vertex] - leaning < LEVEL_RAD
         ):
             return
         x, z = self.points[vertex]
@@ -172,6 +186,10 @@ class Standing:
         excess = place_z + rate_z * length_s + x * sin + z * cos - support_m + self.depth_m
         if -self.slop_m < excess < RISES * (self.depth_m + self.height_m * turn * turn):
             native.set_place(self.statue, (place_x, place_z - excess))
+            if not turned:
+                # The velocity is the tangent of the circle where the last contact was: the next turns it on and keeps what of
+                # it lies along, I ω' + m R² ω' = I ω + m R² ω cos(turn). What that loses is given to the spin beforehand.
+                native.set_spin(self.statue, spin * (1.0 + self.lost[vertex] * turn * turn))
 
     def _below(self) -> Row | None:
         """State of what moves below the statue, if anything does."""

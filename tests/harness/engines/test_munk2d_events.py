@@ -47,6 +47,17 @@ def test_no_step_lets_go_of_the_standing_corner(dt_s: float) -> None:
     assert error(on, dt_s) <= budget.FREE_ROCKING_ANY_STEP_RAD
 
 
+def test_a_fall_errs_at_second_order() -> None:
+    on = scene(rectangle(0.2, 1.0), theta_rad=0.25, duration_s=0.6)
+    assert math.log(error(on, 4e-3) / error(on, 5e-4), 8.0) >= budget.FALL_ORDER
+
+
+def test_an_impact_right_after_a_halt_is_met() -> None:
+    # At 1 ms the pedestal halts at 0.885 s and the impact comes within the next two steps.
+    on = paestum(0.44, 4.5, mu=(0.20, 0.15), duration_s=1.0)
+    assert error(on, 1e-3) <= budget.IMPACT_AFTER_A_HALT_RAD
+
+
 def test_slow_impacts_are_met_too() -> None:
     # Rocking of tenths of a milliradian, at a hundredth of a radian a second.
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=0.12)
