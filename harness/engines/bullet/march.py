@@ -124,7 +124,7 @@ class March:
         stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
         numbers = range(self.number + 1, self.number + len(pulls) + 1)
         if stepper.plain:
-            self.row = stepper.run(pulls, record.flat.extend)
+            self.row = stepper.run(pulls, record)
             record.t_s.extend([number * step_s for number in numbers])
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         else:

@@ -48,7 +48,7 @@ class Schedule:
             gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
         else:
             gravity = frame.apparent_gravity(self.scene, edges_s) * share
-        return [(x, y, z) for x, y, z in gravity.tolist()]
+        return list(zip(*gravity.T.tolist(), strict=True))
 
     def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
         """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""

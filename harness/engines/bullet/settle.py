@@ -265,11 +265,11 @@ def conditions() -> Iterator[str]:
 
 
 def overhead() -> Iterator[str]:
-    """Whole loop against a bare one."""
+    """Whole loop against a bare one, in turns; the least of many samples, as other work disturbs each."""
     plain = replace(CHOSEN, events=False)
     for pedestal, half in ((False, False), (False, True), (True, False), (True, True)):
         scene = scene_of(0.334, 2.0, pedestal=pedestal)
-        pairs = [(bare_us(scene, CHOSEN, half=half), measure(scene, plain, half=half)[1]) for _ in range(5)]
+        pairs = [(bare_us(scene, CHOSEN, half=half), measure(scene, plain, half=half)[1]) for _ in range(15)]
         bare, whole = (min(column) for column in zip(*pairs, strict=True))
         where = ("on the pedestal" if pedestal else "on the floor") + (", half of it" if half else "")
         yield f"| {where} | {bare:.1f} | {whole:.1f} | {whole / bare - 1.0:+.1%} |"

