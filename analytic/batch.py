@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from analytic._jit import jit
+from analytic._jit import entry
 from analytic.kernel import run_one
 from analytic.layout import N_MEMORY, OUTCOME, Floats, Ints, Runs, T
 
 
-@jit
+@entry
 def run_rows(
     runs: Runs,
     p: Floats,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import inlined, jit
+from analytic._jit import entry, inlined, jit
 from analytic.borrowed import peek
 from analytic.collision import land
 from analytic.dynamics import expand
@@ -257,7 +257,7 @@ def run_one(task: Task) -> None:
             record(task, FINISH, s[S_OM], s[S_V], 0.0, 0, 0.0)
 
 
-@jit
+@entry
 def run(
     runs: Runs,
     p: Floats,

@@ -1,4 +1,4 @@
-"""The analytic model against public integrators on the same scenes, its throughput, and what it costs to start.
+"""The analytic model against public integrators on the same scenes, and its throughput.
 
 Errors are the largest difference of θ from a run of 1e-13 at twenty instants of the scene; times are processor time, the least
 of many runs, in which solvers of a like cost take turns. A rival that is not installed is a row that says so.
@@ -7,9 +7,6 @@ of many runs, in which solvers of a like cost take turns. A rival that is not in
 from __future__ import annotations
 
 import math
-import statistics
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -244,40 +241,4 @@ def map_time(size: int = 200, threads: int = 2, repeats: int = 1) -> dict[str, A
         "wall_s": wall,
         "cpu_s": used,
         "overturned": float(result.overturned.mean()),
-    }
-
-
-_MODELS_OWN: Final = "import analytic as a; b = a.Block.rectangle(width_m=0.2, height_m=1.0); r = a.Rest()"
-_STARTS: Final = {
-    "numpy and numba": ("import numpy, numba", ""),
-    "analytic": ("import analytic; analytic.simulate", ""),
-    "trivial kernel": ("from harness.bench_trivial import add", "add(1.0)"),
-    "analytic kernel": (_MODELS_OWN + "; f = a.simulate", "f(b, r, duration_s=0.01)"),
-}
-_PROGRAM: Final = """
-import time
-s = time.process_time()
-{imports}
-m = time.process_time()
-{call}
-print(m - s, time.process_time() - m)
-"""
-
-
-def startup(repeats: int = REPEATS) -> dict[str, Any]:
-    """Processor seconds to import analytic against numpy and numba, and of a first call from the cache against a trivial one."""
-    times: dict[str, list[list[float]]] = {name: [] for name in _STARTS}
-    for turn in range(repeats + 1):
-        for name, (imports, call) in _STARTS.items():
-            program = _PROGRAM.format(imports=imports, call=call)
-            told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-            if turn > 0:
-                times[name].append([float(word) for word in told.split()])
-    least = {name: [statistics.median(row[k] for row in rows) for k in (0, 1)] for name, rows in times.items()}
-    imported, called = least["analytic"][0], least["analytic kernel"][1]
-    return {
-        "import_s": imported,
-        "import_ratio": imported / least["numpy and numba"][0],
-        "first_call_s": called,
-        "first_call_ratio": called / least["trivial kernel"][1],
     }

@@ -29,7 +29,7 @@ def tasks() -> list[str]:
 
 def compute(quick: bool, task: str) -> list[dict[str, Any]]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a bare loop."""
-    from harness import bench_analytic, bench_contact
+    from harness import bench_analytic, bench_contact, bench_start
 
     if task == "solvers":
         return bench_analytic.measure(2 if quick else bench_analytic.REPEATS)
@@ -37,7 +37,7 @@ def compute(quick: bool, task: str) -> list[dict[str, Any]]:
         found = bench_analytic.throughput(400) if quick else bench_analytic.throughput(repeats=THROUGHPUT_REPEATS)
         return [{"throughput": found | {"map": bench_analytic.map_time(40 if quick else 200)}}]
     if task == "startup":
-        return [{"startup": bench_analytic.startup(1 if quick else bench_analytic.REPEATS)}]
+        return [{"startup": bench_start.startup(1 if quick else bench_start.STARTS)}]
     return [{"overhead": bench_contact.overhead(2.0 if quick else 10.0)}]
 
 

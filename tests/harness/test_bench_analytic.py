@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from analytic import Friction, Harmonic, Pedestal
 from analytic.kernel import run
 from analytic.layout import S_TH
 from harness import bench_analytic as bench
+from harness import bench_start
 from harness.bench_rivals import Model, heyoka_solver, scipy_run
 from harness.bench_turns import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
@@ -103,3 +105,30 @@ def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_cases_are_what_they_are_called() -> None:
     assert [case.duration_s for case in bench.CASES] == [10.0, 60.0, 10.0, 60.0]
     assert [isinstance(case.pedestal, Pedestal) for case in bench.CASES] == [False, False, True, True]
+
+
+def test_a_start_counts_the_least_of_its_turns_but_for_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first turn writes bytecode and warms the disk, the others take turns; what is slow is another's doing."""
+    asked: list[tuple[str, bool]] = []
+
+    def timed(imports: str, call: str, collecting: bool) -> tuple[float, float]:
+        turn = sum(each == (imports, collecting) for each in asked)
+        asked.append((imports, collecting))
+        own = 1.5 if "analytic" in imports and not collecting else 1.2 if "analytic" in imports else 1.0
+        return own * (0.1, 2.0, 1.0, 3.0)[turn], 2.0 * own * (0.1, 2.0, 1.0, 3.0)[turn]
+
+    monkeypatch.setattr(bench_start, "timed", timed)
+    found = bench_start.startup(3)
+    assert found["import_ratio"] == found["first_call_ratio"] == pytest.approx(1.2)
+    assert found["uncollected"]["import_ratio"] == pytest.approx(1.5)
+    assert (found["import_s"], found["first_call_s"]) == pytest.approx((1.2, 2.4))
+    assert asked[:8] == asked[8:16][::-1] == asked[16:24], "one after the other, there and back"
+
+
+def test_a_start_is_timed_with_bytecode_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    seconds = bench_start.timed("import sys; assert not sys.dont_write_bytecode", "assert gc.isenabled()", True)
+    assert min(seconds) >= 0.0
+    bench_start.timed("", "assert not gc.isenabled()", False)
+    with pytest.raises(subprocess.CalledProcessError):
+        bench_start.timed("", "assert gc.isenabled()", False)
