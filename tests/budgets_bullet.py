@@ -30,6 +30,9 @@ HALVED_SHARE = 1e-4
 COARSEST_RAD = 1e-3
 """At 4 ms, the coarsest rung, on the bench's block scenes, as a target of 1e-3 rad asks; up to 3.7e-4 is measured."""
 
+STATED_OVER = 5.0
+"""What the coarsest rung states over its error here: 1.1 on the pedestal, 3.9 on the floor, where El Centro decides."""
+
 FREE_ROCKING_COARSE_RAD = 5e-5
 """Four impacts of free rocking at 4 ms: twice the 2.6e-5 rad measured; with feet that creep as they stand 3.6e-4."""
 

@@ -25,19 +25,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LADDER: Final = (
-    BulletSettings(dt_s=4e-3, expected_error_rad=6e-4),
-    BulletSettings(dt_s=2e-3, expected_error_rad=3e-4),
-    BulletSettings(dt_s=1e-3, expected_error_rad=1.5e-4),
-    BulletSettings(dt_s=5e-4, expected_error_rad=8e-5),
-    BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=2e-5),
-    BulletSettings(dt_s=1.25e-4, expected_error_rad=1e-5, residual=0.0, iterations=1000),
-)
+STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
+ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
+"""What the rungs are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
+`python -m harness.engines.bullet.rungs`, as random scenes err by more (docs/pybullet_contact.md).
+"""
+ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
+"""The same on a pedestal, and"""
+ACROSS_RAD: Final = (6e-4, 4e-4, 1.5e-4, 9e-5, 7e-5, 6e-5, 3e-5)
+"""for a scan or motion across the plane: the largest errors on a rung or a finer one, rounded up."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""
+SWEEPS: Final = 1000
+"""So many the finest rung makes, and"""
 SWEEPS_ALONE: Final = 300
-"""Without a pedestal so many sweeps of the finest rung already reach rounding."""
+"""without a pedestal, where these already reach rounding."""
 REST_BAND_RAD: Final = 1e-5
 """Rotation within which a statue that rests on all its feet is left by the contact's slop."""
 OUT_OF_PLANE_TOLD_RAD: Final = 1e-3
@@ -71,24 +73,26 @@ class Bullet3D(Engine):
 
     def ladder(self, scene: Scene) -> tuple[Settings, ...]:
         """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
-        if scene.pedestal is not None:
-            return LADDER
-        return (*LADDER[:-1], replace(LADDER[-1], iterations=SWEEPS_ALONE))
+        return _rungs(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer rung's settings with the expert's step."""
-        rung = next((item for item in LADDER if item.dt_s <= dt_s * (1.0 + 1e-9)), LADDER[-1])
+        ladder = _rungs(scene)
+        rung = next((item for item in ladder if item.dt_s <= dt_s * (1.0 + 1e-9)), ladder[-1])
         return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
 
     def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """Less than half the step, with the equations of each step solved more tightly; where they are solved to the end (a
         residual of 0), with the bodies in the other order too: before that the order changes how far the sweeps get, not what
-        they seek.
+        they seek. It is expected to err by what the finest rung does that is no finer.
         """
         rung = _own(settings)
-        tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations)
         other = rung.reversed_bodies != (rung.residual == 0.0)
-        return (replace(tighter, dt_s=FINER * rung.dt_s, reversed_bodies=other),)
+        tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations, reversed_bodies=other)
+        probe = replace(tighter, dt_s=FINER * rung.dt_s)
+        coarser = (item for item in _rungs(scene) if item.dt_s >= probe.dt_s and item.residual >= probe.residual)
+        expected = min((item.expected_error_rad for item in coarser), default=rung.expected_error_rad)
+        return (replace(probe, expected_error_rad=min(expected, rung.expected_error_rad)),)
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
@@ -119,6 +123,15 @@ class Bullet3D(Engine):
         )
         run = reduce_trajectory(scene, path, report)
         return run if fall is None else replace(run, overturn_time_s=run.end_s)
+
+
+def _rungs(scene: Scene) -> tuple[BulletSettings, ...]:
+    """The ladder: steps that halve, then the finest one with its equations solved to the end."""
+    expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
+    *stepped, last = expected if scene.planar else ACROSS_RAD
+    sweeps = SWEEPS_ALONE if scene.pedestal is None else SWEEPS
+    halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
+    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=sweeps))
 
 
 def _own(settings: Settings) -> BulletSettings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from analytic.excitation import Harmonic
 from harness.benchmark.scenes import standard_set
 from harness.coverage import random_scene
 from harness.engine import Want
-from harness.scene import Scene
+from harness.engines import load
+from harness.scene import Scene, Shake
 from tests import budgets_bullet as budget
 from tests.harness.engines.bullet_cases import WHOLE, apart, bullet, exact
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
@@ -21,6 +23,7 @@ from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 pytest.importorskip("pybullet")
 
 HALF = Want()
+COARSEST_S = 4e-3
 
 
 def error(on: Scene, dt_s: float, want: Want = HALF) -> float:
@@ -62,6 +65,33 @@ def test_a_sliding_foot_has_no_place_to_come_back_to() -> None:
     assert run.history is not None
     slip_m = run.history.columns()["statue_slip_m"][-1]
     assert slip_m == pytest.approx(newmark_m(motion, friction, 1.0), rel=budget.SLIDING_REL)
+
+
+@pytest.mark.parametrize("pedestal", [True, False], ids=["pedestal", "floor"])
+def test_a_rung_errs_by_what_it_states_at_most(pedestal: bool) -> None:
+    on = paestum(0.334, 3.0, pedestal=pedestal, mu=(0.20, 0.15))
+    for rung in load("pybullet").ladder(on)[:3]:
+        worst = max(error(on, rung.dt_s, want) for want in (HALF, WHOLE))
+        assert worst <= rung.expected_error_rad
+        if rung.dt_s == COARSEST_S:
+            assert rung.expected_error_rad <= budget.STATED_OVER * worst
+
+
+@pytest.mark.parametrize(
+    "on",
+    [paestum(), paestum(pedestal=False), replace(paestum(), shake=Shake(y=Harmonic(1.0, 2.0)))],
+    ids=["pedestal", "floor", "across"],
+)
+def test_finer_rungs_and_probes_state_less(on: Scene) -> None:
+    engine = load("pybullet")
+    ladder = engine.ladder(on)
+    assert all(coarse.expected_error_rad > fine.expected_error_rad for coarse, fine in pairwise(ladder))
+    # A probe has a little less than half the step of its rung.
+    states = [engine.probes(on, rung)[0].expected_error_rad for rung in ladder]
+    assert states == [
+        *(rung.expected_error_rad for rung in ladder[1:-1]),
+        *(rung.expected_error_rad for rung in ladder[-2:]),
+    ]
 
 
 def test_many_vertices_let_go_at_once(data_dir: Path) -> None:
