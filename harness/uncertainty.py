@@ -2,36 +2,24 @@
 
 The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
 step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
-the finer run's is at most the spread over (the steps' ratio - 1); `SAFETY` covers that errors of contact fall irregularly
-(tests/harness/test_uncertainty.py; `rockcheck bench` prints the coverage).
+the finer run's is at most the spread over (the steps' ratio - 1); `harness.spread.SAFETY` covers that errors of contact fall
+irregularly (tests/harness/test_uncertainty.py; `rockcheck bench` prints the coverage).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from harness.engine import Engine, Settings, Want
-from harness.history import History
 from harness.record import Run
 from harness.scene import Scene
+from harness.spread import CLEAR, Spread, factor, spread
 
-Array = NDArray[np.float64]
-
-SAFETY: Final = 3.0
-"""Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);
-docs/pymunk.md, "A target accuracy", says how often it was enough."""
-LEAST_RATIO: Final = 1.5
-"""Two steps that are nearer to each other than this say no more of the error than two that are so far apart."""
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
-CLEAR: Final = 4.0
-"""One comparison is enough for any engine where two runs are nearer by this factor than they must be."""
 CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
 LEAP: Final = 4.0
@@ -44,36 +32,6 @@ FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 PARTED: Final = 4.0
 """Two runs that differ by this many times the target have parted for good."""
-LEAST_COMPARED: Final = 200
-"""Instants at which two histories are compared at least, however coarse their output."""
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Difference of two runs: largest, rad, up to `until_s`, the last instant before it says that the target is missed.
-
-    `clear_s` and `near_s` are the same for the target over `CLEAR` and for `CLEAR` times the target.
-    `coarse_dt_s`, `fine_dt_s`: their steps. `apart_rad`: largest difference to the end, infinite where the ends differ.
-    """
-
-    largest_rad: float
-    until_s: float
-    whole: bool
-    coarse_dt_s: float
-    fine_dt_s: float
-    apart_rad: float = math.inf
-    clear_s: float = 0.0
-    near_s: float = 0.0
-
-    @property
-    def stated_rad(self) -> float:
-        """Uncertainty of the finer run that this difference shows, rad."""
-        return factor(self.coarse_dt_s, self.fine_dt_s) * self.largest_rad
-
-
-def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
-    """Stated uncertainty of a run over its largest difference from a run with a longer step."""
-    return SAFETY / (max(coarse_dt_s / fine_dt_s, LEAST_RATIO) - 1.0)
 
 
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
@@ -164,49 +122,6 @@ def _factor(spreads: Sequence[Spread], accuracy_rad: float) -> float:
     return float(min(max(needed, 1.0), LEAP))
 
 
-def spread(coarse: Run, fine: Run, accuracy_rad: float) -> Spread:
-    """How far two runs are apart, and until when the finer one is by that within `accuracy_rad`.
-
-    Raises `ValueError` when a run has no history.
-    """
-    if coarse.history is None or fine.history is None:
-        raise ValueError("both runs must have kept their histories")
-    end_s = min(coarse.end_s, fine.end_s)
-    times = _instants(coarse.history, fine.history, end_s)
-    apart = np.abs(coarse.history.at(times) - fine.history.at(times))
-    # An overturn that only one run sees, or at another time, is a difference once the other has ended.
-    same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
-    steps = float(coarse.settings["dt_s"]), float(fine.settings["dt_s"])
-    target_rad = accuracy_rad / factor(*steps)
-    counts = [_within(apart, limit) for limit in (target_rad, target_rad / CLEAR, CLEAR * target_rad)]
-    _, clear, near = (fine.end_s if count == apart.size else float(times[max(count - 1, 0)]) for count in counts)
-    if counts[0] == apart.size and (same_end or coarse.outcome == fine.outcome):
-        largest = float(np.max(apart))
-        return Spread(largest, fine.end_s, True, *steps, apart_rad=largest, clear_s=clear, near_s=near)
-    first = min(counts[0], apart.size - 1)
-    until_s = float(times[max(first - 1, 0)])
-    return Spread(
-        float(np.max(apart[:first], initial=0.0)),
-        until_s,
-        False,
-        *steps,
-        apart_rad=float(np.max(apart)) if same_end else math.inf,
-        clear_s=min(clear, until_s),
-        near_s=near,
-    )
-
-
-def _within(apart_rad: Array, limit_rad: float) -> int:
-    """Number of instants before the first at which two runs are further apart than the limit."""
-    over = np.flatnonzero(apart_rad > limit_rad)
-    return int(over[0]) if over.size else apart_rad.size
-
-
-def _instants(a: History, b: History, end_s: float) -> Array:
-    count = max(LEAST_COMPARED, min(a.t_s.size, b.t_s.size))
-    return np.linspace(0.0, end_s, count, dtype=np.float64)
-
-
 def _agreed(spreads: list[Spread], accuracy_rad: float, agreements: int) -> bool:
     """Whether as many comparisons as the engine needs hold in a row, or the last one holds clearly."""
     if spreads and spreads[-1].whole and CLEAR * spreads[-1].stated_rad <= accuracy_rad:
@@ -266,7 +181,7 @@ def _stated(
         return best
     last = spreads[-1]
     expected = float(best.settings.get("expected_error_rad", 0.0))
-    uncertainty = max(last.stated_rad, FLOOR_SHARE * expected)
+    uncertainty = max(last.stated_rad, _left_rad(spreads, accuracy_rad), FLOOR_SHARE * expected)
     if last.whole and uncertainty <= accuracy_rad:
         return best.with_uncertainty(uncertainty, best.end_s)
     if last.whole:
@@ -275,6 +190,18 @@ def _stated(
         )
     until_s = _held_until_s(spreads, agreements)
     return best.with_uncertainty(uncertainty, until_s, _why_not_whole(best, last, until_s, accuracy_rad))
+
+
+def _left_rad(spreads: list[Spread], accuracy_rad: float) -> float:
+    """What the comparison before the last leaves of its difference, at the highest order: the last two may agree by chance.
+
+    Never more than the target, which the last comparison shows to be met.
+    """
+    if len(spreads) < 2 or not math.isfinite(spreads[-2].apart_rad):
+        return 0.0
+    before, fine_dt_s = spreads[-2], spreads[-1].fine_dt_s
+    shown_rad = factor(before.coarse_dt_s, before.fine_dt_s) * before.apart_rad
+    return float(min(shown_rad * (fine_dt_s / before.fine_dt_s) ** MOST_ORDER, accuracy_rad))
 
 
 def _held_until_s(spreads: list[Spread], agreements: int) -> float:

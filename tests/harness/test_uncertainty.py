@@ -14,7 +14,8 @@ from harness.engines.munk2d import Munk2D
 from harness.history import History, Outcome
 from harness.record import Run
 from harness.scene import Scene
-from harness.uncertainty import SAFETY, run_to_accuracy, spread
+from harness.spread import SAFETY, spread
+from harness.uncertainty import run_to_accuracy
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum
 
@@ -113,6 +114,23 @@ def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_sa
     assert run.settings["dt_s"] <= 6e-5
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= 1e-3
+
+
+def test_two_runs_that_agree_by_chance_do_not_belie_the_comparison_before() -> None:
+    class Lucky(Fake):
+        agreements: ClassVar[int] = 1
+
+        def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+            run = super().simulate(scene, settings, want)
+            assert run.history is not None
+            # Off by 4 mrad on the first rung, and by the same half a millirad on the next two.
+            shift = 4e-3 if settings.dt_s > 9e-4 else 5e-4
+            return replace(run, history=replace(run.history, theta_rad=TRUTH + shift))
+
+    run = run_to_accuracy(Lucky(steps_s=(1e-3, 2.5e-4)), paestum(), 1e-3, Want())
+    assert run.work["runs"] == 3
+    assert run.numerical_uncertainty_rad is not None
+    assert 5e-4 <= run.numerical_uncertainty_rad <= 1e-3
 
 
 def test_a_fall_is_not_climbed_for_its_own_path() -> None:

@@ -20,7 +20,7 @@ from harness.record import Run
 from harness.scene import Scene
 
 RUNGS: Final = (
-    (4e-3, 90, 5e-4),
+    (4e-3, 120, 4e-4),
     (2e-3, 120, 2e-4),
     (1e-3, 120, 6e-5),
     (5e-4, 160, 2e-5),
@@ -84,9 +84,9 @@ class Munk2D(Engine):
         return _settings(scene, dt_s, iterations, error * dt_s / dt)
 
     def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
-        """Less than half the step, with the bodies added in the other order and half as many iterations more."""
+        """Less than half the step, with the bodies added in the other order and the iterations of that step."""
         own = _own(settings)
-        iterations = round(1.5 * own.iterations)
+        iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
         return (
             replace(
                 own,

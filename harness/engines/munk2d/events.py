@@ -72,9 +72,12 @@ def _turn_on(drive: Drive, standing: Standing, facet: int, old: int) -> None:
     """Give the statue's centroid the velocity that it has when it arrives on a facet, turning on vertex `old`.
 
     The velocity found with the contact of half a part before is still that circle's tangent there. The sliding pedestal takes up
-    the momentum; friction holds one that is stuck.
+    the momentum; friction holds one that is stuck. Nothing is turned where that contact was not `old`'s: of two facets that are
+    passed in one step the first has not been met.
     """
     world, body = drive.world, standing.statue
+    if not standing.stands_on(old):
+        return
     angle = standing.level_rad[facet] + standing.tilt()
     spin, velocity = native.get_spin(body), native.get_velocity(body)
     (x, z), cos, sin = standing.points[old], math.cos(angle), math.sin(angle)

@@ -55,6 +55,9 @@ LEAST_BORNE: Final = 0.02
 MOST_FRICTION: Final = 0.9
 """Share of its friction's limit above which a vertex counts as sliding: at a high coefficient the solver is slow there."""
 
+HELD_SHARE: Final = 1e-3
+"""Share of its rate about the centroid below which a vertex is held by its support: the solver leaves 1e-9 of it."""
+
 
 class Standing:
     """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
@@ -136,6 +139,16 @@ class Standing:
         if below is not None:
             top, top_rise = self._top(below, place_x + x * cos - z * sin, 0.0, below[2]), below[4]
         return place_z + x * sin + z * cos - top, rise + spin * (x * cos - z * sin) - top_rise
+
+    def stands_on(self, vertex: int) -> bool:
+        """Whether the vertex moves with its support, but for `HELD_SHARE` of its rate about the centroid."""
+        _, _, angle, along, rise, spin = native.state_of(self.statue)
+        (x, z), cos, sin = self.points[vertex], math.cos(angle), math.sin(angle)
+        below = self._below()
+        if below is not None:
+            along, rise = along - below[3], rise - below[4]
+        slide, lift = along - spin * (x * sin + z * cos), rise + spin * (x * cos - z * sin)
+        return math.hypot(slide, lift) <= HELD_SHARE * abs(spin) * math.hypot(x, z)
 
     def tilt(self) -> float:
         """Rotation of the pedestal, rad."""
