@@ -34,7 +34,7 @@ RUNGS: Final = (
 sweeps leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the step."""
 ALONE_SHARE, ALONE_LEAST = 0.5, 90
 """Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling; but at
-rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and the later start of the skip `quiet_start` decided a borderline outcome."""
+rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and a later start (skip `quiet_start`) decided a borderline outcome."""
 TURNING_SHARE: Final = 0.25
 TURNING_LEAST: Final = 24
 """Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
