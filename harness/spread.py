@@ -47,6 +47,11 @@ class Spread:
         """Uncertainty of the finer run that this difference shows, rad."""
         return factor(self.coarse_dt_s, self.fine_dt_s) * self.largest_rad
 
+    @property
+    def stated_to_the_end_rad(self) -> float:
+        """The same from the largest difference to the end, though the target is missed before."""
+        return factor(self.coarse_dt_s, self.fine_dt_s) * self.apart_rad
+
 
 def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
     """Stated uncertainty of a run over its largest difference from a run with a longer step."""

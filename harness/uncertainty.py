@@ -117,8 +117,7 @@ def _factor(spreads: Sequence[Spread], accuracy_rad: float) -> float:
     """How many times finer than the last step the next should be."""
     if not spreads or spreads[-1].apart_rad > PARTED * accuracy_rad:
         return 1.0
-    last = spreads[-1]
-    needed = (factor(last.coarse_dt_s, last.fine_dt_s) * last.apart_rad / accuracy_rad) ** (1.0 / ORDER)
+    needed = (spreads[-1].stated_to_the_end_rad / accuracy_rad) ** (1.0 / ORDER)
     return float(min(max(needed, 1.0), LEAP))
 
 
@@ -200,8 +199,7 @@ def _left_rad(spreads: list[Spread], accuracy_rad: float) -> float:
     if len(spreads) < 2 or not math.isfinite(spreads[-2].apart_rad):
         return 0.0
     before, fine_dt_s = spreads[-2], spreads[-1].fine_dt_s
-    shown_rad = factor(before.coarse_dt_s, before.fine_dt_s) * before.apart_rad
-    return float(min(shown_rad * (fine_dt_s / before.fine_dt_s) ** MOST_ORDER, accuracy_rad))
+    return float(min(before.stated_to_the_end_rad * (fine_dt_s / before.fine_dt_s) ** MOST_ORDER, accuracy_rad))
 
 
 def _held_until_s(spreads: list[Spread], agreements: int) -> float:

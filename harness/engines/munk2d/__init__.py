@@ -176,7 +176,6 @@ def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
 
 def _trajectory(drive: object) -> Trajectory:
     """Recorded states as samples in the table's frame, positions brought forward by what they lag."""
-    from harness.engines.munk2d import native
     from harness.engines.munk2d.drive import Drive
 
     if not isinstance(drive, Drive):
@@ -185,8 +184,7 @@ def _trajectory(drive: object) -> Trajectory:
     states = np.concatenate(drive.states)
     t_s, lag = np.array(drive.times_s), np.array(drive.lags_s)
     forward = lag[:, None]
-    column = world.statue_column
-    body = states[:, column : column + native.WIDTH]
+    body = states[:, world.statue_slice]
     place, rate = body[:, 0:2] + forward * body[:, 3:5], body[:, 3:5]
     if drive.moving:
         speed = frame.table_velocity(scene, t_s)[:, ::2]
@@ -195,7 +193,7 @@ def _trajectory(drive: object) -> Trajectory:
     slip, slip_rate = np.zeros(t_s.size), np.zeros(t_s.size)
     pedestal_place, pedestal_rate, extra = None, None, {}
     if world.pedestal is not None:
-        other = states[:, world.pedestal_column : world.pedestal_column + native.WIDTH]
+        other = states[:, world.pedestal_slice]
         pedestal_place, pedestal_rate = other[:, 0:2] + forward * other[:, 3:5], other[:, 3:5]
         if drive.moving:
             pedestal_place, pedestal_rate = pedestal_place - shift, pedestal_rate - speed

@@ -80,8 +80,8 @@ def _turn_on(drive: Drive, standing: Standing, facet: int, old: int) -> None:
         return
     angle = standing.level_rad[facet] + standing.tilt()
     spin, velocity = native.get_spin(body), native.get_velocity(body)
-    (x, z), cos, sin = standing.points[old], math.cos(angle), math.sin(angle)
-    along, up = spin * (x * sin + z * cos), -spin * (x * cos - z * sin)
+    arm_x, arm_z = standing.arm(old, angle)
+    along, up = spin * arm_z, -spin * arm_x
     below = world.floor if world.pedestal is None else world.pedestal
     carried = native.get_velocity(native.body_of(below))
     base = carried.x
@@ -148,7 +148,7 @@ def split_halt(drive: Drive, standing: Standing, share: float, end_s: float) -> 
     """
     dt = drive.settings.dt_s
     first = min(share * (1.0 + PAST_HALT), 1.0) * dt
-    advance(drive, first, first, hard=abs(native.get_spin(standing.statue)) <= min(standing.least_rad_s))
+    advance(drive, first, first, hard=abs(native.get_spin(standing.statue)) <= standing.least_of_all_rad_s)
     rest = end_s - drive.t_s
     if rest > 0.0:
         advance(drive, rest, rest)

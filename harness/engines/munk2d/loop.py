@@ -124,15 +124,11 @@ def _plain_steps(
     record_with, record_to, hold = recorder.each, recorder.target, standing.hold
     dt, gravity, moving, rest = settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
     last_split = len(gravity) - EVENT_STEPS
-    switches, creep, aligned, on_pedestal = (
-        friction.switches,
-        CREEP_SHARE * rest,
-        drive.aligned,
-        world.pedestal is not None,
-    )
+    switches, creep = friction.switches, CREEP_SHARE * rest
+    aligned, on_pedestal = drive.aligned, world.pedestal is not None
     halts = settings.align and on_pedestal and rest > 0.0
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
-    least_spin = min(standing.least_rad_s) if aligned else math.inf
+    least_spin = standing.least_of_all_rad_s if aligned else math.inf
     own, under = world.statue_slice, world.pedestal_slice
     begin, event, share, spin, row = k, END, 0.0, drive.spin_before_rad_s, last()
     state, below = row[own], row[under] if on_pedestal else None

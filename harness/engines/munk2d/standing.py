@@ -63,8 +63,9 @@ class Standing:
     """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
-    beyond the first i of them the statue stands on vertex i. `least_rad_s` are the rates above which their impacts are met,
-    `facet` the one that was found to come; `lost` the spin that a step would lose, over itself and the turn squared, by vertex.
+    beyond the first i of them the statue stands on vertex i. `least_rad_s` are the rates above which their impacts are met
+    (`least_of_all_rad_s` the least), `facet` the one that was found to come; `lost` the spin that a step would lose, over
+    itself and the turn squared, by vertex.
     """
 
     def __init__(self, drive: Drive) -> None:
@@ -77,6 +78,7 @@ class Standing:
         self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in steps]
         self.length_m = [float(math.hypot(dx, dz)) for dx, dz in steps]
         self.least_rad_s = [least_rate_rad_s(drive.settings, length) for length in self.length_m]
+        self.least_of_all_rad_s = min(self.least_rad_s)
         self.height_m, self.moving = scene.statue.centroid_height_m, drive.moving
         self.depth_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
@@ -143,12 +145,17 @@ class Standing:
     def stands_on(self, vertex: int) -> bool:
         """Whether the vertex moves with its support, but for `HELD_SHARE` of its rate about the centroid."""
         _, _, angle, along, rise, spin = native.state_of(self.statue)
-        (x, z), cos, sin = self.points[vertex], math.cos(angle), math.sin(angle)
+        arm_x, arm_z = self.arm(vertex, angle)
         below = self._below()
         if below is not None:
             along, rise = along - below[3], rise - below[4]
-        slide, lift = along - spin * (x * sin + z * cos), rise + spin * (x * cos - z * sin)
-        return math.hypot(slide, lift) <= HELD_SHARE * abs(spin) * math.hypot(x, z)
+        slide, lift = along - spin * arm_z, rise + spin * arm_x
+        return math.hypot(slide, lift) <= HELD_SHARE * abs(spin) * math.hypot(arm_x, arm_z)
+
+    def arm(self, vertex: int, angle_rad: float) -> Pair:
+        """Where a vertex is from the centroid when the statue is turned so, m."""
+        (x, z), cos, sin = self.points[vertex], math.cos(angle_rad), math.sin(angle_rad)
+        return x * cos - z * sin, x * sin + z * cos
 
     def tilt(self) -> float:
         """Rotation of the pedestal, rad."""
