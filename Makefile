@@ -42,7 +42,7 @@ lint: $(STAMP) ## check style, types and import rules
 
 bench: $(STAMP) ## run time against error, in one run
 	@$(VENV)/bin/rockcheck bench
-	@$(VENV)/bin/python -m harness.bench_scores
+	@$(VENV)/bin/python -m harness.benchmark.scoring
 
 stress: $(STAMP) ## hard scenes and mutated input
 	@$(VENV)/bin/rockcheck stress

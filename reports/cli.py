@@ -160,11 +160,11 @@ def bench(
     quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
 ) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness import benchmark
+    from harness.benchmark.run import run as measure
 
     folder = out or OUT / "bench"
     with Telling(quiet or as_json) as telling:
-        found = benchmark.run(folder, quick, telling.engine, _names(parts))
+        found = measure(folder, quick, telling.engine, _names(parts))
     page = _page(folder)
     say(found, "\n".join([*found["sentences"], f"report: {page}"]), as_json, quiet)
 

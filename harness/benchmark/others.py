@@ -29,16 +29,16 @@ def tasks() -> list[str]:
 
 def compute(quick: bool, task: str) -> list[dict[str, Any]]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a bare loop."""
-    from harness import bench_analytic, bench_contact, bench_start
+    from harness.benchmark import analytic_model, contact_engines, start
 
     if task == "solvers":
-        return bench_analytic.measure(2 if quick else bench_analytic.REPEATS)
+        return analytic_model.measure(2 if quick else analytic_model.REPEATS)
     if task == "throughput":
-        found = bench_analytic.throughput(400) if quick else bench_analytic.throughput(repeats=THROUGHPUT_REPEATS)
-        return [{"throughput": found | {"map": bench_analytic.map_time(40 if quick else 200)}}]
+        found = analytic_model.throughput(400) if quick else analytic_model.throughput(repeats=THROUGHPUT_REPEATS)
+        return [{"throughput": found | {"map": analytic_model.map_time(40 if quick else 200)}}]
     if task == "startup":
-        return [{"startup": bench_start.startup(1 if quick else bench_start.STARTS)}]
-    return [{"overhead": bench_contact.overhead(2.0 if quick else 10.0)}]
+        return [{"startup": start.startup(1 if quick else start.STARTS)}]
+    return [{"overhead": contact_engines.overhead(2.0 if quick else 10.0)}]
 
 
 def collected(rows: Sequence[Row]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Record
-from harness.bench_profiles import BASES, scene, statue
+from harness.benchmark.profiles import BASES, scene, statue
 from harness.engine import SKIPS, Want
 from harness.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
 from harness.run import simulate

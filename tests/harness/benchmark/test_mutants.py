@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness import verdict
-from harness.bench_mutants import random_scenes
+from harness.benchmark.mutants import random_scenes
 from harness.comparator import compare
 from harness.mutants import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from harness.record import Run
@@ -48,7 +48,7 @@ def test_a_contact_engine_s_mutants_are_found_beside_the_model(name: str) -> Non
 
 
 def test_faults_of_random_scenes_are_found() -> None:
-    """Forty of the scenes of `python -m harness.bench_mutants`, which does a hundred and the shipped ones."""
+    """Forty of the scenes of `python -m harness.benchmark.mutants`, which does a hundred and the shipped ones."""
     findings = [finding for each in random_scenes(40) for finding in expose(each, exact, exact)]
     assert [finding for finding in findings if not finding.held] == []
     assert sum(finding.must for finding in findings) > len(findings) / 2

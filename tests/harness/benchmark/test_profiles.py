@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from analytic import Rest
-from harness import bench_profiles as bench
 from harness import engines
-from harness.bench_contact import apart
+from harness.benchmark import profiles as bench
+from harness.benchmark.contact_engines import apart
 from harness.engine import Want
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 
-MODEL_PAGE = Path(__file__).resolve().parents[2] / "docs" / "model.md"
+MODEL_PAGE = Path(__file__).resolve().parents[3] / "docs" / "model.md"
 NAMES = ("bulging", "worn", "uneven", "keeled")
 
 

@@ -1,6 +1,6 @@
 """What contact engines keep: memory over a thousand runs in one process, place over a minute at rest.
 
-`python -m harness.bench_memory memory [ENGINE...]` and `python -m harness.bench_memory creep [ENGINE...]` print their rows.
+`python -m harness.benchmark.memory memory|creep [ENGINE...]` prints the rows of either.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.bench_contact import paper_scene
+from harness.benchmark.contact_engines import paper_scene
 from harness.engine import Engine, Settings, Want
 
 RUNS: Final = (100, 1000)

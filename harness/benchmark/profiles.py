@@ -1,6 +1,6 @@
 """Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; prints the page's table.
 
-`python -m harness.bench_profiles` runs every body and motion and prints the largest difference of the rotation.
+`python -m harness.benchmark.profiles` runs every body and motion and prints the largest difference of the rotation.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Rest
 from harness import engines
-from harness.bench_contact import apart
+from harness.benchmark.contact_engines import apart
 from harness.engine import Want
 from harness.engines.twoblock import block_of
 from harness.mesh_statue import statue_of

@@ -1,4 +1,4 @@
-"""What scoring costs: `python -m harness.bench_scores` prints one row for each claim."""
+"""What scoring costs: `python -m harness.benchmark.scoring` prints one row for each claim."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ STARTS: Final = 9
 _MODELS_OWN: Final = "import analytic as a; b = a.Block.rectangle(width_m=0.2, height_m=1.0); r = a.Rest()"
 _STARTS: Final = {
     "import": ("import numpy, numba", "import analytic; analytic.simulate"),
-    "trivial kernel": ("from harness.bench_trivial import add", "add(1.0)"),
+    "trivial kernel": ("from harness.benchmark.trivial import add", "add(1.0)"),
     "analytic kernel": (_MODELS_OWN + "; f = a.simulate", "f(b, r, duration_s=0.01)"),
 }
 _PROGRAM: Final = """

@@ -1,10 +1,11 @@
-"""Memory that a run keeps and creep at rest, as `python -m harness.bench_memory` measures them."""
+"""Memory that a run keeps and creep at rest, as `python -m harness.benchmark.memory` measures them."""
 
 from __future__ import annotations
 
 import pytest
 
-from harness import bench_memory, engines
+from harness import engines
+from harness.benchmark import memory
 from harness.engine import Engine, Settings, Want
 from harness.engines.munk2d import Munk2D
 from harness.record import Run
@@ -41,18 +42,18 @@ class Keeps(Engine):
 
 
 def test_three_hundred_runs_of_pymunk_keep_nothing() -> None:
-    row = bench_memory.memory(engines.load("pymunk"), (100, 400))
+    row = memory.memory(engines.load("pymunk"), (100, 400))
     assert row["kib_a_run"] <= budget.KEPT_OF_MANY_KIB
 
 
 def test_what_an_engine_keeps_is_seen() -> None:
     # 1 MiB a run: more than what earlier tests of the process may have freed for reuse.
-    assert bench_memory.memory(Keeps(), (20, 120))["kib_a_run"] >= 512.0
+    assert memory.memory(Keeps(), (20, 120))["kib_a_run"] >= 512.0
 
 
 def test_pymunk_keeps_its_place_at_rest_on_every_rung(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench_memory, "MOST_STEPS", 300)
-    rows = list(bench_memory.creep(engines.load("pymunk")))
+    monkeypatch.setattr(memory, "MOST_STEPS", 300)
+    rows = list(memory.creep(engines.load("pymunk")))
     assert {row["pedestal"] for row in rows} == {False, True}
     assert max(row["creep_m"] for row in rows) <= budget.CREEP
     assert max(row["creep_rad"] for row in rows) <= budget.CREEP_TURN_RAD

@@ -11,10 +11,10 @@ import pytest
 from analytic import Friction, Harmonic, Pedestal
 from analytic.kernel import run
 from analytic.layout import S_TH
-from harness import bench_analytic as bench
-from harness import bench_start
-from harness.bench_rivals import Model, heyoka_solver, scipy_run
-from harness.bench_turns import Answer, Entry, take_turns
+from harness.benchmark import analytic_model as bench
+from harness.benchmark import start
+from harness.benchmark.rivals import Model, heyoka_solver, scipy_run
+from harness.benchmark.turns import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
 
 SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]
@@ -118,8 +118,8 @@ def test_a_start_leaves_out_its_first_turn_and_what_others_slow(monkeypatch: pyt
             return slow, slow * (0.2 if collecting else 0.1)
         return 1.0, slow * ((1.5 if collecting else 1.25) if "analytic" in first else 1.0)
 
-    monkeypatch.setattr(bench_start, "timed", timed)
-    found = bench_start.startup(3)
+    monkeypatch.setattr(start, "timed", timed)
+    found = start.startup(3)
     assert (found["import_ratio"], found["first_call_ratio"]) == pytest.approx((1.2, 1.5))
     assert found["uncollected"] == pytest.approx({"import_ratio": 1.1, "first_call_ratio": 1.25})
     assert (found["import_s"], found["first_call_s"]) == pytest.approx((2.4, 1.5))
@@ -128,8 +128,8 @@ def test_a_start_leaves_out_its_first_turn_and_what_others_slow(monkeypatch: pyt
 
 def test_a_start_is_timed_with_bytecode_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
-    seconds = bench_start.timed("import sys; assert not sys.dont_write_bytecode", "assert gc.isenabled()", True)
+    seconds = start.timed("import sys; assert not sys.dont_write_bytecode", "assert gc.isenabled()", True)
     assert min(seconds) >= 0.0
-    bench_start.timed("", "assert not gc.isenabled()", False)
+    start.timed("", "assert not gc.isenabled()", False)
     with pytest.raises(subprocess.CalledProcessError):
-        bench_start.timed("", "assert gc.isenabled()", False)
+        start.timed("", "assert gc.isenabled()", False)

@@ -1,4 +1,4 @@
-"""Every known fault on every scene: `python -m harness.bench_mutants [SCENE.toml...] [--random N]` prints a row for each.
+"""Every known fault on every scene: `python -m harness.benchmark.mutants [SCENE.toml...] [--random N]` prints a row for each.
 
 The command fails when a fault whose effect before the horizon exceeds three times the uncertainty is called anything but
 *differ: model*. Random scenes are statues of random corners, height and inertia, with and without a pedestal.

@@ -20,8 +20,8 @@ from analytic import Block, Excitation, Form, Friction, Harmonic, Pedestal, Reco
 from analytic import layout as at
 from analytic.kernel import run
 from analytic.solver import OVERTURN_RAD, parameters, prepare
-from harness.bench_rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
-from harness.bench_turns import Answer, Entry, take_turns
+from harness.benchmark.rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
+from harness.benchmark.turns import Answer, Entry, take_turns
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
 STATUE: Final = Block.two_corners(
