@@ -17,8 +17,8 @@ from typing import Final
 import numpy as np
 
 from analytic.excitation import Harmonic
+from harness.benchmark.faults import expose
 from harness.load import load_scene
-from harness.mutants import expose
 from harness.record import Run
 from harness.run import simulate
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue

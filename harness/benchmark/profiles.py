@@ -14,10 +14,10 @@ import numpy as np
 from analytic.excitation import Excitation, Harmonic, Rest
 from harness import engines
 from harness.benchmark.contact_engines import apart
+from harness.benchmark.paper_forms import table
 from harness.engine import Want
 from harness.engines.twoblock import block_of
 from harness.mesh_statue import statue_of
-from harness.paper_forms import table
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Scene, Shake, Statue
 from meshes.solid import solid_from_mesh

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from harness import verdict
+from harness.benchmark.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from harness.benchmark.mutants import random_scenes
 from harness.comparator import compare
-from harness.mutants import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from harness.record import Run
 from harness.run import simulate
 from harness.scene import Scene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import analytic
-from harness import paper_forms
+from harness.benchmark import paper_forms
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +15,7 @@ def computed() -> str:
 
 
 def test_page_in_the_documentation_is_the_computed_one(computed: str) -> None:
-    assert paper_forms.PAGE.read_text(encoding="utf-8") == computed, "run `python -m harness.paper_forms`"
+    assert paper_forms.PAGE.read_text(encoding="utf-8") == computed, "run `python -m harness.benchmark.paper_forms`"
 
 
 def test_every_reading_and_every_case_stands_on_the_page(computed: str) -> None:

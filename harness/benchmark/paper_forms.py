@@ -1,6 +1,6 @@
 """What each misprint or simplification of the paper changes on its own cases, in numbers; writes docs/paper_forms.md.
 
-`python -m harness.paper_forms [FILE]` computes every case again and writes the page.
+`python -m harness.benchmark.paper_forms [FILE]` computes every case again and writes the page.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Final, final
 
 import analytic
 
-PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "paper_forms.md"
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "paper_forms.md"
 GRAVITY: Final = 9.81
 DURATION_S: Final = 10.0
 RATIO: Final = 0.875
@@ -191,8 +191,8 @@ def _instant(side: int, *, coupling: int, friction: int, corner_m: float) -> tup
 
 INTRODUCTION: Final = """# What the paper's misprints and simplifications change
 
-Written by `python -m harness.paper_forms`; every number is computed by the analytic model on the paper's cases: 0.334 g and
-0.429 g, 1.5 to 6 Hz, a = A sin 2πft from rest for {duration:.0f} s, the Paestum statue (inertia 152.4 kg m² about its
+Written by `python -m harness.benchmark.paper_forms`; every number is computed by the analytic model on the paper's cases:
+0.334 g and 0.429 g, 1.5 to 6 Hz, a = A sin 2πft from rest for {duration:.0f} s, the Paestum statue (inertia 152.4 kg m² about its
 centroid) with and without its pedestal, μ_s = 0.20, μ_k = 0.15. Each column changes one thing in the consistent form;
 `paper` changes three at once.
 
