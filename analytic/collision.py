@@ -88,12 +88,14 @@ def land(task: Task, facet: int, residual: float) -> None:
         p[HAS_BASE] > 0.0,
     )
     s[S_TH], q[FACET] = peek(task.address[FACET_RAD], facet), facet
+    # Noted as they are: what is dropped below is a sequence of such impacts, no single one that stops the statue at once.
+    pushed, pressed, moved_by = m * ((moved - rate) + z * (after - omega)), normal, moved - rate
     if after != 0.0 and _drops(task, after, moved, z, (old_side, xo, jo), (-old_side, xn, jn)):
         c[ZENO] += 1
-        after, moved, normal = 0.0, rate, abs(m * xo * omega)
+        after, moved = 0.0, rate
         # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
         if p[HAS_BASE] > 0.0 and p[MOMENTUM] > 0.0 and not stuck:
-            after, moved, normal = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
+            after, moved, _ = both_corners(m, total, xo, z, omega, rate, mu, p[MU_KINETIC])
     if max(abs(after) * z, abs(moved)) <= STILL * p[GRAVITY] * p[TIME_SCALE]:
         after, moved = 0.0, 0.0  # where each halt lifts the statue, whose landing pushes the pedestal again, for ever
     s[S_OM], s[S_V] = after, moved
@@ -103,7 +105,7 @@ def land(task: Task, facet: int, residual: float) -> None:
     r[ENERGY_LOST] += max(-change, 0.0)
     new = facet if old_side > 0 else facet + 1
     if p[WANT_VALIDITY] > 0.0:
-        note_impact(task, new, m * ((moved - rate) + z * (after - omega)), normal, moved - rate)
+        note_impact(task, new, pushed, pressed, moved_by)
     q[PIVOT] = new if after != 0.0 else -1
     q[SLIDE] = 0
     settle(task, IMPACT, omega, rate, after == 0.0, change, residual)

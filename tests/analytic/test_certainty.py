@@ -75,6 +75,20 @@ def test_paestum_landing_left_needs_the_printed_friction() -> None:
     assert run.validity.pivot_friction_needed_at_impact >= needed * (1.0 - 1e-12)
 
 
+def test_rocking_that_dies_out_needs_no_more_friction_than_its_impacts() -> None:
+    """The sequence of ever smaller impacts that is cut off is not one impact that stops the statue at once."""
+    block = Block.rectangle(width_m=0.2, height_m=1.0)
+    early = simulate(block, Rest(), theta0_rad=0.05, duration_s=1.0, gravity_m_s2=GRAVITY)
+    whole = simulate(block, Rest(), theta0_rad=0.05, duration_s=20.0, gravity_m_s2=GRAVITY)
+    assert early.doubts.dropped_rebounds == 0
+    assert whole.doubts.dropped_rebounds == 1
+    assert early.validity is not None
+    assert whole.validity is not None
+    assert whole.validity.left_domain_s is None
+    needed = early.validity.pivot_friction_needed_at_impact
+    assert whole.validity.pivot_friction_needed_at_impact == pytest.approx(needed, rel=1e-9)
+
+
 def test_tipping_margin_at_rest_is_the_statics_of_two_bodies() -> None:
     a_x, offset = 0.5, 0.02
     pedestal = Pedestal(250.0, 0.60, 0.20, offset)
