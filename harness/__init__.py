@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from harness.comparator import compare
     from harness.errors import InputError, Mistake
     from harness.history import History, Outcome
-    from harness.load import load_scene
     from harness.record import Run
     from harness.run import run_scene, simulate
     from harness.scene import Scene
+    from harness.scene_file.load import load_scene
 
 __all__ = [
     "History",
@@ -39,7 +39,7 @@ _HOMES = {
     "Mistake": "harness.errors",
     "History": "harness.history",
     "Outcome": "harness.history",
-    "load_scene": "harness.load",
+    "load_scene": "harness.scene_file.load",
     "Run": "harness.record",
     "run_scene": "harness.run",
     "simulate": "harness.run",

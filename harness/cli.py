@@ -182,8 +182,8 @@ def compute(
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
     from harness.engines import DEFAULT_ENGINES
-    from harness.load import load_scene
     from harness.run import check_target, run_scene
+    from harness.scene_file.load import load_scene
 
     check_target(accuracy, dt)
     want = wanted(no_skip)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness import record
 from harness.errors import InputError, Mistake, mistake_from
-from harness.new_scene import scene_text
+from harness.scene_file.new_scene import scene_text
 
 if TYPE_CHECKING:
     from meshes.inspection import Inspection
@@ -77,8 +77,8 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
-    from harness.load import load_scene
     from harness.motions.readers import read_record
+    from harness.scene_file.load import load_scene
 
     if out.suffix != ".toml":
         raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))

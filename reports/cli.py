@@ -52,7 +52,7 @@ def run(
     folder = out or OUT / scene.stem
     check_folder(folder)
     if explain:
-        from harness.load import load_scene
+        from harness.scene_file.load import load_scene
 
         check_target(accuracy, dt)
         told = harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip, as_json=as_json)

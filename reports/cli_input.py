@@ -157,7 +157,7 @@ def _inspected(file: Path, unit: str | None, axis: str) -> Any:
     """The record in a file, or the named component of a scene."""
     from harness.errors import InputError, Mistake
     from harness.motions.inspect import inspect_component, inspect_file
-    from harness.scene_file import parse, read
+    from harness.scene_file.tables import parse, read
 
     if file.suffix != ".toml":
         if not file.is_file():

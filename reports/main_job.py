@@ -12,10 +12,10 @@ from typing import Any, Final
 
 from harness.cli import guarded, summary
 from harness.executors import Crash, Done, LocalPool, Pool, Work
-from harness.load import load_scene
 from harness.paths import data_folder
 from harness.record import Run
 from harness.run import run_scene, write_result
+from harness.scene_file.load import load_scene
 from harness.studies import cli as study_cli
 from harness.studies.jobs import stored_runs
 from harness.studies.store import Store

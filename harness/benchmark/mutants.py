@@ -18,10 +18,10 @@ import numpy as np
 
 from analytic.excitation import Harmonic
 from harness.benchmark.faults import expose
-from harness.load import load_scene
 from harness.record import Run
 from harness.run import simulate
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.scene_file.load import load_scene
 
 GRAVITY_M_S2: Final = 9.81
 DURATION_S: Final = 5.0

@@ -17,9 +17,9 @@ from harness.benchmark.contact_engines import apart
 from harness.benchmark.paper_forms import table
 from harness.engine import Want
 from harness.engines.twoblock import block_of
-from harness.mesh_statue import statue_of
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Scene, Shake, Statue
+from harness.scene_file.mesh_statue import statue_of
 from meshes.solid import solid_from_mesh
 
 GRAVITY_M_S2: Final = 9.81

@@ -10,8 +10,8 @@ import numpy as np
 
 from analytic.excitation import Rest
 from harness.errors import InputError, Mistake
-from harness.mesh_statue import statue_of
 from harness.scene import Scene
+from harness.scene_file.mesh_statue import statue_of
 from meshes import MeshError, Solid
 from meshes.roughening import ragged
 from meshes.survey import adjusted

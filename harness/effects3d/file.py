@@ -11,8 +11,8 @@ from pydantic import Field, ValidationError, model_validator
 from harness.effects3d.conditions import BASELINE, CONDITIONS
 from harness.effects3d.search import Search
 from harness.errors import InputError, Mistake
-from harness.mistakes import Contradiction, mistakes_of
-from harness.scene_file import Table, read
+from harness.scene_file.mistakes import Contradiction, mistakes_of
+from harness.scene_file.tables import Table, read
 from harness.studies.file import EngineName
 
 KIND = "effects3d"

@@ -186,8 +186,8 @@ def kinds() -> tuple[Kind, ...]:
 
 def _read_scene(path: Path) -> object:
     """Read a scene; what is accepted is also run for a moment and its result written."""
-    from harness.load import load_scene
     from harness.run import run_scene, write_result
+    from harness.scene_file.load import load_scene
 
     scene = load_scene(path)
     result = run_scene(scene.but(duration_s=min(scene.duration_s, RUN_S)), ("analytic",))

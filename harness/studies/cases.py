@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from harness import load, scene_file
 from harness.errors import InputError, Mistake
-from harness.mistakes import mistakes_of
 from harness.scene import Scene
-from harness.scene_file import SceneFile
+from harness.scene_file import load, tables
+from harness.scene_file.mistakes import mistakes_of
+from harness.scene_file.tables import SceneFile
 from harness.studies.file import Scatter, StudyFile, Vary
 
 
@@ -67,7 +67,7 @@ def base_of(study: StudyFile, path: Path) -> Base:
 
 def base_of_scene(path: Path) -> Base:
     """A scene file as the base of cases, checked. Raises `InputError`."""
-    _, content = scene_file.parse(scene_file.read(path), str(path))
+    _, content = tables.parse(tables.read(path), str(path))
     return Base(path, content)
 
 

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from harness.errors import InputError, Mistake
-from harness.mistakes import Contradiction, mistakes_of
-from harness.scene_file import Table, read
+from harness.scene_file.mistakes import Contradiction, mistakes_of
+from harness.scene_file.tables import Table, read
 
 Value = float | int | str | bool
 EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco"]

@@ -15,12 +15,13 @@ import numpy as np
 
 import meshes
 from analytic.excitation import Excitation, Rest
-from harness import load, motions
+from harness import motions
 from harness.engine import Capabilities
 from harness.errors import InputError, Mistake
-from harness.mesh_statue import statue_of
 from harness.motions.spec import RecordSpec
 from harness.scene import Array, Contact, Form, Scene, Shake, Statue
+from harness.scene_file import load
+from harness.scene_file.mesh_statue import statue_of
 from harness.studies.digest import scene_digest
 from harness.validation.table import Trial
 

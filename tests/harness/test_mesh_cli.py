@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.load import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, Known, inspect, new, prepare
+from harness.scene_file.load import load_scene
 from meshes import togatus
 
 

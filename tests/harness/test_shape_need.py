@@ -6,9 +6,9 @@ import pytest
 
 from harness import engines
 from harness.engine import Want
-from harness.mesh_statue import statue_of
 from harness.plan import plan
 from harness.scene import Wall
+from harness.scene_file.mesh_statue import statue_of
 from harness.shape_need import HULL_EXCESS_LIMIT, shape_needed
 from meshes import decomposition, togatus
 from tests.scenes_for_tests import paestum

@@ -57,7 +57,7 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
 
 def with_figure(scene: Scene) -> Scene:
     """The same scene with the generated figure's mesh."""
-    from harness.mesh_statue import statue_of
+    from harness.scene_file.mesh_statue import statue_of
     from meshes import togatus
 
     return scene.but(statue=statue_of(togatus.build()))

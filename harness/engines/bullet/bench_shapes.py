@@ -22,9 +22,9 @@ from harness.engines.bullet import course
 from harness.engines.bullet.full import full_shape
 from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.world import World
-from harness.mesh_statue import statue_of
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Pedestal, Scene, Shake
+from harness.scene_file.mesh_statue import statue_of
 from harness.shape_need import shape_needed
 from meshes import Solid
 from meshes.bench_shapes import contact_row, shape_row, statues

@@ -18,8 +18,8 @@ from harness.engines import load
 from harness.engines.bullet import course, feet, pose, shapes
 from harness.engines.bullet.edge import EdgeWatch
 from harness.history import Outcome
-from harness.mesh_statue import statue_of
 from harness.scene import Scene, Statue
+from harness.scene_file.mesh_statue import statue_of
 from meshes import togatus
 from meshes.solid import Solid, solid_from_mesh
 from tests import budgets_bullet as budget

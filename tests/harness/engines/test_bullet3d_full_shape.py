@@ -19,9 +19,9 @@ from harness.engines.bullet.full import HULL_VERTICES, full_shape
 from harness.engines.bullet.shapes import HULL_INSET_M
 from harness.engines.bullet.world import World
 from harness.history import Outcome
-from harness.load import load_scene
-from harness.mesh_statue import statue_of
 from harness.scene import Pedestal, Scene, Statue, Wall
+from harness.scene_file.load import load_scene
+from harness.scene_file.mesh_statue import statue_of
 from meshes import decomposition, load_solid, toadstool
 from meshes.solid import solid_from_mesh
 from tests import budgets_bullet as budget

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from harness.errors import InputError, Mistake
-from harness.mistakes import Contradiction, mistakes_of
 from harness.motions.spec import Motion, list_to_tuple
+from harness.scene_file.mistakes import Contradiction, mistakes_of
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]

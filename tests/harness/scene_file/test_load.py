@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
-from harness.load import load_scene
-from tests.harness.test_scene_file import GOOD
+from harness.scene_file.load import load_scene
+from tests.harness.scene_file.test_tables import GOOD
 
 
 def written(folder: Path, text: str) -> Path:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness import scene_file
 from harness.errors import InputError, Mistake
+from harness.scene_file import tables
 
 GOOD = """
 title = "a block"
@@ -23,12 +23,12 @@ inertia_kg_m2 = 8.7
 
 def mistakes(text: str, *overrides: str) -> dict[str, Mistake]:
     with pytest.raises(InputError, match="wanted") as caught:
-        scene_file.parse(text, "s.toml", overrides)
+        tables.parse(text, "s.toml", overrides)
     return {mistake.key: mistake for mistake in caught.value.mistakes}
 
 
 def test_the_least_scene_is_accepted() -> None:
-    model, content = scene_file.parse(GOOD, "s.toml")
+    model, content = tables.parse(GOOD, "s.toml")
     assert model.statue.mass_kg == 100.0
     assert model.contact.restitution == "momentum"
     assert content["statue"]["centroid_height_m"] == 0.5
@@ -84,7 +84,7 @@ def test_broken_toml_says_where() -> None:
 
 
 def test_overrides_set_add_and_remove_keys() -> None:
-    model, _ = scene_file.parse(
+    model, _ = tables.parse(
         GOOD + "[wall]\nside = 'left'\ndistance_m = 1\n",
         "s.toml",
         ["duration_s=2", "wall=none", "contact.statue = 0.4"],
@@ -109,11 +109,11 @@ def test_a_mistake_that_an_override_made_is_not_blamed_on_the_file() -> None:
 
 def test_a_file_without_end_is_refused(tmp_path: Path) -> None:
     long = tmp_path / "long.toml"
-    long.write_bytes(b"#" * (scene_file.MAX_BYTES + 1))
+    long.write_bytes(b"#" * (tables.MAX_BYTES + 1))
     with pytest.raises(InputError, match="at most 1e\\+07 bytes"):
-        scene_file.read(long)
-    long.write_bytes(b"#" * scene_file.MAX_BYTES)
-    assert len(scene_file.read(long)) == scene_file.MAX_BYTES
+        tables.read(long)
+    long.write_bytes(b"#" * tables.MAX_BYTES)
+    assert len(tables.read(long)) == tables.MAX_BYTES
 
 
 def test_a_statue_by_numbers_wants_all_of_them() -> None:

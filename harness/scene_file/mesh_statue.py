@@ -12,7 +12,7 @@ import numpy as np
 from harness import paths
 from harness.errors import InputError, Mistake, mistake_from
 from harness.scene import Statue
-from harness.scene_file import MeshTable, StatueTable
+from harness.scene_file.tables import MeshTable, StatueTable
 
 if TYPE_CHECKING:
     from meshes import Solid

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from analytic.excitation import Excitation, Rest
-from harness import motions, scene_file
+from harness import motions
 from harness.errors import InputError, Mistake
-from harness.mesh_statue import statue_from_mesh
 from harness.motions.spec import Component
 from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
-from harness.scene_file import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.scene_file import tables
+from harness.scene_file.mesh_statue import statue_from_mesh
+from harness.scene_file.tables import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
 
 if TYPE_CHECKING:
     pass
@@ -33,8 +34,8 @@ def load_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     `overrides` are `KEY=VALUE` with dotted keys, applied before validation. Raises `InputError` with every mistake found.
     """
     path = Path(path)
-    text = scene_file.read(path)
-    model, content = scene_file.parse(text, str(path), overrides)
+    text = tables.read(path)
+    model, content = tables.parse(text, str(path), overrides)
     return resolve(model, path, content)
 
 
@@ -147,7 +148,7 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
     if mass is None or height_c is None or left is None or right is None or inertia is None:
-        raise InputError(Mistake(str(path), "statue", ", ".join(scene_file.NUMBERS), "not all of them"))
+        raise InputError(Mistake(str(path), "statue", ", ".join(tables.NUMBERS), "not all of them"))
     height = table.height_m
     if height is None:
         height = 2.0 * height_c

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.load import load_scene
+from harness.scene_file.load import load_scene
 from meshes.mesh import RawMesh
 from meshes.scanner import write
 from tests.budgets_meshes import ROUND_OFF_REL
