@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from harness import record
 from harness.errors import InputError, Mistake
-from harness.executors import LocalPool
+from harness.processes.executors import LocalPool
 from harness.run import check_folder
 
 Row = dict[str, Any]

@@ -188,7 +188,7 @@ def run_scene(
 
 
 def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
-    from harness.isolate import simulate_isolated
+    from harness.processes.isolate import simulate_isolated
 
     return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.cli import guarded, summary
-from harness.executors import Crash, Done, LocalPool, Pool, Work
 from harness.paths import data_folder
+from harness.processes.executors import Crash, Done, LocalPool, Pool, Work
 from harness.record import Run
 from harness.run import run_scene, write_result
 from harness.scene_file.load import load_scene
@@ -45,7 +45,7 @@ class Beside:
         return self._pool.workers
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """See `harness.executors.Pool.run`."""
+        """See `harness.processes.executors.Pool.run`."""
         mine, self._before = self._before, ()
         own = ((work, task) for task in tasks)
 

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.fragility import fit
-from harness.statistics import wilson
+from harness.statistics.distributions import wilson
+from harness.statistics.fragility import fit
 from reports.assets import packed_array
 from reports.numbers import heading
 from reports.palette import HAIRLINE, INK, MUTED, Look, faint, look

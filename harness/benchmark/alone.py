@@ -154,7 +154,7 @@ def _fresh_s(code: str) -> float:
 
 def _cached() -> Row:
     """A study of sixteen runs, then the same study again from its store."""
-    from harness.executors import LocalPool
+    from harness.processes.executors import LocalPool
     from harness.studies.file import load_study
     from harness.studies.run import run_study
     from harness.studies.store import Store

@@ -105,7 +105,7 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 def _workers(jobs: int) -> tuple[float, float, float]:
     from harness.benchmark.alone import write_study
-    from harness.executors import LocalPool
+    from harness.processes.executors import LocalPool
     from harness.studies.file import load_study
     from harness.studies.run import run_study
     from harness.studies.store import Store

@@ -21,7 +21,7 @@ from harness.effects3d.search import Amplitude, Search, find, peak_g
 from harness.effects3d.summary import effects, static_rose
 from harness.engine import Capabilities
 from harness.errors import InputError, Mistake
-from harness.executors import Crash, Pool
+from harness.processes.executors import Crash, Pool
 from harness.record import SCHEMA_VERSION
 from harness.scene import Scene
 from harness.studies.cases import Base, base_of_scene

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness import statistics
 from harness.history import Array
 from harness.scores.events import Excursions
 from harness.scores.grid import Pair
+from harness.statistics import distributions
 
 LEAST: Final = 8
 """Fewer excursions than this have no distribution worth a probability: a quartile would rest on two values."""
@@ -41,7 +41,7 @@ def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: flo
         "largest_b_rad": largest[1],
         "last_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
         "last_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]),
-        "rotation": {"area_rad": statistics.area_metric(*rotation), "ks": statistics.ks_distance(*rotation)},
+        "rotation": {"area_rad": distributions.area_metric(*rotation), "ks": distributions.ks_distance(*rotation)},
         "excursions_a": peaks[0].size,
         "excursions_b": peaks[1].size,
         "peaks": _peaks(*peaks),
@@ -58,7 +58,7 @@ def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
 
 def _peaks(a: Array, b: Array) -> dict[str, Any] | None:
     if min(a.size, b.size) >= LEAST:
-        scores = statistics.compare_distributions(a, b, resamples=RESAMPLES)
+        scores = distributions.compare_distributions(a, b, resamples=RESAMPLES)
         return {
             "area_rad": scores.area.value,
             "area_interval_rad": asdict(scores.area),
@@ -68,7 +68,7 @@ def _peaks(a: Array, b: Array) -> dict[str, Any] | None:
         }
     if min(a.size, b.size) == 0:
         return None
-    return {"area_rad": statistics.area_metric(a, b), "ks": statistics.ks_distance(a, b)}
+    return {"area_rad": distributions.area_metric(a, b), "ks": distributions.ks_distance(a, b)}
 
 
 def _sentence(record: dict[str, Any]) -> str:

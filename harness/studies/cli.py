@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from harness import effects3d, record
 from harness.errors import InputError, Mistake
-from harness.executors import DaskPool, LocalPool, Pool
+from harness.processes.executors import DaskPool, LocalPool, Pool
 from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet

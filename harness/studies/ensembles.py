@@ -8,10 +8,10 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from harness.history import History, Outcome
-from harness.outcomes import Case, score_outcomes
 from harness.scores.grid import Pair, pair
 from harness.scores.pointwise import Peak
-from harness.statistics import RESAMPLES, compare_distributions
+from harness.statistics.distributions import RESAMPLES, compare_distributions
+from harness.statistics.outcomes import Case, score_outcomes
 from harness.verdict import Side, Verdict, judge, shares
 
 LEAST: Final = 8

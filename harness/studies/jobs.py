@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness import engines, record
-from harness.batches import crashed
 from harness.engine import Engine, Want
-from harness.executors import Crash
+from harness.processes.batches import crashed
+from harness.processes.executors import Crash
 from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, simulate
 from harness.scene import Scene

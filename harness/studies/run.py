@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from harness.batches import batches, run_batches
-from harness.executors import Crash, Pool
+from harness.processes.batches import batches, run_batches
+from harness.processes.executors import Crash, Pool
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile
 from harness.studies.jobs import Finished, Job, compute, lost

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines, record
-from harness.batches import batches, crashed, run_batches
 from harness.engine import Want
 from harness.errors import InputError, Mistake
-from harness.executors import Crash, Pool
+from harness.processes.batches import batches, crashed, run_batches
+from harness.processes.executors import Crash, Pool
 from harness.record import Run
 from harness.run import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.studies.store import Store

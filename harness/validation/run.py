@@ -11,8 +11,8 @@ from typing import Any, Final
 from harness import engines, record
 from harness.comparator import compare
 from harness.errors import InputError, Mistake
-from harness.executors import LocalPool
 from harness.history_file import read_history
+from harness.processes.executors import LocalPool
 from harness.record import SCHEMA_VERSION
 from harness.studies.cli import STORE_NAME, progress
 from harness.studies.store import Store

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness import fragility
 from harness.history import Outcome
-from harness.outcomes import FELL, Case, brier, brier_skill, score_outcomes
-from harness.statistics import wilson
+from harness.statistics import fragility
+from harness.statistics.distributions import wilson
+from harness.statistics.outcomes import FELL, Case, brier, brier_skill, score_outcomes
 from harness.validation import baseline
 from harness.validation.scenes import Intensity, Variant, scene_of
 from harness.validation.table import Trial

@@ -13,7 +13,7 @@ from typing import Final
 from harness import paths
 from harness.errors import InputError, Mistake
 from harness.history import Outcome
-from harness.outcomes import FELL
+from harness.statistics.outcomes import FELL
 
 COLUMNS: Final[Mapping[str, str]] = {
     "test": "name of the test, each once",

@@ -34,7 +34,7 @@ from harness.effects3d.summary import effects, static_rose
 from harness.engine import Want
 from harness.engines import load
 from harness.errors import InputError
-from harness.executors import LocalPool
+from harness.processes.executors import LocalPool
 from harness.scene import Scene, Shake
 from meshes import footprint, solid_from_mesh
 from tests.budgets_meshes import SAME_PLANE_RAD

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from harness import engines, load_scene
-from harness.executors import Done, Work
+from harness.processes.executors import Done, Work
 from harness.run import DEFAULT_ACCURACY_RAD, run_scene, simulate
 from harness.scene import Scene
 from harness.studies.jobs import stored_runs

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from harness.errors import InputError
-from harness.executors import Done, LocalPool, Work
+from harness.processes.executors import Done, LocalPool, Work
 from harness.record import impacts
 from harness.run import simulate
 from harness.scene import Scene

@@ -12,12 +12,12 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from harness.batches import run_batches
-from harness.executors import Crash, LocalPool
+from harness.processes.batches import run_batches
+from harness.processes.executors import Crash, LocalPool
 from harness.studies.file import load_study
 from harness.studies.run import run_study
 from harness.studies.store import Store
-from tests.harness.processes import ended
+from tests.harness.processes.endings import ended
 from tests.harness.small_study import CONTACT, contents, lethal, written
 
 KILLS = 10

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from harness.engine import Want
-from harness.outcomes import FELL
 from harness.run import simulate
+from harness.statistics.outcomes import FELL
 from harness.validation import validate
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table

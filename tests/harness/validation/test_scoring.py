@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from harness.history import Outcome
-from harness.outcomes import FELL
+from harness.statistics.outcomes import FELL
 from harness.validation.scenes import GRAVITY_M_S2, Intensity, Variant
 from harness.validation.scoring import (
     Choice,

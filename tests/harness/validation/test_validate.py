@@ -13,8 +13,8 @@ import pytest
 
 from harness.engine import Want
 from harness.errors import InputError
-from harness.outcomes import FELL
 from harness.run import simulate
+from harness.statistics.outcomes import FELL
 from harness.validation import run, validate
 from harness.validation.jobs import parse_model
 from harness.validation.scenes import Variant, scene_of

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.history import Array
-from harness.statistics import CONFIDENCE
+from harness.statistics.distributions import CONFIDENCE
 
 STEPS: Final = 50
 """Newton steps allowed; probit likelihoods are concave and take some 6 to 10 from the start used."""

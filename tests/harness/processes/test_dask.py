@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
-from harness.executors import DaskPool, LocalPool
+from harness.processes.executors import DaskPool, LocalPool
 from harness.studies.file import load_study
 from harness.studies.run import run_study
 from harness.studies.store import Packed, Store

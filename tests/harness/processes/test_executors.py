@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from harness.executors import AHEAD, Crash, LocalPool
-from tests.harness.processes import ended
+from harness.processes.executors import AHEAD, Crash, LocalPool
+from tests.harness.processes.endings import ended
 
 CRASH = "__import__('os')._exit(3)"
 
@@ -81,7 +81,7 @@ def test_processes_are_started_once() -> None:
 
 def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from harness.executors import LocalPool\n"
+        "import sys; from pathlib import Path; from harness.processes.executors import LocalPool\n"
         "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
         "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", '1'], told)\n"
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from harness import fragility
+from harness.statistics import fragility
 from tests.budgets_compare import QUANTILE_SE
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.history import Outcome
-from harness.outcomes import Case, brier, brier_skill, f1, matthews, score_outcomes
+from harness.statistics.outcomes import Case, brier, brier_skill, f1, matthews, score_outcomes
 from tests.budgets_compare import ROUNDING_REL
 
 S, L, R = Outcome.STANDS, Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.history import Outcome
-from harness.statistics import Interval, bootstrap, wilson
+from harness.statistics.distributions import Interval, bootstrap, wilson
 
 Flags = NDArray[np.bool_]
 

@@ -12,7 +12,7 @@ import pytest
 from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.history import Outcome
-from harness.isolate import Died, Hung, call, simulate_isolated
+from harness.processes.isolate import Died, Hung, call, simulate_isolated
 from tests.scenes_for_tests import paestum
 
 HANG_S = 3.0

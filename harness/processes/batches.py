@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any, Protocol, TypeVar
 
-from harness.executors import Crash, Pool
 from harness.history import Outcome
+from harness.processes.executors import Crash, Pool
 from harness.record import Run
 from harness.run import failed
 
