@@ -1,0 +1,104 @@
+"""A study of directions: its sides, effects, band and ledger, its mistakes, and a whole one resumed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import harness
+from harness import effects3d
+from harness.effects3d import BASELINE, Search, find, turned
+from harness.effects3d.band import band
+from harness.effects3d.study import Ledger, side_azimuths
+from harness.effects3d.summary import effects, static_rose
+from harness.errors import InputError
+from harness.processes.executors import LocalPool
+from harness.scene import Scene
+
+SEARCH = Search(most_g=1.0, resolution=0.02)
+
+
+def test_sides_and_their_share_of_the_shaking(scene: Scene) -> None:
+    assert side_azimuths(scene) == pytest.approx([0.0, 90.0, 180.0, 270.0])
+    sides = [{"azimuth_deg": 0.0, "peak_g": 0.25}, {"azimuth_deg": 90.0, "peak_g": None}]
+    rows = {row["azimuth_deg"]: row for row in static_rose(scene, [0.0, 60.0, 180.0], sides)}
+    assert rows[0.0]["projected_g"] == pytest.approx(0.25)
+    assert rows[60.0]["projected_g"] == pytest.approx(0.5)
+    assert rows[180.0]["projected_g"] is None
+    assert rows[60.0]["lifts_g"] < rows[60.0]["planar_lifts_g"]
+
+
+def test_effects_are_changes_of_the_same_direction_and_engine() -> None:
+    def row(condition: str, azimuth: float, peak: float | None) -> dict[str, object]:
+        return {"condition": condition, "engine": "mujoco", "azimuth_deg": azimuth, "peak_g": peak}
+
+    name = "centroid 3 % higher"
+    rows = [row(BASELINE, a, p) for a, p in ((0.0, 0.2), (90.0, 0.4), (180.0, 0.5))]
+    rows += [row(name, 0.0, 0.19), row(name, 90.0, 0.40), row(name, 180.0, None)]
+    (found,) = effects(rows, [name])
+    assert found["median"] == pytest.approx(-0.025)
+    assert (found["least"], found["largest"]) == (pytest.approx(-0.05), pytest.approx(0.0))
+    assert found["flips"] == 1
+
+
+def test_the_band_holds_the_model_and_narrows_without_errors(block: Scene) -> None:
+    row = find(block, BASELINE, 0.0, "analytic", Search(most_g=1.0, resolution=0.002))
+    found = band(block, 0.0, SEARCH, samples=40, seed=1)
+    assert row.peak_g is not None
+    assert found.low_g is not None
+    assert found.high_g is not None
+    assert found.low_g < row.peak_g < found.high_g
+    assert 0.02 < found.high_g / found.low_g - 1.0 < 0.2
+    assert found == band(block, 0.0, SEARCH, samples=40, seed=1)
+
+
+def test_a_cut_line_of_the_ledger_is_left_out(tmp_path: Path, block: Scene) -> None:
+    file = tmp_path / "searches.jsonl"
+    Ledger(file).put("a", find(block, BASELINE, 0.0, "analytic", SEARCH), 0.5)
+    file.write_text(file.read_text() + '{"key": "b", "ans')
+    assert set(Ledger(file).known) == {"a"}
+    assert Ledger(file).spent_s == {"a": 0.5}
+
+
+def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="one of shaken"):
+        find(scene, "as dreamt", 0.0, "analytic", SEARCH)
+    numbers = harness.load_scene(root / "scenes" / "free_rocking.toml")
+    with pytest.raises(InputError, match="numbers alone"):
+        turned(numbers, 10.0)
+    for text, said in (
+        ('engines = ["analytic"]', "computes in 3D"),
+        ('engines = ["mujoco"]\ndirections = 10\nevery = 3', "divisor"),
+        ('engines = ["mujoco"]\nconditions = ["x"]', "names out of"),
+        ('engines = ["mujoco"]\ncolour = 1', "colour"),
+    ):
+        file = tmp_path / "study.toml"
+        file.write_text(f'kind = "effects3d"\ntitle = "t"\nscene = "s.toml"\n{text}\n')
+        assert effects3d.asked(file)
+        with pytest.raises(InputError, match=said):
+            effects3d.run_effects(file, tmp_path / "out", LocalPool(1), lambda done, total: None)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco", reason="mujoco is an optional extra and is not installed")
+    (tmp_path / "study.toml").write_text(
+        'kind = "effects3d"\ntitle = "four directions"\n'
+        f"scene = {json.dumps(str(root / 'scenes' / '3d_effects_base.toml'))}\n"
+        'engines = ["analytic", "mujoco"]\ndirections = 4\nevery = 2\nsamples = 5\n'
+        'conditions = ["centroid 3 % higher", "base planed flat"]\n'
+        "[search]\nmost_g = 0.4\nresolution = 0.02\ndt_s = 2e-3\n"
+    )
+    out = tmp_path / "out"
+    found, summary = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1), lambda done, total: None)
+    assert summary.failed == 0
+    assert summary.cpu_s > 0.0
+    assert found["left_out"] == {"base planed flat": "the base is flat"}
+    assert {row["condition"] for row in found["rows"]} == {BASELINE, "centroid 3 % higher"}
+    assert found["replay"] is not None
+    assert (out / "replay" / "result.json").is_file()
+    again, second = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1), lambda done, total: None)
+    assert second.found == second.asked
+    assert again["rows"] == found["rows"]
