@@ -146,6 +146,25 @@ def _events(model: Model, accel: Accel, side: int, slide: int) -> list[Any]:
     return found
 
 
+def _after(
+    model: Model, accel: float, y: list[float], side: int, slide: int, hit: int, tolerance: float
+) -> tuple[list[float], int, int]:
+    """State and joint state with which the run goes on after an event of `_events`, the overturning excepted."""
+    landed = side != 0 and hit == 0
+    if landed:
+        after, moved = model.land(side, y[1], y[3], slide == 0)
+        still = after * after < tolerance * model.mass_kg * GRAVITY_M_S2 * model.right_m / model.inertia_kg_m2
+        y, side = [0.0, 0.0 if still else after, y[2], moved], -side
+    lifted = not landed and side == 0 and hit < 2
+    slipped = not lifted and hit == 2 and slide == 0
+    if lifted:
+        side = 1 if hit == 0 else -1
+    elif hit == 2 and slide != 0:
+        y[3] = 0.0
+    side, slide = model.choose(accel, y, side, int(np.sign(y[3])), lifted, slipped)
+    return y, side, slide
+
+
 def scipy_run(
     model: Model,
     accel: Accel,
@@ -195,22 +214,11 @@ def scipy_run(
             theta[reached] = found.y[0][: int(reached.sum())]
         y = [float(v) for v in (found.y_events[hit][0] if ended else found.y[:, -1])]
         t = now
+        if ended and side != 0 and hit == 1:
+            theta[at_s > t] = y[0]
+            return theta, work
         if ended:
-            if side != 0 and hit == 1:
-                theta[at_s > t] = y[0]
-                return theta, work
-            landed = side != 0 and hit == 0
-            if landed:
-                after, moved = model.land(side, y[1], y[3], slide == 0)
-                still = after * after < tolerance * model.mass_kg * GRAVITY_M_S2 * model.right_m / model.inertia_kg_m2
-                y, side = [0.0, 0.0 if still else after, y[2], moved], -side
-            lifted = not landed and side == 0 and hit < 2
-            slipped = not lifted and hit == 2 and slide == 0
-            if lifted:
-                side = 1 if hit == 0 else -1
-            elif hit == 2 and slide != 0:
-                y[3] = 0.0
-            side, slide = model.choose(accel(t), y, side, int(np.sign(y[3])), lifted, slipped)
+            y, side, slide = _after(model, accel(t), y, side, slide, hit, tolerance)
     raise RuntimeError(f"{MAX_EVENTS} events did not end the run")
 
 

@@ -43,25 +43,11 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
         said = [
             Outcome.OVERTURNED_LEFT if fall == hit else Outcome.STANDS for fall, hit in zip(fell, right, strict=True)
         ]
-        cases = [Case(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
         for row, outcome in zip(rows, said, strict=True):
             row["predicted"][name] = outcome.value
             row["probability"][name] = float(outcome.overturned)
-        contour = {"contour_50": {"ratio_s": [0.1, 0.3], "pga_g": [0.5, 0.2]}} if name == "pymunk" else None
-        models[name] = {
-            "engine": name,
-            "accuracy_rad": 1e-3,
-            "dt_s": None,
-            "tests": 60,
-            "failed": 0,
-            "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
-            "outcomes": score_outcomes(cases).as_dict(),
-            "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},
-            "by_intensity": [],
-            "fragility_pgv": fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid),
-            "contour": contour,
-            "histories": [{"test": "t1", "scores": measured.as_dict()}],
-        }
+        curve = fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid)
+        models[name] = _model(name, said, fell, curve, measured.as_dict())
     bare = [
         Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
         for v, f in zip(pgv, fell, strict=True)
@@ -90,6 +76,28 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
             "runs": {"wanted": 120, "computed": 120},
         },
     )
+
+
+def _model(
+    name: str, said: list[Outcome], fell: np.ndarray[Any, Any], curve: dict[str, Any], scores: dict[str, Any]
+) -> dict[str, Any]:
+    """What a validation keeps of one model that said `said` of sixty tests."""
+    cases = [Case(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
+    contour = {"contour_50": {"ratio_s": [0.1, 0.3], "pga_g": [0.5, 0.2]}} if name == "pymunk" else None
+    return {
+        "engine": name,
+        "accuracy_rad": 1e-3,
+        "dt_s": None,
+        "tests": 60,
+        "failed": 0,
+        "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
+        "outcomes": score_outcomes(cases).as_dict(),
+        "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},
+        "by_intensity": [],
+        "fragility_pgv": curve,
+        "contour": contour,
+        "histories": [{"test": "t1", "scores": scores}],
+    }
 
 
 def bench_rows() -> list[dict[str, Any]]:
