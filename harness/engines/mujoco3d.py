@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.contact.friction import FloorFriction, floor_friction
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across, fallen, matrices, planar, statue_columns
-from harness.contact.trajectory import Trajectory
+from harness.contact.spatial import fall_across, fallen
 from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
+from harness.engines.mujoco.samples import trajectory
 from harness.record import Run
 from harness.scene import OVERTURN_RAD, Scene
 
@@ -31,10 +32,7 @@ RUNGS: Final = ((1e-3, 1e-2), (5e-4, 5e-3), (2.5e-4, 2.5e-3), (1e-4, 1e-3), (5e-
 """(step in s, error in rad reached where tuned): the paper's four cases with a pedestal, first second."""
 STIFF_STEPS: Final = 2.0
 """The contact's time constant in steps: MuJoCo's least."""
-FOOT_M: Final = 1e-4
-"""Radius of the spheres at the base's vertices."""
 BLOCK_STEPS: Final = 512
-FLOOR_PAIR: Final = "pedestal on floor"
 SOFT_LIMIT: Final = 1.0 - 1e-3
 """Share of its limit at which a soft friction cone slides: it is reached within its regularisation, not within rounding."""
 RESOLUTION_STEPS: Final = 8.0
@@ -86,7 +84,7 @@ class Mujoco3D(Engine):
         _refuse(scene)
         begin = time.perf_counter()
         try:
-            model = mujoco.MjModel.from_xml_string(_xml(scene, own))
+            model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps, own.impedance_ratio))
         except ValueError as error:
             raise EngineFailure(f"mujoco refused the scene: {error}") from error
         edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
@@ -94,10 +92,10 @@ class Mujoco3D(Engine):
         states, work = _march(mujoco, model, scene, own, gravity, want)
         marched = len(states) - 1
         states = states[: _until_fallen(states)]
-        trajectory = _trajectory(scene, own, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
+        seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
         base = scene.statue.corner_left_m + scene.statue.corner_right_m
         settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
-        fall = fall_across(trajectory.extra, trajectory.theta_rad)
+        fall = fall_across(seen.extra, seen.theta_rad)
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
@@ -109,7 +107,7 @@ class Mujoco3D(Engine):
             with_history=want.history or not want.may_skip("no_history"),
             work=work,
         )
-        run = replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
+        run = replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
         return run if fall is None else replace(run, overturn_time_s=run.end_s)
 
 
@@ -130,43 +128,6 @@ def _refuse(scene: Scene) -> None:
         found.append("a wall")
     if found:
         raise EngineFailure(f"mujoco does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
-
-
-def _xml(scene: Scene, own: MujocoSettings) -> str:
-    """The model: a free statue on its feet, a free pedestal, the floor, and a pair for each contact that can occur."""
-    statue, pedestal, h = scene.statue, scene.pedestal, scene.statue.centroid_height_m
-    stiff = f'solref="{own.stiff_steps * own.dt_s:.9g} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
-    i = statue.inertia_tensor_kg_m2
-    inertia = " ".join(f"{value:.17g}" for value in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]))
-    feet, pairs = [], []
-    support = "floor" if pedestal is None else "pedestal"
-    touching = statue.footprint_m if statue.solid is None else statue.solid.feet_m
-    for k, (x, y, z) in enumerate(touching):
-        place = f"{x:.17g} {y:.17g} {z - h + FOOT_M:.17g}"
-        feet.append(f'<geom name="foot{k}" type="sphere" size="{FOOT_M}" pos="{place}" contype="0" conaffinity="0"/>')
-        pairs.append(_pair(f"foot{k}", support, scene.contact.statue, stiff))
-    bodies = (
-        f'<body name="statue"><freejoint/><inertial pos="0 0 0" mass="{statue.mass_kg:.17g}" fullinertia="{inertia}"/>'
-    )
-    bodies += "".join(feet) + "</body>"
-    if pedestal is not None:
-        size = f"{0.5 * pedestal.width_m:.17g} {0.5 * pedestal.depth_m:.17g} {0.5 * pedestal.height_m:.17g}"
-        box = f'<geom name="pedestal" type="box" size="{size}" mass="{pedestal.mass_kg:.17g}" contype="0" conaffinity="0"/>'
-        bodies += f'<body name="block"><freejoint/>{box}</body>'
-        pairs.append(_pair("pedestal", "floor", scene.contact.floor_static, stiff, name=FLOOR_PAIR))
-    return (
-        f'<mujoco><option timestep="{own.dt_s:.17g}" cone="elliptic" solver="Newton" iterations="200" tolerance="1e-14" '
-        f'impratio="{own.impedance_ratio:g}"/><worldbody>'
-        f'<geom name="floor" type="plane" size="100 100 1" contype="0" conaffinity="0"/>{bodies}</worldbody>'
-        f"<contact>{''.join(pairs)}</contact></mujoco>"
-    )
-
-
-def _pair(first: str, second: str, friction: float, stiff: str, name: str = "") -> str:
-    named = f'name="{name}" ' if name else ""
-    return (
-        f'<pair {named}geom1="{first}" geom2="{second}" condim="3" friction="{friction:.17g} {friction:.17g}" {stiff}/>'
-    )
 
 
 def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
@@ -259,47 +220,3 @@ def _follow(
     data.qpos[:], data.qvel[:] = before[: model.nq], before[model.nq :]
     mujoco.mj_step(model, data)
     return False, 1
-
-
-def _back(quaternion: Array, rate: Array, half_s: float) -> tuple[Array, Array]:
-    """Rotations (n, 3, 3) taken back by half a step, and angular velocities (n, 3) in the world; `rate` is the body's own."""
-    turn = matrices(quaternion[:, [1, 2, 3, 0]])
-    nothing = np.zeros(len(rate))
-    x, y, z = rate.T
-    cross = np.moveaxis(np.array([[nothing, -z, y], [z, nothing, -x], [-y, x, nothing]]), -1, 0)
-    return turn - half_s * turn @ cross, np.einsum("nij,nj->ni", turn, rate)
-
-
-def _tilt(turn: Array, spin: Array) -> Array:
-    """Planar rotation of a body from its rotations and angular velocities."""
-    return planar(turn[:, :, 2], spin)[0]
-
-
-def _trajectory(scene: Scene, own: MujocoSettings, t_s: Array, gravity_xz: Array, rows: Array) -> Trajectory:
-    """Rows as samples in the table's frame, positions taken back by their half step."""
-    pedestal = scene.pedestal is not None
-    nq = 14 if pedestal else 7
-    q, v, half = rows[:, :nq], rows[:, nq:], 0.5 * own.dt_s
-    zero = np.zeros(t_s.size)
-    turn, spin = _back(q[:, 3:7], v[:, 3:6], half)
-    centroid = q[:, :3] - half * v[:, :3]
-    theta, theta_rate = planar(turn[:, :, 2], spin)
-    extra = statue_columns(scene.statue, turn, centroid)
-    place, rate, slip, slip_rate = None, None, zero, zero
-    if pedestal:
-        place, rate = q[:, [7, 9]] - half * v[:, [6, 8]], v[:, [6, 8]]
-        slip, slip_rate = place[:, 0] - place[0, 0], rate[:, 0]
-        extra["pedestal_tilt_rad"] = _tilt(*_back(q[:, 10:14], v[:, 9:12], half))
-    return Trajectory(
-        t_s,
-        theta,
-        theta_rate,
-        slip,
-        slip_rate,
-        gravity_xz,
-        centroid[:, [0, 2]],
-        v[:, [0, 2]],
-        place,
-        rate,
-        extra,
-    )

@@ -1,0 +1,1 @@
+"""Parts of the MuJoCo engine that know MuJoCo's conventions, but not its library."""
