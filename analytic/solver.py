@@ -140,9 +140,8 @@ def simulate(
     statue_friction: friction between statue and support, assumed to hold and compared with what was needed; accuracy_rad: aimed
     global error (errors grow after many impacts: see ``certify``); dt_s: output step, None for the outcome only; step_cap_s:
     longest step; skip_start, skip_rest: leave out the times in which nothing can move, before anything has moved and after;
-    skip_energy: without a history, let the energy decide once
-    the motion is over; events, validity: keep them. Raises AnalyticInputError for
-    numbers that cannot be run.
+    skip_energy: without a history, let the energy decide once the motion is over; events, validity: keep them.
+    Raises AnalyticInputError for numbers that cannot be run.
     """
     p = parameters(
         block,
