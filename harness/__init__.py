@@ -1,7 +1,7 @@
 """One scene, several models, one comparison.
 
 >>> import harness
->>> scene = harness.load_scene("scenes/paestum.toml")
+>>> scene = harness.load_scene("scenes/paestum_floor.toml")
 >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
 >>> reference = harness.simulate(scene, "analytic")
 >>> print(harness.compare(run, reference).verdict_sentence)

@@ -1,1 +1,1 @@
-"""Parts of the MuJoCo engine that know MuJoCo's conventions, but not its library."""
+"""Private parts of the MuJoCo adapter: a scene as its model, its steps as samples; neither needs the library itself."""
