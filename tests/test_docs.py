@@ -1,0 +1,46 @@
+"""What the documentation names is there: modules, functions, commands, files."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = ("README.md", "CONTRIBUTING.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md"))))
+DOTTED = re.compile(r"(?:python -m |from |`)((?:analytic|meshes|harness|reports|tests)(?:\.\w+)+)")
+FILED = re.compile(r"(?<![\w/])((?:analytic|meshes|harness|reports|tests|scenes|docs)/[a-z0-9_/]+(?:\.\w+|/))")
+
+
+def named(page: str) -> set[str]:
+    """Dotted names and paths of this project that a page names."""
+    return {*DOTTED.findall(page), *FILED.findall(page)}
+
+
+def absent(root: Path, name: str) -> bool:
+    """Whether no module of that dotted name is there, nor one that has its last part, nor a file of that path."""
+    if "/" in name:
+        return not (root / name).exists()
+    place = root.joinpath(*name.split("."))
+    if place.is_dir() or place.with_suffix(".py").is_file():
+        return False
+    homes = [place.parent / "__init__.py", place.parent.with_suffix(".py")]
+    word = re.compile(rf"\b{place.name}\b")
+    return not any(home.is_file() and word.search(home.read_text(encoding="utf-8")) for home in homes)
+
+
+def test_names_are_found_and_missed(root: Path) -> None:
+    page = "`harness.load_scene(x)`, `python -m harness.bench_x`, from harness.nowhere import y, tests/none.py, docs/bench.md"
+    assert {name for name in named(page) if absent(root, name)} == {
+        "harness.bench_x",
+        "harness.nowhere",
+        "tests/none.py",
+    }
+    assert len(named(page)) == 5
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_names_is_there(root: Path, page: str) -> None:
+    missing = sorted(name for name in named((root / page).read_text(encoding="utf-8")) if absent(root, name))
+    assert not missing, f"{page} names {', '.join(missing)}"
