@@ -110,6 +110,13 @@ def seconds(found: Mapping[str, Measured]) -> list[Row]:
     ]
 
 
+def command(name: str, quick: bool, found: Mapping[str, Measured]) -> str:
+    """What measures again all that was measured: `rockcheck NAME` with the options that it takes."""
+    done = [part for part, item in found.items() if item.rows]
+    some = f" --parts {','.join(done)}" if 0 < len(done) < len(found) else ""
+    return f"rockcheck {name}{' --quick' if quick else ''}{some}"
+
+
 def sentences(rows: Sequence[Row]) -> list[str]:
     """The seconds of each part in words, and what is not measured yet."""
     spent = ", ".join(f"{row['part']} {row['wall_s']:.0f} s" for row in rows if row["tasks"])

@@ -5,7 +5,7 @@ The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene
 `chosen` (what the target accuracy takes), `stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each
 `engine`, `quantity`, `value`, `wall_s`, `memory_mb`), `coverage` by engine (`inside` of `total`), `choice`,
 `skips`, `solvers`, `throughput`, `overhead`, `parts` (reports/bench_tables.py), `sentences` computed from the rows,
-`versions`, `machine`, `seconds`.
+`command`, `versions`, `machine`, `seconds`.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
             "stated ± [rad]",
         ],
         "tables": [(scene, [_cells(row, rows) for row in rows if row["scene"] == scene]) for scene in scenes],
-        "command": "rockcheck bench",
+        "command": record.get("command", "rockcheck bench"),
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),

@@ -2,8 +2,9 @@
 
 The record: `kind` "stress", `title`, `cells` (each `engine`, `setting`, `difficulty`, `category` = `stable` | `inaccurate` |
 `drifting` | `diverged`, `evidence` in one sentence, `explained`: why this is known and what avoids it, or ""), `scenes` (each
-`name`, `wanted`, `got` by engine, `holds`, `checks`, `note`), `fuzz` (each `reader`, `inputs`, `tracebacks`, `hangs`,
-`half_written`), `versions`, `machine`, `seconds`.
+`name`, `wanted`, `got` by engine, `holds`, `checks`, `note`, `known`: by engine, what fails and what avoids it), `absent`
+(engines that were not run, and why), `fuzz` (each `reader`, `inputs`, `accepted`, `refusals`, `tracebacks`, `hangs`,
+`half_written`), `command`, `versions`, `machine`, `seconds`.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "engines": catalogued,
         "scenes": record["scenes"],
         "fuzz": record["fuzz"],
-        "command": "rockcheck stress",
+        "command": record.get("command", "rockcheck stress"),
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
@@ -49,6 +50,10 @@ def stress_verdict(record: Mapping[str, Any]) -> Verdict:
     points = [f"Cells of the stability maps: {held}."] if counts else []
     if unexplained:
         points.append(f"{len(unexplained)} cells of the maps that are not stable stand without an explanation.")
+    points += [f"{name} was not run: {why}." for name, why in record.get("absent", {}).items()]
+    known = [scene["name"] for scene in scenes if scene.get("known")]
+    if known:
+        points.append(f"Known failures, each with the setting that avoids it: {', '.join(known)}.")
     inputs = sum(item["inputs"] for item in record["fuzz"])
     bad = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in record["fuzz"])
     if inputs:

@@ -28,7 +28,9 @@ def run(
     written, or an unknown part.
     """
     listed = all_parts(quick)
-    return parts.written(folder, assembled(listed, parts.session(folder, listed, quick, only, told)))
+    measured = parts.session(folder, listed, quick, only, told)
+    found = assembled(listed, measured) | {"command": parts.command("bench", quick, measured)}
+    return parts.written(folder, found)
 
 
 def all_parts(quick: bool) -> list[Part]:

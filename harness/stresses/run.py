@@ -8,10 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from harness import fuzz, parts
+from harness import engines, fuzz, parts
 from harness.parts import Part
 from harness.record import SCHEMA_VERSION
 from harness.stresses import more, scenes, stability
+from harness.stresses.catalogue import ALL
 
 INPUTS: Final = 10_000
 QUICK_INPUTS: Final = 500
@@ -37,6 +38,8 @@ def run(
         "schema_version": SCHEMA_VERSION,
         "kind": "stress",
         "title": "Numerical stability",
+        "command": parts.command("stress", quick, measured),
+        "absent": absent(),
         "scenes": [*rows["scenes"], *rows["questions"]],
         "cells": sorted(
             rows["maps"], key=lambda cell: (stability.ENGINES.index(cell["engine"]), order[cell["difficulty"]])
@@ -46,6 +49,12 @@ def run(
         "seconds": sum(item["wall_s"] for item in spent),
     }
     return parts.written(folder, found)
+
+
+def absent() -> dict[str, str]:
+    """The engines of the catalogue that cannot run here, and why: nothing is said of them."""
+    missing = {name: engines.load(name).missing() for name in ALL}
+    return {name: why for name, why in missing.items() if why is not None}
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -74,6 +83,12 @@ def sentences(found: dict[str, Any]) -> list[str]:
     for row in wrong:
         bad = "; ".join(f"{name}: {got}" for name, got in row["got"].items() if got != row["wanted"])
         told.append(f"“{row['name']}” (wanted: {row['wanted']}): {bad}.")
+    told += [f"{name} was not run: {why}." for name, why in found["absent"].items()]
+    told += [
+        f"Known failure, “{row['name']}”, {name}: {text}."
+        for row in found["scenes"]
+        for name, text in row.get("known", {}).items()
+    ]
     counts = Counter(cell["category"] for cell in found["cells"])
     told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
     told += [

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from harness.errors import InputError
-from harness.parts import FOLDER, Part, measure, seconds, sentences
+from harness.parts import FOLDER, Part, command, measure, seconds, sentences
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
 
@@ -67,6 +67,13 @@ def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> Non
     told = sentences(seconds(found))
     assert told[1] == "Not measured yet: first (3 to do)."
     assert told[0].startswith("Time by part: second ")
+
+
+def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> None:
+    part = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
+    assert command("stress", True, part) == "rockcheck stress --quick --parts second"
+    whole = measure(tmp_path, parts(Counting()), None, STAMP, silent)
+    assert command("bench", False, whole) == "rockcheck bench"
 
 
 def test_rows_of_other_versions_are_not_used(tmp_path: Path) -> None:
