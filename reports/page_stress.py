@@ -4,7 +4,7 @@ The record: `kind` "stress", `title`, `cells` (each `engine`, `setting`, `diffic
 `drifting` | `diverged`, `evidence` in one sentence, `explained`: why this is known and what avoids it, or ""), `scenes` (each
 `name`, `wanted`, `got` by engine, `holds`, `checks`, `note`, `known`: by engine, what fails and what avoids it), `absent`
 (engines that were not run, and why), `fuzz` (each `reader`, `inputs`, `accepted`, `refusals`, `tracebacks`, `hangs`,
-`half_written`), `command`, `versions`, `machine`, `seconds`.
+`half_written`), `parts`, `command`, `versions`, `machine`, `seconds`.
 """
 
 from __future__ import annotations
@@ -58,11 +58,18 @@ def stress_verdict(record: Mapping[str, Any]) -> Verdict:
     bad = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in record["fuzz"])
     if inputs:
         points.append(f"Of {inputs} mutated inputs {bad} ended in a traceback, a hang or a half-written output.")
+    left = [f"{part['part']} ({len(part['left'])} to do)" for part in record.get("parts", ()) if part["left"]]
+    if left:
+        points.append(f"Not measured yet: {', '.join(left)}.")
+    if not scenes:
+        return Verdict("No hard scene was run", "differ", points)
     if wrong:
         headline = f"{count_word(len(wrong)).capitalize()} of {len(scenes)} hard scenes did not come out as they must"
         return Verdict(headline, "failed", [*(f"Wrong: {name}." for name in wrong), *points])
     return Verdict(
-        f"All {len(scenes)} hard scenes come out as they must", "differ" if unexplained or bad else "agree", points
+        f"All {len(scenes)} hard scenes come out as they must",
+        "differ" if unexplained or bad or left else "agree",
+        points,
     )
 
 

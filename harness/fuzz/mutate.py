@@ -75,6 +75,21 @@ def single(data: bytes, rng: Stream) -> bytes:
     return data[:place] + struct.pack("<f", ODD_FLOATS[int(rng.integers(len(ODD_FLOATS)))]) + data[place + 4 :]
 
 
+def point(data: bytes, rng: Stream) -> bytes:
+    """One vertex of a binary STL moved wherever it occurs, by an odd float or a factor: the surface stays closed."""
+    facets = (len(data) - STL_HEAD) // STL_FACET
+    if facets < 1:
+        return data
+    place = STL_HEAD + STL_FACET * int(rng.integers(facets)) + 12 * int(rng.integers(1, 4))
+    old = data[place : place + 12]
+    values = list(struct.unpack("<3f", old))
+    axis = int(rng.integers(3))
+    factor = FACTORS[int(rng.integers(len(FACTORS)))]
+    scaled = float(np.clip(values[axis] * factor, -3e38, 3e38))
+    values[axis] = scaled if rng.integers(4) else ODD_FLOATS[int(rng.integers(len(ODD_FLOATS)))]
+    return data.replace(old, struct.pack("<3f", *values))
+
+
 def insert(data: bytes, rng: Stream) -> bytes:
     """Odd text put somewhere."""
     place = int(rng.integers(0, len(data) + 1))
@@ -117,12 +132,23 @@ TEXT: Final[tuple[Mutation, ...]] = (
     nudge, nudge, nudge, digit, digit, digit, number, number, number, words, words, lines, lines, insert, flip, truncate,
     recode,
 )  # fmt: skip
+STL_HEAD: Final = 84
+STL_FACET: Final = 50
+"""Bytes of a binary STL before its facets, and of one: a normal, three vertices, two bytes."""
 BINARY: Final[tuple[Mutation, ...]] = (flip, flip, digit, digit, single, single, truncate, insert)
+
+STL: Final[tuple[Mutation, ...]] = (*BINARY, point, point, point)
+TRIES: Final = 20
+"""Draws after which a file that nothing changes is given up: an empty one."""
 
 
 def mutated(data: bytes, seed: int, ways: tuple[Mutation, ...]) -> bytes:
     """One to three mutations of a file, mostly one (what is refused hides what else is wrong); the same for the same seed."""
     rng = np.random.default_rng(seed)
-    for _ in range(int(rng.choice((1, 1, 1, 2, 3)))):
-        data = ways[int(rng.integers(len(ways)))](data, rng)
-    return data
+    changed = data
+    for _ in range(TRIES):
+        for _ in range(int(rng.choice((1, 1, 1, 2, 3)))):
+            changed = ways[int(rng.integers(len(ways)))](changed, rng)
+        if changed != data:
+            break
+    return changed

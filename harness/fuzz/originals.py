@@ -1,4 +1,4 @@
-"""Whole and valid files of every kind, from which the mutated ones are made, and how each kind is read."""
+"""Whole and valid files of every kind, from which the mutated ones are made, and how each kind is used."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from typing import Final
 
 import numpy as np
 
-from harness.fuzz import records
-from harness.fuzz.mutate import BINARY, TEXT, Mutation
+from harness.fuzz import records, use
+from harness.fuzz.mutate import BINARY, STL, TEXT, Mutation
 
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of file: its name on disk, its valid content, how it is read, how it is damaged."""
+    """One kind of file: its name on disk, its valid content, how it is used, how it is damaged."""
 
     name: str
     file: str
     content: bytes
-    read: Callable[[Path], object]
+    read: Callable[[Path], None]
     ways: tuple[Mutation, ...] = TEXT
 
 
@@ -64,8 +64,6 @@ distance_m = 0.7
 [output]
 dt_s = 0.001
 """
-RUN_S: Final = 0.3
-"""Seconds that an accepted scene is run for."""
 STUDY: Final = b"""title = "a grid"
 scene = "good.toml"
 seed = 1
@@ -171,68 +169,14 @@ def prepare(folder: Path) -> None:
 def kinds() -> tuple[Kind, ...]:
     """Every kind of file that a user can hand in."""
     return (
-        Kind("scene", "scene.toml", SCENE, _read_scene),
-        Kind("study", "study.toml", STUDY, _read_study),
-        Kind("experiments", "experiments.csv", EXPERIMENTS, _read_experiments),
-        Kind("motion CSV", "mutated_motion.csv", _csv("t_s,a_ms2", _wave()), _read_motion),
-        *(Kind(f"motion {name}", file, make(), _read_motion) for name, (file, make) in records.FORMATS.items()),
-        Kind("history", "history.csv", _history(), _read_history),
-        Kind("mesh OBJ", "mutated.obj", obj(), _read_mesh),
-        Kind("mesh PLY", "mutated.ply", ply(), _read_mesh),
-        Kind("mesh STL", "mutated.stl", stl(), _read_mesh, BINARY),
-        Kind("store", "store.sqlite", _store(), _read_store, BINARY),
+        Kind("scene", "scene.toml", SCENE, use.scene),
+        Kind("study", "study.toml", STUDY, use.study),
+        Kind("experiments", "experiments.csv", EXPERIMENTS, use.experiments),
+        Kind("motion CSV", "mutated_motion.csv", _csv("t_s,a_ms2", _wave()), use.motion),
+        *(Kind(f"motion {name}", file, make(), use.motion) for name, (file, make) in records.FORMATS.items()),
+        Kind("history", "history.csv", _history(), use.history),
+        Kind("mesh OBJ", "mutated.obj", obj(), use.mesh),
+        Kind("mesh PLY", "mutated.ply", ply(), use.mesh),
+        Kind("mesh STL", "mutated.stl", stl(), use.mesh, STL),
+        Kind("store", "store.sqlite", _store(), use.store, BINARY),
     )
-
-
-def _read_scene(path: Path) -> object:
-    """Read a scene; what is accepted is also run for a moment and its result written."""
-    from harness.run import run_scene, write_result
-    from harness.scene_file.load import load_scene
-
-    scene = load_scene(path)
-    result = run_scene(scene.but(duration_s=min(scene.duration_s, RUN_S)), ("analytic",))
-    with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
-        write_result(result, Path(name) / "result")
-    return result
-
-
-def _read_study(path: Path) -> object:
-    from itertools import islice
-
-    from harness.studies.cases import base_of, expand
-    from harness.studies.file import load_study
-
-    study = load_study(path)
-    base = base_of(study, path)
-    return [base.scene(case.setting) for case in islice(expand(study, base), 2)]
-
-
-def _read_experiments(path: Path) -> object:
-    from harness.validation.table import read_table
-
-    return read_table(path)
-
-
-def _read_motion(path: Path) -> object:
-    from harness.motions.readers import read_record
-
-    return read_record(path)
-
-
-def _read_history(path: Path) -> object:
-    from harness.history_file import read_history
-
-    return read_history(path)
-
-
-def _read_mesh(path: Path) -> object:
-    import meshes
-
-    return meshes.load_solid(path, unit="m", density_kg_m3=2700.0)
-
-
-def _read_store(path: Path) -> object:
-    from harness.studies.store import Store
-
-    with Store(path) as store:
-        return store.get("key"), store.history("key"), store.known(["key"])

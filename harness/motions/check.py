@@ -11,6 +11,8 @@ from harness.motions.text import mistake
 
 LARGEST_PEAK_G: Final = 10.0
 """No free-field accelerogram has exceeded about 4 g (Iwate 2008): above 10 g the unit is wrong."""
+STEPS_S: Final = (1e-6, 1.0)
+"""Shorter and longer steps than any accelerograph's: a longer one says nothing of the periods that rock a statue."""
 PLAUSIBLE_G: Final = (0.005, 5.0)
 SMALLEST_PEAK_G: Final = 5e-4
 STATED_PEAK_TOLERANCE: Final = 0.01
@@ -34,6 +36,9 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
     accel = channel.accel_m_s2
     if accel.size < 2:
         raise mistake(record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
+    least_s, most_s = STEPS_S
+    if not least_s <= channel.dt_s <= most_s:
+        raise mistake(record.path, channel.name, f"a step between {least_s:g} and {most_s:g} s", f"{channel.dt_s:g} s")
     peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
     if peak_g == 0.0:
         raise mistake(record.path, channel.name, "a motion", "nothing but zeros")

@@ -79,7 +79,9 @@ def holds(found: dict[str, Any]) -> bool:
 def sentences(found: dict[str, Any]) -> list[str]:
     """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
     wrong = [row for row in found["scenes"] if not row["holds"]]
-    told = [f"{len(found['scenes']) - len(wrong)} of {len(found['scenes'])} hard scenes come out as they must."]
+    told = []
+    if found["scenes"]:
+        told.append(f"{len(found['scenes']) - len(wrong)} of {len(found['scenes'])} hard scenes come out as they must.")
     for row in wrong:
         bad = "; ".join(f"{name}: {got}" for name, got in row["got"].items() if got != row["wanted"])
         told.append(f"“{row['name']}” (wanted: {row['wanted']}): {bad}.")
@@ -90,7 +92,8 @@ def sentences(found: dict[str, Any]) -> list[str]:
         for name, text in row.get("known", {}).items()
     ]
     counts = Counter(cell["category"] for cell in found["cells"])
-    told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
+    if counts:
+        told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
     told += [
         f"Unexplained: {cell['engine']}, {cell['setting']}, {cell['difficulty']}: {cell['category']}, {cell['evidence']}."
         for cell in found["cells"]
@@ -98,6 +101,8 @@ def sentences(found: dict[str, Any]) -> list[str]:
     ]
     inputs = sum(item["inputs"] for item in found["fuzz"])
     bad_inputs = [(item["reader"], case["seed"]) for item in found["fuzz"] for case in item["found"]]
-    told.append(f"{inputs} mutated inputs, {len(bad_inputs)} kept as failures.")
+    used = sum(item["accepted"] for item in found["fuzz"])
+    if inputs:
+        told.append(f"{inputs} mutated inputs, {used} of them accepted and used, {len(bad_inputs)} kept as failures.")
     told += [f"Mutated {reader}, seed {seed}: not refused in words." for reader, seed in bad_inputs]
     return [*told, *parts.sentences(found["parts"])]

@@ -223,7 +223,7 @@ class Store:
         """A result whose bytes SQLite gave back but that no longer says anything: a damaged page it did not notice."""
         try:
             yield
-        except (zlib.error, ValueError, KeyError) as error:
+        except (zlib.error, ValueError, KeyError, TypeError, AttributeError) as error:  # None where text was, too
             advice = "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
             raise InputError(
                 Mistake(str(self.path), "", "a store whose results can be read", str(error), advice)

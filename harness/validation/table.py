@@ -37,6 +37,8 @@ COLUMNS: Final[Mapping[str, str]] = {
     "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
 }
 OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
+LARGEST: Final = 1e6
+"""Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
 LIST_SEPARATOR: Final = ";"
 DEFAULT_DENSITY_KG_M3: Final = 2700.0
 
@@ -215,9 +217,10 @@ class _Row:
                 value = float(text)
             except ValueError:
                 value = math.nan
-            if not (math.isfinite(value) and value > above):
+            if not (abs(value) <= LARGEST and value > above):
                 limit = "" if above == -math.inf else f" above {above:g}"
-                self._wrong(column, f"a finite number{limit} (several with {LIST_SEPARATOR})", repr(text.strip()))
+                wanted = f"a finite number{limit}, at most {LARGEST:g} (several with {LIST_SEPARATOR})"
+                self._wrong(column, wanted, repr(text.strip()))
                 continue
             found.append(value)
         return found

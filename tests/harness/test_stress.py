@@ -234,7 +234,7 @@ def test_hard_questions(question: Any) -> None:
 
 def test_what_does_not_hold_is_told_and_fails() -> None:
     wrong = {"name": "n", "wanted": "stands", "got": {"pymunk": "overturned_left"}, "holds": False}
-    bad = {"reader": "scene", "inputs": 10, "tracebacks": 1, "hangs": 0, "half_written": 0}
+    bad = {"reader": "scene", "inputs": 10, "accepted": 2, "tracebacks": 1, "hangs": 0, "half_written": 0}
     good = {**bad, "tracebacks": 0, "found": []}
     done = {"part": "fuzz", "wall_s": 1.0, "busy_s": 2.0, "tasks": 3, "left": []}
     whole = {

@@ -170,3 +170,21 @@ def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path)
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "What is left out" in page
     assert "Beside other solvers" not in page
+
+
+def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out(tmp_path: Path) -> None:
+    record = read_record(invented_records.write_stress(tmp_path))
+    left = {"part": "scenes", "wall_s": 0.0, "busy_s": 0.0, "tasks": 0, "left": ["600 s at rest", "floor friction 0"]}
+    verdict = stress_verdict({**record, "scenes": [], "parts": [left], "absent": {"pybullet": "no wheel here"}})
+    assert (verdict.headline, verdict.tone) == ("No hard scene was run", "differ")
+    assert "Not measured yet: scenes (2 to do)." in verdict.points
+    assert "pybullet was not run: no wheel here." in verdict.points
+
+
+def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
+    record = read_record(invented_records.write_stress(tmp_path))
+    scenes = [{**record["scenes"][0], "known": {"pybullet": "creeps at 1 ms; with more iterations it does not"}}]
+    write_json(tmp_path / "result.json", {**record, "scenes": scenes, "command": "rockcheck stress --quick"})
+    page = without_data(write_report(tmp_path).read_text(encoding="utf-8"))
+    assert "known failure of pybullet: creeps at 1 ms" in page
+    assert "<code>rockcheck stress --quick</code>" in page

@@ -1,0 +1,136 @@
+"""What is done with a file that a user hands in, as far as it goes: read, computed with, and the results written.
+
+Every function takes the file's path, writes into the folder `WRITTEN` beside it and raises `InputError` or `MeshError` where the
+file is refused.
+"""
+
+from __future__ import annotations
+
+import json
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final, NoReturn
+
+from harness.errors import InputError
+from harness.scene import Scene
+
+RUN_S: Final = 0.3
+"""Seconds that a scene is run for."""
+WRITTEN: Final = "written"
+FEW: Final = 2
+"""Cases of a study and tests of a table that are run."""
+
+
+def scene(path: Path) -> None:
+    """Read, run for a moment, and write the result."""
+    from harness.scene_file.load import load_scene
+
+    _run(load_scene(path), path)
+
+
+def study(path: Path) -> None:
+    """Read, run the first cases for a moment, and keep them in a store."""
+    from harness.run import simulate
+    from harness.studies.cases import base_of, expand
+    from harness.studies.file import load_study
+    from harness.studies.store import Store
+
+    given = load_study(path)
+    base = base_of(given, path)
+    cases = [base.scene(case.setting) for case in islice(expand(given, base), FEW)]
+    with Store(path.parent / WRITTEN / "store.sqlite") as store:
+        for number, case in enumerate(cases):
+            store.put([(str(number), simulate(_short(case), "analytic"))], histories=True)
+        known = {str(number) for number in range(len(cases))}
+        if store.known(known) != known:
+            raise AssertionError("a run that was put into a store is not there")
+
+
+def experiments(path: Path) -> None:
+    """Read, and run the first tests for a moment, as they are and perturbed."""
+    from harness.run import simulate
+    from harness.validation.scenes import Variant, scene_of
+    from harness.validation.table import read_table
+
+    for trial in read_table(path)[:FEW]:
+        for sample in (0, 1):
+            simulate(_short(scene_of(trial, Variant(sample=sample))), "analytic")
+
+
+def motion(path: Path) -> None:
+    """Read, and write what `rockcheck motion inspect` tells."""
+    from harness import record
+    from harness.motions.inspect import inspect_file
+
+    found = inspect_file(path).record()
+    (path.parent / WRITTEN).mkdir()
+    record.write_json(path.parent / WRITTEN / "motion.json", found)
+
+
+def history(path: Path) -> None:
+    """Read, and write anew: it must read back."""
+    from harness.history_file import read_history
+
+    found = read_history(path)
+    (path.parent / WRITTEN).mkdir()
+    found.write_csv(path.parent / WRITTEN / "history_again.csv")
+
+
+def mesh(path: Path) -> None:
+    """Stand the body on the floor, run it for a moment, and write the result with its picture."""
+    from harness.benchmark.scenes import harmonic, scene_of
+
+    given = {"file": str(path), "unit": "m", "density_kg_m3": 2700.0}
+    _run(scene_of("mesh", {"duration_s": RUN_S, "statue": {"mesh": given}, "motion": harmonic(0.3, 2.0)}), path)
+
+
+def store(path: Path) -> None:
+    """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
+    from harness.benchmark.scenes import COLUMN, scene_of
+    from harness.run import simulate
+    from harness.studies.store import Store
+
+    still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
+    with Store(path) as found:
+        before, _ = found.get("key"), found.history("key")
+        found.put([("another", simulate(still, "analytic"))], histories=True)
+        if found.known(["another"]) != {"another"} or found.get("key") != before:
+            raise AssertionError("a store that took a result lost one")
+
+
+def unfinished(folder: Path, accepted: bool) -> str | None:
+    """What was left half-written in a folder: files of a refused input, or of an accepted one that do not read back whole."""
+    from harness.history_file import read_history
+
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    if not accepted:
+        return f"written though refused: {', '.join(path.name for path in files)}" if files else None
+    names = {path.name for path in files}
+    for path in files:
+        try:
+            if path.suffix == ".json":
+                found = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+                wanted = {f"history_{name}.csv" for name in found.get("histories", ())}
+                if not wanted <= names:
+                    return f"{path.name} names {', '.join(sorted(wanted - names))}, which is not there"
+            elif path.suffix == ".csv":
+                read_history(path)
+            elif path.name.startswith(".") or path.stat().st_size == 0:
+                return f"{path.name} is left, or empty"
+        except (InputError, ValueError) as error:
+            return f"{path.name} does not read back: {error}"
+    return None
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no JSON")
+
+
+def _short(given: Scene) -> Scene:
+    return given.but(duration_s=min(given.duration_s, RUN_S))
+
+
+def _run(given: Scene, path: Path) -> Any:
+    from harness.run import run_scene, write_result
+
+    write_result(run_scene(_short(given), ("analytic",)), path.parent / WRITTEN)
