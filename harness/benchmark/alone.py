@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 
 from harness import engines
-from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, scene_of
-from harness.benchmark.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, outcome_scenes, simulate
+from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
+from harness.benchmark.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, outcome_scenes, rung, simulate
 from harness.benchmark.timing import cost
 from harness.engine import Engine, Want
 from harness.errors import InputError
@@ -40,8 +40,8 @@ CASES: Final = {
     "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
     "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
     "energy_outcome": {"analytic": "pulse"},
-    "no_history": {"analytic": "study", "pymunk": "late record"},
-    "stop_at_overturn": {"pymunk": "falls"},
+    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"},
+    "stop_at_overturn": {"pymunk": "falls", "mujoco": "falls soon"},
     "base_only": {"pybullet": "on a pedestal"},
     "mirror": {"pybullet": "on a pedestal"},
 }
@@ -49,6 +49,10 @@ CASES: Final = {
 STUDY_RUNS: Final = 16
 RESOLVED_RAD: Final = 3e-4
 """A rung that is expected to resolve what a skip may change."""
+LEAST_RAD: Final = 1e-9
+"""Rotations nearer than this are the same, whatever a run's own error."""
+GAINS: Final = 1.05
+"""Times faster from which a skip counts as a gain: below it the clock's own scatter decides."""
 
 
 def tasks(quick: bool) -> list[str]:
@@ -81,6 +85,8 @@ def scenes_of(kind: str, engine: str) -> list[Scene]:
         "late record": {"duration_s": duration, "statue": COLUMN, "motion": {"x": record(file, column, pga_g=0.3)}},
         "falls": {"duration_s": duration, "statue": COLUMN, "motion": {"x": record(file, column, pga_g=2.0)}},
         "pulse": PULSE,
+        "short": {**PULSE, "duration_s": 1.0},
+        "falls soon": {"duration_s": 4.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)},
         "on a pedestal": {"duration_s": 2.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
     }
     return [scene_of(kind, contents[kind])]
@@ -97,17 +103,46 @@ def _measured(skip: str, engine: Engine, kind: str) -> Row:
     on, off = LEVERS[skip]
     scenes = scenes_of(kind, engine.name)
     changed: list[str] = []
-    apart = on_s = off_s = 0.0
+    apart = own = on_s = off_s = 0.0
     steps = [0, 0]
     for scene in scenes:
         first, second = simulate(engine, scene, on, RESOLVED_RAD), simulate(engine, scene, off, RESOLVED_RAD)
         if first.outcome is not second.outcome and not decides_nothing(engine, scene, second):
             changed.append(f"{scene.title}: {first.outcome.value}, without {second.outcome.value}")
-        apart = max(apart, difference(first, second))
+        parted, known = difference(first, second), own_error_rad(engine, scene, off, second)
+        apart, own = max(apart, parted), max(own, known)
         steps = [steps[0] + first.steps, steps[1] + second.steps]
         on_s += cost(partial(simulate, engine, scene, on, RESOLVED_RAD), 3).cpu_s
         off_s += cost(partial(simulate, engine, scene, off, RESOLVED_RAD), 3).cpu_s
-    return _row(skip, engine.name, on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart, steps=steps)
+    row = _row(skip, engine.name, on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart, steps=steps)
+    return row | {"own_rad": own}
+
+
+def own_error_rad(engine: Engine, scene: Scene, want: Want, run: Run) -> float:
+    """What the engine's own finer settings change in a run, rad; of a model that certifies, its stated uncertainty."""
+    if engine.capabilities.certifies:
+        return run.numerical_uncertainty_rad or 0.0
+    return max(
+        difference(run, engine.simulate(scene, probe, want))
+        for probe in engine.probes(scene, rung(engine, scene, RESOLVED_RAD))
+    )
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """Which skips gain nothing where they were measured alone, and which move a rotation by more than its own error."""
+    alone = [row for row in rows if row["skip"] != "all together" and not row.get("failed")]
+    if not alone:
+        return []
+    idle = [f"{row['skip']} ({row['engine']}, {row['gain']:.2g})" for row in alone if row["gain"] < GAINS]
+    told = f"Alone {len(alone) - len(idle)} of {len(alone)} skips gain a twentieth or more of the time where they were measured"
+    moved = [
+        f"{row['skip']} ({row['engine']}) parts rotations by {row['apart_rad']:.1e} rad, finer settings without it by "
+        f"{row['own_rad']:.1e} rad."
+        for row in alone
+        if row.get("own_rad") is not None and row["apart_rad"] > max(row["own_rad"], LEAST_RAD)
+    ]
+    changed = [f"{row['skip']} ({row['engine']}): {'; '.join(row['changed'])}." for row in alone if not row["same"]]
+    return [f"{told}{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
 
 
 def _row(
@@ -213,16 +248,15 @@ engines = ["{engine}"]
 
 
 def _planar() -> Row:
-    """A planar question answered in the plane, against the same in three dimensions."""
-    scene = scene_of("pulse", PULSE)
+    """Planar questions answered in the plane, against the same in three dimensions: the block scenes of the standard set."""
+    scenes = [scene for item, scene in resolved(standard_set())[0] if item.block]
     flat, solid = engines.load("pymunk"), engines.load("pybullet")
-    first, second = run_to_accuracy(flat, scene, 1e-3, ALL), run_to_accuracy(solid, scene, 1e-3, ALL)
-    changed = (
-        []
-        if first.outcome is second.outcome
-        else [f"{first.outcome.value}, in three dimensions {second.outcome.value}"]
-    )
-    on_s = cost(lambda: run_to_accuracy(flat, scene, 1e-3, ALL), 3).cpu_s
-    off_s = cost(lambda: run_to_accuracy(solid, scene, 1e-3, ALL), 2).cpu_s
-    apart = abs(abs(first.peak_theta_rad) - abs(second.peak_theta_rad))
-    return _row("planar", "pymunk for pybullet", on_s, off_s, changed=changed, apart_rad=apart)
+    changed, apart, on_s, off_s = [], 0.0, 0.0, 0.0
+    for scene in scenes:
+        first, second = run_to_accuracy(flat, scene, 1e-3, ALL), run_to_accuracy(solid, scene, 1e-3, ALL)
+        if first.outcome is not second.outcome:
+            changed.append(f"{scene.title}: {first.outcome.value}, in three dimensions {second.outcome.value}")
+        apart = max(apart, abs(abs(first.peak_theta_rad) - abs(second.peak_theta_rad)))
+        on_s += cost(partial(run_to_accuracy, flat, scene, 1e-3, ALL), 3).cpu_s
+        off_s += cost(partial(run_to_accuracy, solid, scene, 1e-3, ALL), 3).cpu_s
+    return _row("planar", "pymunk for pybullet", on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart)

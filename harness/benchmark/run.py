@@ -77,6 +77,7 @@ def said(found: Row) -> list[str]:
     """Every sentence that the rows hold."""
     return [
         *sentences.sentences(found),
+        *alone.sentences(found["skips"]),
         *others.sentences(found),
         *(f"“{name}” was left out: {why}." for name, why in found["absent"].items()),
     ]

@@ -12,7 +12,7 @@ from harness import engines
 from harness.benchmark import alone, cover, others, precision, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.benchmark.timing import cost
-from harness.engine import EngineFailure, Want
+from harness.engine import SKIPS, EngineFailure, Want
 from harness.history import History
 
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
@@ -145,6 +145,37 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
     for item in standard_set():
         assert item.content["duration_s"] > 0.0
     assert scene_of("x", FREE.content).statue.mass_kg == COLUMN["mass_kg"]
+
+
+def test_every_skip_of_every_engine_is_measured_alone() -> None:
+    declared = {(skip, name) for name in engines.REGISTRY for skip in engines.load(name).capabilities.skips}
+    assert {(skip, name) for skip, named in alone.CASES.items() for name in named} == declared
+    measured = {task.partition(": ")[0] for task in alone.tasks(False)}
+    assert measured == set(SKIPS), "what no engine declares is measured too"
+
+
+def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
+    plain = {"engine": "pymunk", "same": True, "changed": [], "apart_rad": 1e-4, "own_rad": 1e-3, "gain": 2.0}
+    rows = [
+        plain | {"skip": "quiet_end"}, plain | {"skip": "no_history", "gain": 1.01},
+        plain | {"skip": "mirror", "apart_rad": 2e-3}, plain | {"skip": "cached", "same": False, "changed": ["computed again"]},
+        {"skip": "planar", "engine": "*", "failed": "no record"}, {"skip": "all together", "engine": "pymunk"},
+    ]  # fmt: skip
+    told = alone.sentences(rows)
+    assert told == [
+        "Alone 3 of 4 skips gain a twentieth or more of the time where they were measured; not no_history (pymunk, 1).",
+        "cached (pymunk): computed again.",
+        "mirror (pymunk) parts rotations by 2.0e-03 rad, finer settings without it by 1.0e-03 rad.",
+    ]
+    assert alone.sentences([]) == []
+
+
+def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
+    engine, scene = engines.load("pymunk"), FREE.scene()
+    run = skips.simulate(engine, scene, skips.NONE, alone.RESOLVED_RAD)
+    (probe,) = engine.probes(scene, skips.rung(engine, scene, alone.RESOLVED_RAD))
+    finer = engine.simulate(scene, probe, skips.NONE)
+    assert alone.own_error_rad(engine, scene, skips.NONE, run) == alone.difference(run, finer) > 0.0
 
 
 def test_other_solvers_are_compared_at_equal_error() -> None:

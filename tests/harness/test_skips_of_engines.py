@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,8 @@ from harness.engine import SKIPS, Engine, Want
 from harness.plan import plan
 from harness.record import Run
 from harness.scene import Scene
+from harness.studies.store import Store
+from harness.uncertainty import run_to_accuracy
 from tests import budgets_bench as budgets
 
 NAMES = tuple(engines.REGISTRY)
@@ -113,3 +118,51 @@ def test_the_plan_lists_every_skip_that_there_is() -> None:
     loaded = [engines.load(name) for name in NAMES]
     assert {step.skip for step in plan(shaken("no_history"), loaded, Want())} == set(SKIPS)
     assert set().union(*(engine.capabilities.skips for engine in loaded)) == set(SKIPS) - HARNESS_OWN
+
+
+def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions() -> None:
+    scene = shaken("energy_outcome").but(duration_s=1.5)
+    flat, solid = (run_to_accuracy(ready(name), scene, 1e-3, Want()) for name in ("pymunk", "pybullet"))
+    assert flat.outcome is solid.outcome
+    assert flat.history is not None
+    assert solid.history is not None
+    times = np.linspace(0.0, 1.5, 500)
+    assert float(np.max(np.abs(flat.history.at(times) - solid.history.at(times)))) <= 2e-3, "each may err by 1e-3 rad"
+
+
+def test_engines_that_are_not_imported_change_no_bit() -> None:
+    code = """
+from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+from harness.engines import REGISTRY, load
+from harness.run import simulate
+{first}
+run = simulate(scene_of("short", {{"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "pymunk", dt_s=1e-3)
+print(run.steps, run.history.theta_rad.tobytes().hex())
+"""
+    ready("pymunk")
+    eager = "for name in REGISTRY: load(name).missing()"
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", code.format(first=first)], capture_output=True, text=True, check=True
+        ).stdout
+        for first in ("", eager)
+    ]
+    assert said[0] == said[1]
+    assert len(said[0]) > 1000
+
+
+def test_a_stored_result_is_the_computed_one_bit_for_bit(tmp_path: Path) -> None:
+    engine, scene = ready("pymunk"), shaken("no_history")
+    computed = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), Want())
+    with Store(tmp_path / "store.sqlite") as store:
+        store.put([("key", computed)], histories=True)
+        stored = store.run("key")
+    assert stored is not None
+    assert stored.history is not None
+    assert computed.history is not None
+    assert (stored.outcome, stored.peak_theta_rad, stored.steps) == (
+        computed.outcome,
+        computed.peak_theta_rad,
+        computed.steps,
+    )
+    assert np.array_equal(stored.history.theta_rad, computed.history.theta_rad)

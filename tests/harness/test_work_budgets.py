@@ -11,7 +11,7 @@ import pytest
 
 from harness import engines
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import SKIPS, Want
+from harness.engine import SKIPS, Engine, Want
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy
 from tests import budgets_bench as budgets
@@ -37,55 +37,85 @@ def test_steps_of_the_analytic_model(forced: Scene) -> None:
     assert capped.work["taylor_coefficients"] > budgets.ANALYTIC_TERMS
 
 
-@pytest.mark.parametrize(("name", "spare"), [("pymunk", budgets.SPARE), ("pybullet", budgets.SPARE_SUBSTEPS)])
-def test_steps_of_a_contact_engine(forced: Scene, name: str, spare: float) -> None:
-    engine = engines.load(name)
-    if engine.missing():
-        pytest.skip(engine.missing() or "")
+@pytest.mark.parametrize(("name", "repeated"), [("pymunk", "steps_repeated"), ("pybullet", "repeated_steps")])
+def test_steps_of_a_contact_engine(forced: Scene, name: str, repeated: str) -> None:
+    engine = ready(name)
     run = engine.simulate(forced, engine.settings_for_dt(forced, STEP_S), NONE)
     steps = forced.duration_s / STEP_S
     assert steps <= run.steps + 1
-    assert run.steps <= spare * steps
-    half = engine.simulate(forced, engine.settings_for_dt(forced, 0.5 * STEP_S), NONE)
-    assert half.steps > spare * steps, "the budget does not see steps of half the length: it sees nothing"
+    assert run.steps <= budgets.SPARE * steps
+    assert 0 < run.work[repeated] <= budgets.REPEATED[name]
+    shorter = engine.simulate(forced, engine.settings_for_dt(forced, 0.9 * STEP_S), NONE)
+    assert shorter.steps > budgets.SPARE * steps, "the budget does not see steps a tenth shorter: it sees nothing"
 
 
-def test_a_target_accuracy_takes_few_runs() -> None:
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_a_target_accuracy_takes_few_runs_steps_and_sweeps(name: str) -> None:
+    engine = ready(name)
     scene = scene_of("easy", {"duration_s": 0.5, "statue": PAESTUM, "motion": harmonic(0.2, 3.0)})
-    run = run_to_accuracy(engines.load("pymunk"), scene, 1e-3, Want())
+    run = run_to_accuracy(engine, scene, 1e-3, Want())
     assert 2 <= run.work["runs"] <= budgets.ACCURACY_RUNS
     assert run.steps <= run.work["steps_of_all_runs"] <= budgets.ACCURACY_STEPS
-    finer = run_to_accuracy(engines.load("pymunk"), scene, 1e-4, Want())
+    assert run.work["steps_of_all_runs"] * run.settings["iterations"] <= budgets.SWEEPS[name]
+    finer = run_to_accuracy(engine, scene, 1e-5, Want())
     assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer rung"
 
 
-def test_an_outcome_allocates_no_history(forced: Scene) -> None:
-    engine = engines.load("analytic")
-    longer = forced.but(duration_s=20.0)
+@pytest.mark.parametrize(("name", "duration_s"), [("analytic", 20.0), ("pymunk", 2.0), ("pybullet", 2.0)])
+def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: float) -> None:
+    engine = ready(name)
+    longer = forced.but(duration_s=duration_s)
     sizes = {}
     for history in (False, True):
-        engine.simulate(longer, engine.ladder(longer)[0], Want(history=history))
+        want = Want(history=history)
+        engine.simulate(longer, engine.ladder(longer)[0], want)
         tracemalloc.start()
-        engine.simulate(longer, engine.ladder(longer)[0], Want(history=history))
+        engine.simulate(longer, engine.ladder(longer)[0], want)
         sizes[history] = tracemalloc.get_traced_memory()[1] / 1024.0
         tracemalloc.stop()
-    assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB
-    assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB, "the budget does not see a history of 20 s: it sees nothing"
+    assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB[name]
+    assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
 
 
-def modules(*more: str) -> set[str]:
-    """What a fresh interpreter has loaded to answer --help, and with further modules."""
-    code = f"import sys, {', '.join(('reports.cli', *more))}; print(*sys.modules)"
-    return set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+def ready(name: str) -> Engine:
+    """The engine, or a skip that says why it cannot run here."""
+    engine = engines.load(name)
+    if engine.missing():
+        pytest.skip(engine.missing() or "")
+    return engine
+
+
+HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+"""Libraries that cost a tenth of a second or more to import."""
+NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
+"""Those of them that a run of one engine needs."""
+RUN = """
+from harness.run import simulate
+from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
+"""
+
+
+def modules(code: str) -> set[str]:
+    """What a fresh interpreter has loaded after some code."""
+    told = [sys.executable, "-c", f"{code}\nimport sys\nprint(*sys.modules)"]
+    return set(subprocess.run(told, capture_output=True, text=True, check=True).stdout.split())
 
 
 def test_help_imports_no_simulator() -> None:
-    loaded = modules()
-    assert not loaded & {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly"}
+    loaded = modules("import reports.cli")
+    assert not loaded & HEAVY
     assert len(loaded) <= budgets.MODULES_OF_HELP
-    assert len(modules("scipy.integrate")) > budgets.MODULES_OF_HELP, (
-        "the budget does not see a library: it sees nothing"
-    )
+    more = modules("import reports.cli, scipy.integrate")
+    assert len(more) > budgets.MODULES_OF_HELP, "the budget does not see a library: it sees nothing"
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet", "analytic"])
+def test_a_run_imports_its_own_engine_only(name: str) -> None:
+    ready(name)
+    loaded = modules(RUN.format(name=name))
+    assert loaded & HEAVY == NEEDED[name]
+    assert len(loaded) <= budgets.MODULES_OF_RUN[name]
 
 
 def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:
