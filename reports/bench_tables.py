@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from reports.numbers import digits
+from reports.numbers import digits, heading
 
 Row = Mapping[str, Any]
 Table = tuple[str, list[str], list[tuple[str, list[str]]]]
@@ -20,6 +20,7 @@ def tables(record: Mapping[str, Any]) -> dict[str, list[Table]]:
         "choice": [_choice(record.get("choice", ()), float(record["target_rad"])), _coverage(record["coverage"])],
         "skips": [_skips(record.get("skips", ()))],
         "others": [*_solvers(record.get("solvers", ())), _throughput(record), _overhead(record.get("overhead") or {})],
+        "scaling": [_scaling(record.get("scaling", ()))],
         "parts": [_parts(record.get("parts", ()))],
     }
     return {name: [item for item in items if item[2]] for name, items in found.items()}
@@ -103,6 +104,17 @@ def _overhead(found: Row) -> Table:
         for kind in kinds
     ]
     return "A whole pymunk run over a bare loop", ["run [s]", "bare loop [s]", "ratio"], rows
+
+
+def _scaling(items: Sequence[Row]) -> Table:
+    rows = [
+        (
+            f"{item['engine']}, {heading(str(item['quantity']))}",
+            [f"{item['value']:g}", digits(item["wall_s"], 2), digits(item["memory_mb"], 3)],
+        )
+        for item in items
+    ]
+    return "How time and memory grow", ["size", "by the clock [s]", "memory [MB]"], rows
 
 
 def _parts(items: Sequence[Row]) -> Table:

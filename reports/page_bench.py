@@ -14,8 +14,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from reports.bench_scaling import scaling_figure
 from reports.bench_tables import tables
-from reports.numbers import digits, heading, unit
+from reports.numbers import digits, unit
 from reports.palette import HAIRLINE, INK, MUTED, look
 from reports.words import Verdict
 
@@ -32,14 +33,12 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
     charts = [
         (f"work-{k}", scene, precision_figure(scene, rows, record["target_rad"])) for k, scene in enumerate(scenes)
     ]
-    quantities = dict.fromkeys(str(item["quantity"]) for item in record["scaling"])
-    scaling = [(f"scaling-{k}", heading(name), _scaling(name, record["scaling"])) for k, name in enumerate(quantities)]
     return {
         "title": record["title"],
         "verdict": bench_verdict(record),
         "chips": [],
         "charts": charts,
-        "scaling": scaling,
+        "scaling": scaling_figure(record["scaling"]) if record["scaling"] else None,
         "extra": tables(record),
         "heads": [
             "engine",
@@ -87,13 +86,15 @@ def on_front(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> bool:
     """Whether no other setting of its kind on the same scene is both faster and more accurate.
 
     Contact engines, which have a step, compete with each other; the analytic model, which has none, would leave no front.
+    An error of exactly nothing is that of a run compared with itself: it stands in the table only.
     """
-    if row["failed"] is not None:
+    if row["failed"] is not None or row["error_rad"] == 0.0:
         return False
     return not any(
         other["scene"] == row["scene"]
         and bool(other["dt_s"]) == bool(row["dt_s"])
         and other["failed"] is None
+        and other["error_rad"] > 0.0
         and other["error_rad"] <= row["error_rad"]
         and other["cpu_s"] <= row["cpu_s"]
         and (other["error_rad"], other["cpu_s"]) != (row["error_rad"], row["cpu_s"])
@@ -103,7 +104,7 @@ def on_front(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> bool:
 
 def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: float) -> Json:
     """Work–precision of one scene on logarithmic axes: one line per engine's ladder, open signs for other settings."""
-    here = [row for row in rows if row["scene"] == scene and row["failed"] is None]
+    here = [row for row in rows if row["scene"] == scene and row["failed"] is None and row["error_rad"] > 0.0]
     engines = list(dict.fromkeys(str(row["engine"]) for row in rows))
     data: list[Json] = []
     for engine in engines:
@@ -145,30 +146,6 @@ def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: 
 
 def _error(row: Mapping[str, Any]) -> float:
     return float(row["error_rad"])
-
-
-def _scaling(quantity: str, items: Sequence[Mapping[str, Any]]) -> Json:
-    engines = list(dict.fromkeys(str(item["engine"]) for item in items))
-    data = []
-    for engine in engines:
-        mine = sorted(
-            (i for i in items if (i["engine"], i["quantity"]) == (engine, quantity)), key=lambda i: float(i["value"])
-        )
-        style = look(engine, engines)
-        data.append(
-            {
-                "type": "scatter", "mode": "lines+markers", "name": engine, "x": [item["value"] for item in mine],
-                "y": [item["wall_s"] for item in mine], "line": {"color": style.colour, "dash": style.dash},
-                "text": ["" if item["memory_mb"] is None else f"{item['memory_mb']:.0f} MB" for item in mine],
-                "hovertemplate": f"{engine} %{{x:.3g}}: %{{y:.3g}} s, %{{text}}<extra></extra>",
-            }
-        )  # fmt: skip
-    axis = {"type": "log", "gridcolor": HAIRLINE, "exponentformat": "power", "dtick": 1}
-    layout = {
-        "height": 360, "xaxis": {**axis, "title": {"text": heading(quantity)}},
-        "yaxis": {**axis, "title": {"text": "time  [s]"}}, "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }  # fmt: skip
-    return {"data": data, "layout": layout}
 
 
 def _cells(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

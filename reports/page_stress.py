@@ -28,7 +28,9 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "title": record["title"],
         "verdict": stress_verdict(record),
         "chips": [],
-        "maps": [(engine, *stability_map(engine, record["cells"])) for engine in engines],
+        "maps": [
+            (engine, *stability_map(engine, record["cells"]), notes(engine, record["cells"])) for engine in engines
+        ],
         "signs": SIGNS,
         "engines": catalogued,
         "scenes": record["scenes"],
@@ -80,3 +82,12 @@ def stability_map(engine: str, cells: Sequence[Mapping[str, Any]]) -> tuple[list
     difficulties = list(dict.fromkeys(str(cell["difficulty"]) for cell in mine))
     found = {(cell["difficulty"], cell["setting"]): cell for cell in mine}
     return settings, [(row, [found.get((row, column)) for column in settings]) for row in difficulties]
+
+
+def notes(engine: str, cells: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for cell in cells:
+        if cell["engine"] == engine and cell["explained"]:
+            found.setdefault((str(cell["difficulty"]), str(cell["explained"])), []).append(str(cell["setting"]))
+    return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in found.items()]

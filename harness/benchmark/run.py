@@ -78,6 +78,7 @@ def said(found: Row) -> list[str]:
     return [
         *sentences.sentences(found),
         *alone.sentences(found["skips"]),
+        *scaling.sentences(found["scaling"]),
         *others.sentences(found),
         *(f"“{name}” was left out: {why}." for name, why in found["absent"].items()),
     ]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, Final
@@ -14,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.benchmark.scenes import COLUMN, harmonic, scene_of
-from harness.benchmark.timing import cost, peak_memory_mb
+from harness.benchmark.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.parts import Row
 
 Point = tuple[str, str, float]
@@ -113,7 +114,30 @@ def _workers(jobs: int) -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
         path = write_study(Path(name), STUDY_RUNS, "pymunk")
         study = load_study(path)
-        begin, cpu = time.perf_counter(), time.process_time()
+        begin = time.perf_counter()
+        pool = LocalPool(jobs)
         with Store(path.parent / "store.sqlite") as store:
-            run_study(study, path, store, LocalPool(jobs))
-        return time.perf_counter() - begin, peak_memory_mb(), time.process_time() - cpu
+            run_study(study, path, store, pool)
+        wall_s = time.perf_counter() - begin
+        pool.close()
+    return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
+    told = []
+    for engine, quantity in dict.fromkeys((row["engine"], row["quantity"]) for row in rows):
+        mine = sorted(
+            (r for r in rows if (r["engine"], r["quantity"]) == (engine, quantity)), key=lambda r: float(r["value"])
+        )
+        if len(mine) < 2:
+            continue
+        (less, more), words = mine[-2:], quantity.removesuffix("_s").replace("_", " ")
+        if quantity == "workers":
+            told.append(
+                f"{more['value']:g} workers are {less['wall_s'] / more['wall_s']:.2g} times as fast as {less['value']:g}"
+            )
+            continue
+        power = math.log(more["wall_s"] / less["wall_s"]) / math.log(more["value"] / less["value"])
+        told.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
+    return [f"Scaling: {'; '.join(told)}."] if told else []

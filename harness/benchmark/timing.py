@@ -37,3 +37,14 @@ def cost(work: Callable[[], object], repeats: int = REPEATS, budget_s: float = B
 def peak_memory_mb() -> float:
     """Largest resident memory of this process so far, MB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+
+def largest_child_mb() -> float:
+    """Largest resident memory of any ended child of this process, MB."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+
+
+def children_cpu_s() -> float:
+    """Processor time of all ended children of this process, s."""
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return spent.ru_utime + spent.ru_stime

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -9,9 +11,9 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.benchmark import alone, cover, others, precision, sentences, skips
+from harness.benchmark import alone, cover, others, precision, scaling, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
-from harness.benchmark.timing import cost
+from harness.benchmark.timing import children_cpu_s, cost, largest_child_mb
 from harness.engine import SKIPS, EngineFailure, Want
 from harness.history import History
 
@@ -176,6 +178,25 @@ def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     (probe,) = engine.probes(scene, skips.rung(engine, scene, alone.RESOLVED_RAD))
     finer = engine.simulate(scene, probe, skips.NONE)
     assert alone.own_error_rad(engine, scene, skips.NONE, run) == alone.difference(run, finer) > 0.0
+
+
+def test_how_time_grows_is_told_from_the_largest_two() -> None:
+    def point(quantity: str, value: float, wall_s: float) -> dict[str, Any]:
+        return {"engine": "pymunk", "quantity": quantity, "value": value, "wall_s": wall_s, "memory_mb": 1.0}
+
+    rows = [point("duration_s", 2.0, 0.9), point("duration_s", 8.0, 1.0), point("duration_s", 32.0, 4.0)]
+    rows += [point("workers", 1.0, 3.0), point("workers", 2.0, 2.0), point("runs", 100.0, 1.0)]
+    assert scaling.sentences(rows) == [
+        "Scaling: pymunk's time grows with the power 1.00 of duration; 2 workers are 1.5 times as fast as 1."
+    ]
+    assert scaling.sentences([]) == []
+
+
+def test_the_memory_of_workers_is_counted() -> None:
+    code = "import sys; sys.stdout.write(str(len(bytearray(300_000_000))))"
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+    assert largest_child_mb() > 250.0
+    assert children_cpu_s() > 0.0
 
 
 def test_other_solvers_are_compared_at_equal_error() -> None:

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from harness.record import write_json
+from reports.bench_scaling import scaling_figure
 from reports.bench_tables import tables as bench_tables
 from reports.page import write_report
-from reports.page_bench import bench_verdict, on_front
-from reports.page_stress import stress_verdict
+from reports.page_bench import bench_verdict, on_front, precision_figure
+from reports.page_stress import notes, stress_verdict
 from reports.page_study import context as study_context
 from reports.page_study import left_domain, study_warnings
 from reports.page_validation import validation_verdict
@@ -186,5 +187,49 @@ def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
     scenes = [{**record["scenes"][0], "known": {"pybullet": "creeps at 1 ms; with more iterations it does not"}}]
     write_json(tmp_path / "result.json", {**record, "scenes": scenes, "command": "rockcheck stress --quick"})
     page = without_data(write_report(tmp_path).read_text(encoding="utf-8"))
-    assert "known failure of pybullet: creeps at 1 ms" in page
+    assert (
+        "known failure of pybullet, and what avoids it</summary>creeps at 1 ms; with more iterations it does not"
+        in page
+    )
     assert "<code>rockcheck stress --quick</code>" in page
+
+
+def test_a_run_that_is_compared_with_itself_stands_in_no_plot_and_on_no_front() -> None:
+    rows = invented_records.bench_rows()
+    best = min((row for row in rows if row["failed"] is None), key=lambda row: row["error_rad"])
+    itself = {**best, "error_rad": 0.0, "cpu_s": 1e-9, "label": "itself"}
+    assert not on_front(itself, [*rows, itself])
+    assert [on_front(row, [*rows, itself]) for row in rows] == [on_front(row, rows) for row in rows]
+    drawn = precision_figure(best["scene"], [*rows, itself], 1e-3)["data"]
+    assert all(value > 0.0 for line in drawn for value in line["y"])
+    assert "itself" not in {text for line in drawn for text in line.get("text", ())}
+
+
+def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> None:
+    record = read_record(invented_records.write_bench(tmp_path))
+    points = [
+        {"engine": engine, "quantity": quantity, "value": value, "wall_s": 1e-3 * value, "memory_mb": 50.0 + value}
+        for engine, quantity in (("pymunk", "duration_s"), ("pymunk", "workers"), ("analytic", "runs"))
+        for value in (2.0, 8.0)
+    ]  # fmt: skip
+    figure = scaling_figure(points)
+    lines = [line for line in figure["data"] if line["name"] != "in proportion"]
+    assert [line["yaxis"] for line in lines] == ["y", "y2"] * 3
+    assert all(line["x"] == [1.0, 4.0] for line in lines)
+    assert [line["y"] for line in lines[:2]] == [[2e-3, 8e-3], [52.0, 58.0]]
+    assert {figure["layout"][axis]["type"] for axis in ("xaxis", "yaxis", "yaxis2")} == {"log"}
+    ((_, _, rows),) = bench_tables({**record, "scaling": points})["scaling"]
+    assert rows[0] == ("pymunk, duration [s]", ["2", "0.0020", "52.0"])
+
+
+def test_every_explanation_of_a_map_stands_below_it_once() -> None:
+    cell = {"engine": "pybullet", "difficulty": "at rest", "category": "inaccurate", "evidence": "error"}
+    cells = [
+        cell | {"setting": "1/60 s", "explained": "too long"}, cell | {"setting": "1/240 s", "explained": "too long"},
+        cell | {"setting": "hull", "explained": "known: margin 0 is stable"}, cell | {"setting": "1 ms", "explained": ""},
+        cell | {"engine": "pymunk", "setting": "1/60 s", "explained": "another"},
+    ]  # fmt: skip
+    assert notes("pybullet", cells) == [
+        "at rest, 1/60 s; 1/240 s: too long",
+        "at rest, hull: known: margin 0 is stable",
+    ]
