@@ -24,6 +24,12 @@ ORDER_WITH_IMPACTS: Final = 1.4
 """Observed order over four halvings with four impacts in them; 1.0 where anything of first order is left at an impact."""
 SLOW_IMPACTS_RAD: Final = 6e-6
 """Measured 1.5e-6 rad at 0.5 ms, of rocking by 2e-4; slow impacts left to whole steps cost 1e-4."""
+RATTLE_RAD: Final = 3e-4
+"""Measured 2e-5 to 1.1e-4 rad at 1 ms; swings left to whole steps cost 3e-4 to 0.1 rad."""
+RATTLED_OUT_RAD: Final = 5e-7
+"""Rotation left at rest: measured 1.7e-7 rad at 4 ms in pymunk, a hundredth of two depths of contact."""
+RATTLED_OUT_STEPS: Final = 1.6
+"""Steps over whole ones for a rocking that dies out, with all its short swings: measured 1.45 in pymunk."""
 FALL_ORDER: Final = 1.95
 """Observed order over three halvings while a statue falls about one corner: measured 2.0; 1.5 with the spin that a step loses."""
 IMPACT_AFTER_A_HALT_RAD: Final = 3e-5

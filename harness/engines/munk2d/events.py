@@ -31,15 +31,11 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
     ahead = _time_level(drive, standing, facet)
     # To the left the facet's left end comes down, which is the later one.
     incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
-    standing.keep(0.5 * ahead + 0.25 * dt)
-    advance(drive, 0.5 * ahead + 0.25 * dt, ahead - 0.5 * dt)
-    _turn_on(drive, standing, facet, old=2 * facet + 1 - incoming)
-    record(drive, drive.t_s, drive.t_s - drive.place_s)
-    standing.keep(_time_to_contact(drive, standing, incoming), turned=True)
-    move = _time_to_contact(drive, standing, incoming)
+    approach(drive, standing, facet, ahead, dt)
+    move = time_to_contact(standing, incoming)
     found = 0.0 < move < dt
     if found:
-        _impact(drive, move)
+        impact_alone(drive, move)
         # Both were at the impact, velocities by its foreseen time; half a step on, they are half a step ahead again.
         drive.place_s = drive.t_s
         standing.keep(0.5 * dt)
@@ -55,11 +51,22 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
     move = drive.t_s + 0.5 * rest - drive.place_s
     standing.keep(move)
     advance(drive, move, rest)
-    _end(drive, end_s)
+    end(drive, end_s)
     return found
 
 
-def _end(drive: Drive, end_s: float) -> None:
+def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_s: float) -> None:
+    """Velocities to the impact on a facet `ahead_s` after the places, which are half of `part_s` behind; places half the way."""
+    incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
+    move = 0.5 * ahead_s + 0.25 * part_s
+    standing.keep(move)
+    advance(drive, move, ahead_s - 0.5 * part_s)
+    _turn_on(drive, standing, facet, old=2 * facet + 1 - incoming)
+    record(drive, drive.t_s, drive.t_s - drive.place_s)
+    standing.keep(time_to_contact(standing, incoming), turned=True)
+
+
+def end(drive: Drive, end_s: float) -> None:
     """End on a whole step: positions half a step behind velocities."""
     place_s = end_s - 0.5 * drive.settings.dt_s
     for body in drive.world.movers:
@@ -103,13 +110,13 @@ def _time_level(drive: Drive, standing: Standing, facet: int) -> float:
     return found if LEAST_AHEAD * dt <= found <= MOST_AHEAD * dt else plain_s
 
 
-def _time_to_contact(drive: Drive, standing: Standing, vertex: int) -> float:
+def time_to_contact(standing: Standing, vertex: int) -> float:
     """Time, s, in which a vertex reaches the depth at which contacts are kept, at present velocities."""
     gap, opening = standing.gap(vertex)
-    return -(gap + drive.settings.depth_m) / opening if opening < 0.0 else math.inf
+    return -(gap + standing.depth_at(native.get_spin(standing.statue))) / opening if opening < 0.0 else math.inf
 
 
-def _impact(drive: Drive, move_s: float) -> None:
+def impact_alone(drive: Drive, move_s: float) -> None:
     """The impact alone: positions at contact, no gravity; by the engine, or by the prescribed ratio."""
     if drive.scene.contact.restitution is None:
         advance(drive, move_s, 0.0, hard=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.engine import Want
 from harness.engines.munk2d import drive as driving
-from harness.engines.munk2d import events, native
+from harness.engines.munk2d import events, native, rattle
 from harness.engines.munk2d.drive import Drive
 from harness.engines.munk2d.standing import FAR, Standing
 from harness.engines.munk2d.world import MunkSettings
@@ -32,10 +32,10 @@ STILL_M_S: Final = 1e-5
 """Rates below these in two blocks running, with the floor still, are rest."""
 TREMBLE_RAD_S2: Final = 1e-2
 """Rate, over the step, at which a statue at rest may tremble in its depth of contact: measured 3e-5 rad/s at 4 ms."""
-IMPACT, HALT, END = 1, 2, 0
+IMPACT, HALT, RATTLE, END = 1, 2, 3, 0
 EVENT_STEPS: Final = 3
 """Whole steps that a split impact takes the place of."""
-SLOW_EVERY: Final = 64
+SLOW_EVERY: Final = 16
 """Steps after which a slow or resting statue is held to its depth of contact."""
 LEAST_BETWEEN: Final = 2
 """Whole steps since an event that tell how the statue moves on."""
@@ -78,6 +78,9 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
             end = min(k + EVENT_STEPS, total)
             events.split_impact(drive, standing, standing.facet, float(grid.edges_s[end]))
             k, drive.rate_before_m_s, drive.whole_from, split_from = end, math.nan, end, end + LEAST_BETWEEN
+        elif event == RATTLE:
+            k = rattle.rattle(drive, standing, standing.facet, grid.edges_s)
+            drive.rate_before_m_s, drive.whole_from, split_from = math.nan, k, k + LEAST_BETWEEN
         elif event == HALT:
             events.split_halt(drive, standing, share, float(grid.edges_s[k + 1]))
             # An impact may follow at once: a halt does not change how the statue turns.
@@ -128,7 +131,7 @@ def _plain_steps(
     aligned, on_pedestal = drive.aligned, world.pedestal is not None
     halts = settings.align and on_pedestal and rest > 0.0
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
-    least_spin = standing.least_of_all_rad_s if aligned else math.inf
+    least_spin = standing.swings_rad_s if aligned else math.inf
     own, under = world.statue_slice, world.pedestal_slice
     begin, event, share, spin, row = k, END, 0.0, drive.spin_before_rad_s, last()
     state, below = row[own], row[under] if on_pedestal else None
@@ -141,8 +144,10 @@ def _plain_steps(
             if found == FAR:
                 wanted = few if standing.held(k, state, gravity[k - 1]) else many
             elif found >= 0 and first_split <= k <= last_split:
-                event, standing.facet = IMPACT, found
-                break
+                short, standing.facet = rattle.is_short(drive, standing, found, float(grid.edges_s[k])), found
+                if short is not None:
+                    event = RATTLE if short else IMPACT
+                    break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
         if (
             halts

@@ -33,16 +33,26 @@ LEANING_RAD: Final = 2.0
 TIPPED_RAD: Final = 1e-3
 """A pedestal tilted by more has its own impacts: its statue is left to whole steps."""
 SLOW_DEPTHS: Final = 2.0
-"""An impact is met when its vertex moves more than this many depths in a step; slower ones the engine resolves itself."""
+"""A statue whose vertices move less than this many depths in a step stands on both of them where its pedestal halts."""
+SWINGS_STEPS: Final = 0.1
+"""Share of a step's fall by which a statue at rest does not turn: above that rate its impacts are met."""
+TURNING_DEPTH: Final = 0.05
+"""Depth of contact of a statue that turns slowly over that at rest: a vertex is let go, and felt, at its depth, and a swing that
+lifts it by less would end at its peak."""
+CLEAR_DEPTHS: Final = 2.0
+"""Depths of rest by which the other end of a facet must be up before the standing one comes up, too."""
+SETTLED: Final = 0.01
+"""Share of these depths by which a statue at rest may be off its own."""
+FAST_RAD_S: Final = 0.02
+"""Rate from which on a statue stands at the depth of rest again, so that its circle does not take it off its support."""
 LEAST_AHEAD: Final = 0.6
 MOST_AHEAD: Final = 2.3
 """Steps to an impact between which it is met: more than one apart, as what falls is faster in each step."""
 MOST_GAINED: Final = 0.3
-"""Share of the rate above which its change in the last step leaves an impact to whole steps: swings of so few steps must die out
-in them, and parts of steps would keep them alive."""
+"""Share of the rate above which its change in the last step tells a short swing (munk2d/rattle.py)."""
 SLOW_STEPS: Final = 10.0
-"""A rate that gravity changes in so many steps takes a vertex nowhere. Held up in each of them, a statue that comes to rest in
-swings of a few steps would rock for ever; never held up, one at rest would sink and turn within the slop."""
+"""A rate that gravity changes in so many steps takes a vertex nowhere. Held in each of them a statue would not come to rest;
+never held, one at rest would sink and turn within the slop."""
 RISES: Final = 4.0
 """A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
 
@@ -63,9 +73,10 @@ class Standing:
     """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
-    beyond the first i of them the statue stands on vertex i. `least_rad_s` are the rates above which their impacts are met
-    (`least_of_all_rad_s` the least), `facet` the one that was found to come; `lost` the spin that a step would lose, over
-    itself and the turn squared, by vertex.
+    beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come, `steady` whether its
+    rate hardly changes; impacts are met at rates above `swings_rad_s`, and at those below `least_of_all_rad_s` the statue stands
+    on a whole facet in a halt. `depth_m` is the depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and
+    above; `lost` the spin that a step would lose, over itself and the turn squared, by vertex.
     """
 
     def __init__(self, drive: Drive) -> None:
@@ -77,19 +88,22 @@ class Standing:
         steps = points[:-1] - points[1:]
         self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in steps]
         self.length_m = [float(math.hypot(dx, dz)) for dx, dz in steps]
-        self.least_rad_s = [least_rate_rad_s(drive.settings, length) for length in self.length_m]
-        self.least_of_all_rad_s = min(self.least_rad_s)
+        self.least_of_all_rad_s = min(least_rate_rad_s(drive.settings, length) for length in self.length_m)
         self.height_m, self.moving = scene.statue.centroid_height_m, drive.moving
-        self.depth_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
+        self.rest_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
+        self.depth_m = TURNING_DEPTH * self.rest_m
+        self.clear_of_rest_rad = [CLEAR_DEPTHS * self.rest_m / length for length in self.length_m]
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
-        self.facet = NEAR
+        self.facet, self.steady = NEAR, False
         self.lost = [0.5 * scene.statue.mass_kg * (x * x + z * z) / scene.statue.inertia_kg_m2 for x, z in self.points]
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
         self.asked = -2
         self.last_state: Row = native.state_of(self.statue)
-        self.slow_rad_s = SLOW_STEPS * _fall_rad_s2(scene) * drive.settings.dt_s
+        falls_rad_s = _fall_rad_s2(scene) * drive.settings.dt_s
+        self.swings_rad_s, self.slow_rad_s = SWINGS_STEPS * falls_rad_s, SLOW_STEPS * falls_rad_s
+        self.fast_rad_s = max(FAST_RAD_S, self.slow_rad_s)
 
     def coming(self, state: Row, below: Row | None, before_rad_s: float) -> int:
         """The facet whose impact is to be met now, at a rate that was another a step before; else `NEAR` or `FAR`.
@@ -107,9 +121,8 @@ class Standing:
         if 0 <= facet < len(level):
             ahead_s = (level[facet] - turned) / spin
             if ahead_s < self.far_s:
-                fast = abs(spin) > self.least_rad_s[facet]
-                steady = abs(spin - before_rad_s) <= MOST_GAINED * abs(spin)
-                return facet if fast and steady and ahead_s >= self.near_s else NEAR
+                self.steady = abs(spin - before_rad_s) <= MOST_GAINED * abs(spin)
+                return facet if ahead_s >= self.near_s else NEAR
         close = 0 <= behind < len(level) and abs(turned - level[behind]) < self.clear_rad
         return NEAR if close or self.walled or not -STEEPEST_RAD < turned < STEEPEST_RAD else FAR
 
@@ -178,13 +191,19 @@ class Standing:
         slow: bool = False,
         turned: bool = False,
     ) -> None:
-        """The same from the states of the statue and of what moves below it; at a slow rate only if `slow`.
+        """The same from the states of the statue and of what moves below it; one at rest is settled, only if `slow`.
 
         `support_m`: the support's height after that move, where the table's own motion gives it.
         """
         place_x, place_z, angle, rate_x, rate_z, spin = state
-        if not slow and -self.slow_rad_s < spin < self.slow_rad_s:
-            return
+        if -self.slow_rad_s < spin < self.slow_rad_s:
+            at_rest = -self.swings_rad_s < spin < self.swings_rad_s
+            if at_rest and not slow:
+                return
+            if self._in_reach(angle if below is None else angle - below[2]):
+                if at_rest:
+                    self.settle()
+                return
         turn, tilt = spin * length_s, 0.0
         angle += turn
         if self.pedestal is not None and below is not None:
@@ -203,13 +222,41 @@ class Standing:
             support_m = 0.0
             if below is not None:
                 support_m = self._top(below, place_x + rate_x * length_s + x * cos - z * sin, length_s, tilt)
-        excess = place_z + rate_z * length_s + x * sin + z * cos - support_m + self.depth_m
-        if -self.slop_m < excess < RISES * (self.depth_m + self.height_m * turn * turn):
+        depth = self.depth_at(spin)
+        excess = place_z + rate_z * length_s + x * sin + z * cos - support_m + depth
+        if -self.slop_m < excess < RISES * (depth + self.height_m * turn * turn):
             native.set_place(self.statue, (place_x, place_z - excess))
             if not turned:
                 # The velocity is the tangent of the circle where the last contact was: the next turns it on and keeps what of
                 # it lies along, I ω' + m R² ω' = I ω + m R² ω cos(turn). What that loses is given to the spin beforehand.
                 native.set_spin(self.statue, spin * (1.0 + self.lost[vertex] * turn * turn))
+
+    def depth_at(self, spin_rad_s: float) -> float:
+        """Depth, m, at which the standing vertex of a statue that turns so is kept."""
+        return self.depth_m if -self.fast_rad_s < spin_rad_s < self.fast_rad_s else self.rest_m
+
+    def settle(self) -> None:
+        """Lay a statue at rest on its facet again, at the depth of rest: what it has turned there the solver's sweeps left."""
+        tilt = self.tilt()
+        leaning = native.get_angle(self.statue) - tilt
+        facet = min(range(len(self.level_rad)), key=lambda i: abs(leaning - self.level_rad[i]))
+        off = abs(leaning - self.level_rad[facet])
+        if off > self.clear_of_rest_rad[facet]:
+            return
+        if off > SETTLED * self.clear_of_rest_rad[facet]:
+            native.set_angle(self.statue, self.level_rad[facet] + tilt)
+        sunk = max(self.gap(facet)[0], self.gap(facet + 1)[0]) + self.rest_m
+        if SETTLED * self.rest_m < abs(sunk) < self.slop_m:
+            place = native.get_place(self.statue)
+            native.set_place(self.statue, (place.x, place.y - sunk))
+
+    def _in_reach(self, leaning_rad: float) -> bool:
+        """Whether the other end of a facet may be in contact at the depth of rest."""
+        level, clear = self.level_rad, self.clear_of_rest_rad
+        vertex = bisect_left(level, leaning_rad)
+        return (vertex > 0 and leaning_rad - level[vertex - 1] < clear[vertex - 1]) or (
+            vertex < len(level) and level[vertex] - leaning_rad < clear[vertex]
+        )
 
     def _below(self) -> Row | None:
         """State of what moves below the statue, if anything does."""
