@@ -112,7 +112,7 @@ def seconds(found: Mapping[str, Measured]) -> list[Row]:
 
 def command(name: str, quick: bool, found: Mapping[str, Measured]) -> str:
     """What measures again all that was measured: `rockcheck NAME` with the options that it takes."""
-    done = [part for part, item in found.items() if item.rows]
+    done = [part for part, item in found.items() if item.rows or not item.left]
     some = f" --parts {','.join(done)}" if 0 < len(done) < len(found) else ""
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
 

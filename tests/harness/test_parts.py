@@ -72,7 +72,7 @@ def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> Non
 def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> None:
     part = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
     assert command("stress", True, part) == "rockcheck stress --quick --parts second"
-    whole = measure(tmp_path, parts(Counting()), None, STAMP, silent)
+    whole = measure(tmp_path, [*parts(Counting()), Part("nothing to do", (), Counting())], None, STAMP, silent)
     assert command("bench", False, whole) == "rockcheck bench"
 
 
