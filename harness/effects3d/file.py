@@ -86,5 +86,7 @@ def load_effects(path: Path) -> EffectsFile:
         return EffectsFile.model_validate(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
+    except RecursionError as error:
+        raise InputError(Mistake(str(path), "", "valid TOML", "values nested too deeply to read")) from error
     except ValidationError as error:
         raise InputError(mistakes_of(error, EffectsFile, str(path), text)) from error

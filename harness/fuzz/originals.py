@@ -88,6 +88,35 @@ analytic = 1e-6
 [ask]
 cases = "all"
 """
+EFFECTS: Final = b"""kind = "effects3d"
+title = "by direction"
+scene = "stone.toml"
+engines = ["analytic", "pybullet"]
+directions = 8
+every = 2
+conditions = ["with the vertical component", "centroid 3 % higher"]
+samples = 20
+share = 0.95
+[search]
+most_g = 1.2
+resolution = 0.002
+dt_s = 0.001
+"""
+STONE: Final = b"""title = "a stone"
+duration_s = 1.0
+[statue]
+mesh = { file = "stone.ply", unit = "m", density_kg_m3 = 2700.0 }
+[motion.x]
+kind = "pulse"
+shape = "one_sine"
+amplitude_g = 0.3
+duration_s = 0.5
+[motion.z]
+kind = "pulse"
+shape = "one_sine"
+amplitude_g = 0.2
+duration_s = 0.2
+"""
 EXPERIMENTS: Final = b"""test,mesh,unit,density_kg_m3,azimuth_deg,friction,motion,column,motion_unit,scale,observed
 a,stone.ply,m,2700,0;10,0.4;0.6,motion.csv,a,m/s2,1.0,stands
 b,stone.ply,m,2700,90,0.5,motion.csv,a,m/s2,2.0,overturned_left
@@ -163,6 +192,7 @@ def prepare(folder: Path) -> None:
     (folder / "motion.csv").write_bytes(_csv("t_s,a", _wave()))
     (folder / "stone.ply").write_bytes(ply())
     (folder / "good.toml").write_bytes(SCENE)
+    (folder / "stone.toml").write_bytes(STONE)
 
 
 @lru_cache(maxsize=1)
@@ -171,6 +201,7 @@ def kinds() -> tuple[Kind, ...]:
     return (
         Kind("scene", "scene.toml", SCENE, use.scene),
         Kind("study", "study.toml", STUDY, use.study),
+        Kind("3D effects", "effects.toml", EFFECTS, use.effects),
         Kind("experiments", "experiments.csv", EXPERIMENTS, use.experiments),
         Kind("motion CSV", "mutated_motion.csv", _csv("t_s,a_ms2", _wave()), use.motion),
         *(Kind(f"motion {name}", file, make(), use.motion) for name, (file, make) in records.FORMATS.items()),

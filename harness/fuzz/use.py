@@ -46,6 +46,19 @@ def study(path: Path) -> None:
             raise AssertionError("a run that was put into a store is not there")
 
 
+def effects(path: Path) -> None:
+    """Read, and run the first conditions of the first direction for a moment."""
+    from harness.effects3d.conditions import changed_scene
+    from harness.effects3d.file import load_effects
+    from harness.run import simulate
+    from harness.studies.cases import base_of_scene
+
+    given = load_effects(path)
+    found = base_of_scene(path.parent / given.scene).scene({})
+    for condition in given.conditions[:FEW]:
+        simulate(_short(changed_scene(found, condition, given.azimuths_deg(given.every)[-1])), "analytic")
+
+
 def experiments(path: Path) -> None:
     """Read, and run the first tests for a moment, as they are and perturbed."""
     from harness.run import simulate

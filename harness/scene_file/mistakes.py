@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Any, Final, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -27,6 +27,10 @@ _WANTED: Mapping[str, str] = {
     "finite_number": "a finite number",
     "union_tag_not_found": "a key `kind`",
 }
+
+
+UNKNOWN: Final = "extra_forbidden"
+"""Pydantic's word for a key that its table does not have."""
 
 
 class Contradiction(ValueError):
@@ -50,7 +54,7 @@ def mistakes_of(
     """
     grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
     for detail in error.errors(include_url=False):
-        path, _ = _resolve(model, detail["loc"])
+        path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
         grouped.setdefault(path, []).append(detail)
     return [_mistake(path, details, model, _Source(where, text, overridden)) for path, details in grouped.items()]
 
@@ -76,9 +80,9 @@ def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[Bas
     if isinstance(cause, Contradiction):
         path = (*path, *cause.key.split("."))
         return Mistake(source.place(path), ".".join(path), cause.wanted, cause.got)
-    _, owner = _resolve(model, detail["loc"])
+    _, owner = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
     advice = ""
-    if detail["type"] == "extra_forbidden":
+    if detail["type"] == UNKNOWN:
         known = sorted(owner.model_fields) if owner is not None else []
         near = get_close_matches(path[-1], known, n=1)
         wanted = f"a known key ({', '.join(known)})" if known else "no such key"
@@ -127,11 +131,13 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _resolve(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[tuple[str, ...], type[BaseModel] | None]:
+def _resolve(
+    model: type[BaseModel], location: tuple[int | str, ...], unknown: bool
+) -> tuple[tuple[str, ...], type[BaseModel] | None]:
     """The dotted key of an error's location and the table that owns its last part.
 
     Pydantic puts tags of unions and names of types into the location; only what is a key of a table, or an index of a
-    list, belongs to the user's file.
+    list, belongs to the user's file. The last part of an `unknown` key's location is that key, whatever it looks like.
     """
     owner: type[BaseModel] | None = model
     candidates: list[type[BaseModel]] = [model]
@@ -148,7 +154,10 @@ def _resolve(model: type[BaseModel], location: tuple[int | str, ...]) -> tuple[t
             candidates = inner or candidates
             continue
         tagged = [m for m in candidates if _tag_of(m) == part]
-        if tagged:
+        if last and unknown:
+            owner = candidates[0] if len(candidates) == 1 else None
+            path.append(str(part))
+        elif tagged:
             candidates = tagged
         elif isinstance(part, int):
             path.append(str(part))

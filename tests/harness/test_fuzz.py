@@ -15,7 +15,7 @@ import pytest
 
 from harness.errors import InputError, Mistake
 from harness.fuzz.mutate import BINARY, STL, TEXT, mutated, point
-from harness.fuzz.originals import EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
+from harness.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
 from harness.fuzz.records import at2, cosmos, esm, smc
 from harness.fuzz.run import Tried, attempt, died, fuzz, summed, tasks
 from harness.fuzz.use import WRITTEN, unfinished
@@ -34,6 +34,8 @@ FOUND = {
     "mesh PLY": (ply().replace(b"3 0 2 1", b"3 0 2 9"), ply().replace(b"3 0 2 1", b"3 0 2 -5")),
     "study": (b'title = "t"\nscene = "good.toml"\n[[vary]]\nkey = "a"\nstart = 0\nstop = 1\ncount = 9999999999999\n',),
     "scene": (
+        SCENE.replace(b"title =", b"Title ="),
+        SCENE.replace(b"[wall]", b"[record]"),
         SCENE.replace(b"depth_m = 0.72", b"depth_m = 1e300"),
         SCENE.replace(b"depth_m = 0.80", b"depth_m = 1e300"),
         SCENE.replace(b"amplitude_g = 0.1\nduration_s = 0.5", b"amplitude_g = 0.1\nduration_s = 1e-300"),
@@ -47,6 +49,11 @@ FOUND = {
         esm().replace(b"PGA_CM/S^2: ", b"PGA_CM/S^2: x"),
     ),
     "motion COSMOS": (cosmos().replace(b"(10I8)", b"(10I0)", 1), cosmos().replace(b"(8F10.5)", b"(0F10.5)", 1)),
+    "3D effects": (
+        EFFECTS.replace(b"[search]", b"[effects3d]"),
+        EFFECTS.replace(b"directions = 8", b"Directions = 8"),
+        b"a = " + b"[" * 100_000,
+    ),
     "motion AT2": (at2().replace(b"DT=   0.0200", b"DT=   2.0E+12"),),
     "experiments": (EXPERIMENTS.replace(b",2.0,", b",2e12,"),),
     "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
@@ -172,7 +179,7 @@ def test_the_work_is_shared_out_whole() -> None:
     pieces = tasks(3000, seed=7)
     spans = [piece.partition(": ")[2].split(" to ") for piece in pieces if piece.startswith("scene: ")]
     seeds = [seed for first, last in spans for seed in range(int(first), int(last) + 1)]
-    assert seeds == list(range(7, 7 + 3000 // len(kinds())))
+    assert seeds == list(range(7, 7 - (-3000 // len(kinds()))))
 
 
 def test_a_reader_that_ends_its_process_counts_as_a_failure() -> None:

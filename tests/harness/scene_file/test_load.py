@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
+from harness.fuzz.originals import SCENE, prepare
 from harness.scene_file.load import load_scene
 from tests.harness.scene_file.test_tables import GOOD
 
@@ -99,3 +100,25 @@ def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path
             assert next(iter(expand(study, base_of(study, path)))).number == 0
         else:
             assert load_scene(path).statue.mass_kg > 0.0
+
+
+UNKNOWN_KEYS = (
+    ("title =", "Title =", "Title", "did you mean title?"),
+    ("[wall]", "[record]", "record", ""),
+    ("mass_kg = 707", "Mass_kg = 707", "statue.Mass_kg", "did you mean mass_kg?"),
+    ("amplitude_g", "list_g", "motion.z.list_g", ""),
+)
+"""Keys that look like what the validator adds of its own: names of types, tags of unions."""
+
+
+@pytest.mark.parametrize(("old", "new", "key", "near"), UNKNOWN_KEYS)
+def test_an_unknown_key_is_named_whatever_it_looks_like(
+    tmp_path: Path, old: str, new: str, key: str, near: str
+) -> None:
+    prepare(tmp_path)
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.decode().replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as found:
+        load_scene(path)
+    told = [item for item in found.value.mistakes if item.got == "an unknown key"]
+    assert [(item.key, item.advice) for item in told] == [(key, near)]
