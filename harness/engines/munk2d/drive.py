@@ -47,7 +47,13 @@ class Drive:
     lags_s: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
     work: dict[str, int] = field(
-        default_factory=lambda: {"engine_steps": 0, "impacts_split": 0, "halts_split": 0, "steps_repeated": 0}
+        default_factory=lambda: {
+            "engine_steps": 0,
+            "impacts_split": 0,
+            "halts_split": 0,
+            "uplifts_met": 0,
+            "steps_repeated": 0,
+        }
     )
 
     @property

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.engine import Want
 from harness.engines.munk2d import drive as driving
-from harness.engines.munk2d import events, native, rattle
+from harness.engines.munk2d import events, native, rattle, uplift
 from harness.engines.munk2d.drive import Drive
 from harness.engines.munk2d.standing import FAR, Standing
 from harness.engines.munk2d.world import MunkSettings
@@ -133,13 +133,24 @@ def _plain_steps(
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
     least_spin = standing.swings_rad_s if aligned else math.inf
     own, under = world.statue_slice, world.pedestal_slice
+    risen, met = standing.risen, drive.work["uplifts_met"]
     begin, event, share, spin, row = k, END, 0.0, drive.spin_before_rad_s, last()
     state, below = row[own], row[under] if on_pedestal else None
     rate, before, top, standing.asked = driving.slip_rate(drive), drive.rate_before_m_s, None, -2
     while k < stop:
         spin_before, spin = spin, state[5]
         wanted = many
-        if spin > least_spin or spin < -least_spin:
+        if -least_spin <= spin <= least_spin:
+            risen = False
+        else:
+            if not risen:
+                risen = uplift.follow(drive, standing, k - drive.whole_from)
+                if risen and drive.work["uplifts_met"] > met:
+                    met += 1
+                    recorder.drop()
+                    each(space, record_with, record_to)
+                    row = last()
+                    state, spin = row[own], row[own][5]
             found = standing.coming(state, below, spin_before)
             if found == FAR:
                 wanted = few if standing.held(k, state, gravity[k - 1]) else many
@@ -181,7 +192,7 @@ def _plain_steps(
         state = row[own]
         k += 1
     native.set_iterations(space, many)
-    drive.rate_before_m_s, drive.spin_before_rad_s = before, spin
+    drive.rate_before_m_s, drive.spin_before_rad_s, standing.risen = before, spin, risen
     drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
     drive.lags_s.extend([0.5 * dt] * (k - begin))
     drive.work["engine_steps"] += k - begin

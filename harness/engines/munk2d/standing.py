@@ -53,6 +53,9 @@ MOST_GAINED: Final = 0.3
 SLOW_STEPS: Final = 10.0
 """A rate that gravity changes in so many steps takes a vertex nowhere. Held in each of them a statue would not come to rest;
 never held, one at rest would sink and turn within the slop."""
+SLOW_RISE: Final = 0.05
+"""... nor does one at which the tangent of its circle takes it up by half this share of its depth: at long steps such rises would
+add up to the depth, and the contact be lost for a step."""
 RISES: Final = 4.0
 """A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
 
@@ -95,14 +98,16 @@ class Standing:
         self.clear_of_rest_rad = [CLEAR_DEPTHS * self.rest_m / length for length in self.length_m]
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
-        self.facet, self.steady = NEAR, False
+        self.facet, self.steady, self.risen = NEAR, False, False
         self.lost = [0.5 * scene.statue.mass_kg * (x * x + z * z) / scene.statue.inertia_kg_m2 for x, z in self.points]
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
         self.asked = -2
         self.last_state: Row = native.state_of(self.statue)
         falls_rad_s = _fall_rad_s2(scene) * drive.settings.dt_s
-        self.swings_rad_s, self.slow_rad_s = SWINGS_STEPS * falls_rad_s, SLOW_STEPS * falls_rad_s
+        rising_rad_s = math.sqrt(SLOW_RISE * self.depth_m / self.height_m) / drive.settings.dt_s
+        self.swings_rad_s = SWINGS_STEPS * falls_rad_s
+        self.slow_rad_s = min(SLOW_STEPS * falls_rad_s, rising_rad_s)
         self.fast_rad_s = max(FAST_RAD_S, self.slow_rad_s)
 
     def coming(self, state: Row, below: Row | None, before_rad_s: float) -> int:
@@ -164,6 +169,10 @@ class Standing:
             along, rise = along - below[3], rise - below[4]
         slide, lift = along - spin * arm_z, rise + spin * arm_x
         return math.hypot(slide, lift) <= HELD_SHARE * abs(spin) * math.hypot(arm_x, arm_z)
+
+    def standing_vertex(self, angle_rad: float) -> int:
+        """The vertex that a statue turned so stands on."""
+        return bisect_left(self.level_rad, angle_rad - self.tilt())
 
     def arm(self, vertex: int, angle_rad: float) -> Pair:
         """Where a vertex is from the centroid when the statue is turned so, m."""
