@@ -25,9 +25,9 @@ ORDER_WITH_IMPACTS: Final = 1.4
 SLOW_IMPACTS_RAD: Final = 6e-6
 """Measured 1.5e-6 rad at 0.5 ms, of rocking by 2e-4; slow impacts left to whole steps cost 1e-4."""
 RATTLE_RAD: Final = 3e-4
-"""Measured 2e-5 to 1.1e-4 rad at 1 ms; swings left to whole steps cost 3e-4 to 0.1 rad."""
+"""Measured 2e-5 to 1.1e-4 rad at 1 ms in pymunk, 8e-6 to 2.2e-5 in pybullet; swings left to whole steps cost 3e-4 to 0.1."""
 RATTLED_OUT_RAD: Final = 5e-7
-"""Rotation left at rest: measured 1.7e-7 rad at 4 ms in pymunk, a hundredth of two depths of contact."""
+"""Rotation left at rest: measured 1.7e-7 rad at 4 ms in pymunk, a hundredth of two depths of contact; 3.6e-7 in pybullet."""
 RATTLED_OUT_STEPS: Final = 1.6
 """Steps over whole ones for a rocking that dies out, with all its short swings: measured 1.45 in pymunk."""
 FALL_ORDER: Final = 1.95

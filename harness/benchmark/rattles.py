@@ -1,4 +1,4 @@
-"""Scenes that rattle, in swings of some milliseconds that decide what follows: an engine's error by step, the scene's sensitivity.
+"""Scenes that rattle, in swings of some milliseconds that decide what follows: an engine's error by step, a scene's sensitivity.
 
 `python -m harness.benchmark.rattles ENGINE [SEED...]` prints a line per scene of `harness.coverage.random_scene`.
 """

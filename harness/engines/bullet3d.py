@@ -32,7 +32,7 @@ ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
 """
 ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
 """The same on a pedestal, and"""
-ACROSS_RAD: Final = (6e-4, 4e-4, 1.5e-4, 9e-5, 7e-5, 6e-5, 3e-5)
+ACROSS_RAD: Final = (6e-4, 4e-4, 1.5e-4, 9e-5, 7e-5, 6e-5, 6e-5)
 """for a scan or motion across the plane: the largest errors on a rung or a finer one, rounded up."""
 TIGHTER: Final = 0.3
 """Residual of a probe over its rung's."""

@@ -9,7 +9,8 @@ from typing import Final
 
 from harness.contact.frame import greatest_pull_m_s2
 from harness.contact.spatial import fallen
-from harness.engines.bullet import imposing
+from harness.engines.bullet import imposing, rattle
+from harness.engines.bullet.coming import Coming
 from harness.engines.bullet.march import March
 from harness.engines.bullet.meeting import meet
 from harness.engines.bullet.schedule import Schedule, Vector
@@ -102,16 +103,33 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
 def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
     """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
     stepper, step_s = march.stepper, march.step_s
+    if march.swing is not None and _followed(march, touch, march.swing):
+        return 0
     coming, soonest, foot = touch(march.row, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
         return _imposed(march, scene, touch, watch, soonest)
     # Its velocity is of half a step ago: it may come sooner than at that.
     if coming == math.inf or march.t_s + min(coming, soonest) > march.next_s:
         return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-    meet(
-        march, touch, lambda: touch.until(march.row, foot, stepper.table_place[2], stepper.table_rate[2]), march.impact
-    )
+    _meet(march, touch, Coming(march, touch, foot))
     return 0
+
+
+def _meet(march: March, touch: Touch, coming: Coming) -> None:
+    """A foot that comes down, and the swing that begins with its impact."""
+    meet(march, touch, coming, march.impact, coming.speeds)
+    if march.jolted:
+        march.swing = rattle.after_impact(march, touch)
+
+
+def _followed(march: March, touch: Touch, swing: rattle.Swing) -> bool:
+    """Whether a part of a short swing, or its impact, was made; if not it is no short one any more."""
+    due = rattle.follow(march, swing)
+    if due is None:
+        march.swing = None
+    elif due:
+        _meet(march, touch, swing.coming)
+    return due is not None
 
 
 def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: float) -> int:

@@ -8,12 +8,15 @@ to the contact, and the impact takes no time: Bullet solves a step in which noth
 from __future__ import annotations
 
 from array import array
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from harness.engines.bullet import release
 from harness.engines.bullet.pose import advanced
 from harness.engines.bullet.schedule import Vector
 from harness.engines.bullet.stepper import ALONE, Record, Row, Stepper
+
+if TYPE_CHECKING:
+    from harness.engines.bullet.rattle import Swing
 
 NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
@@ -32,7 +35,7 @@ class March:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
-    impact's, `jolts` how many there were since the last whole step.
+    impact's, `jolts` how many there were since the last whole step. `swing` is the short swing in progress, if any.
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
@@ -42,6 +45,7 @@ class March:
         self.length_s, self.even = self.step_s, even
         self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
         self.jolted, self.jolts, self.look_from = False, 0, start
+        self.swing: Swing | None = None
 
     @property
     def next_s(self) -> float:

@@ -21,10 +21,17 @@ SHORT: Final = 0.9
 """Share of that time that Bullet's step takes: a contact within a step is felt before it is reached."""
 
 
-def meet(march: March, touch: Touch, until: Callable[[], float], act: Callable[[], None]) -> None:
-    """Go to the instant at which `until`, the time, s, to the event at the present velocities, is zero, and `act` there.
+def meet(
+    march: March,
+    touch: Touch,
+    until: Callable[[], float],
+    act: Callable[[], None],
+    speeds: Callable[[], tuple[float, float]] | None = None,
+) -> None:
+    """Go to the instant at which `until`, the time, s, to the event, is zero, and `act` there.
 
-    Where the event comes later than it seemed the step is taken to its end instead.
+    `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
+    taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
     """
     step_s, floor = march.step_s, march.stepper
     coming = until()
@@ -41,10 +48,13 @@ def meet(march: March, touch: Touch, until: Callable[[], float], act: Callable[[
     if march.t_s + coming > march.next_s:
         march.to_next()
         return
-    room = max(coming, ROOM * step_s)
-    if room > coming:
-        march.coast(coming - room)
-    instant = max(march.t_s + room, march.kick_s)
+    room, there_s = max(coming, ROOM * step_s), march.t_s + coming
+    plain, grown = (coming, 1.0) if speeds is None else speeds()
+    # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
+    back = room * grown - plain
+    if back != 0.0:
+        march.coast(-back)
+    forward, march.t_s, instant = coming + back - SHORT * room, there_s - room, max(there_s, march.kick_s)
     march.kick(SHORT * room, instant)
     if touch.stands(march.row, floor.table_place[2], floor.table_rate[2]):
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
@@ -52,7 +62,8 @@ def meet(march: March, touch: Touch, until: Callable[[], float], act: Callable[[
     coming = until()
     if abs(coming) > room:
         # What came down no longer does.
-        march.coast(instant - march.t_s)
+        march.coast(forward)
+        march.t_s = instant
         march.jolt(march.row)
         return
     march.coast(coming)

@@ -17,11 +17,20 @@ Row = tuple[float, ...]
 Four = tuple[float, float, float, float]
 
 LEAST_RATE_RAD_S: Final = 3e-3
-"""A slower approach is no impact: what such a rate can lift is below a hundred-thousandth of a radian."""
+"""The highest rate about the other end of the base at which a foot may close and stand all the same:"""
+HELD: Final = 0.02
+"""this share of the statue's own rate, as the sweeps leave as much where friction changes, but not less than"""
+LEAST_RAD_S: Final = 5e-4
+"""this rate, which they leave in a statue at rest on a pedestal that tips, or"""
+LEAST_RAD_S2: Final = 0.2
+"""this acceleration times the step: an impact at a lower rate begins a swing of a fraction of a step."""
 DRIFT: Final = 4.0
 """A foot that falls faster than this many times its drift in a step comes down; a slower one stands."""
 NEAR_M: Final = 5e-6
-"""A foot nearer than this stands: the circle on which it turns takes it so far off its support within a step."""
+"""A foot nearer than this stands: the circle on which it turns takes it so far off its support within a step. In slow turning it
+takes it less far, but"""
+REST_M: Final = 1e-7
+"""so far the sweeps may leave one that rests."""
 LATE: Final = 0.05
 """A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
 FEW: Final = 12
@@ -47,10 +56,14 @@ class Touch:
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
         few = len(feet_m) <= FEW and within_m is None
         self.few = [tuple(foot) for foot in feet_m.tolist()] if few else None
-        self.least_m_s = LEAST_RATE_RAD_S * (statue.corner_left_m + statue.corner_right_m)
+        self.base_m = statue.corner_left_m + statue.corner_right_m
+        # What rocks out of its plane stands on feet that close and open all the time.
+        least = max(LEAST_RAD_S, LEAST_RAD_S2 * step_s) if scene.planar else LEAST_RATE_RAD_S
+        self.least_m_s = min(LEAST_RATE_RAD_S, least) * self.base_m
         pull = greatest_pull_m_s2(scene)
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
         self.drift_s = DRIFT * statue.centroid_height_m * step_s
+        self.drift_m_s2 = self.drift_s * step_s
         self.late_s = LATE * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
         self.bounds = 2.0 * pull / statue.centroid_height_m * np.linalg.norm(feet_m, axis=1)
@@ -61,14 +74,15 @@ class Touch:
 
         A time is infinite when no foot comes down, or all stand.
         """
-        falling = self._falling_m_s(row)
+        falling = self.falling_m_s(row)
         if self.few is None:
             return self._of_many(row, falling, floor_m, floor_m_s)
+        near = min(NEAR_M, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
         first_s = soonest_s = math.inf
         foot = -1
-        for index, (gap, closing) in enumerate(self._gaps(row, floor_m, floor_m_s)):
+        for index, (gap, closing) in enumerate(self.heights(row, floor_m, floor_m_s)):
             falls = closing > falling and gap > -self.late_s * closing
-            if gap > NEAR_M or (falls and gap > 0.0):
+            if gap > near or (falls and gap > 0.0):
                 bound = self.bound[index]
                 time_s = (math.sqrt(closing * closing + 2.0 * bound * gap) - closing) / bound
                 if time_s < soonest_s:
@@ -94,30 +108,28 @@ class Touch:
         first_s = float(coming_s[foot])
         return first_s, soonest_s, foot if first_s < math.inf else -1
 
-    def until(self, row: Row, foot: int, floor_m: float = 0.0, floor_m_s: float = 0.0) -> float:
-        """Time, s, until that foot comes down, negative where it has; infinite when it does not come."""
-        gap, closing = self._gaps(row, floor_m, floor_m_s)[foot]
-        return gap / closing if closing > self.least_m_s else math.inf
-
     def stands(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> bool:
         """Whether a foot rests on its support."""
-        falling = self._falling_m_s(row)
-        return any(abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self._gaps(row, floor_m, floor_m_s))
+        falling = self.falling_m_s(row)
+        return any(
+            abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
+        )
 
     def drift_m(self, row: Row, floor_m: float = 0.0, *, coming_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `coming_s`; 0 for none."""
-        falling = self._falling_m_s(row)
+        falling = self.falling_m_s(row)
         highest = 0.0
-        for gap, closing in self._gaps(row, floor_m, 0.0):
+        for gap, closing in self.heights(row, floor_m, 0.0):
             if highest < gap < (NEAR_M if closing < falling else closing * coming_s):
                 highest = gap
         return highest
 
-    def _falling_m_s(self, row: Row) -> float:
+    def falling_m_s(self, row: Row) -> float:
         """A velocity that only a foot has that comes down."""
-        return max(self.least_m_s, self.drift_s * (row[10] * row[10] + row[11] * row[11]))
+        square = row[10] * row[10] + row[11] * row[11]
+        return max(self.least_m_s, self.drift_s * square, self.base_m * min(LEAST_RATE_RAD_S, HELD * math.sqrt(square)))
 
-    def _gaps(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
+    def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
         if self.few is None:
             gap, closing = self._all_gaps(row, floor_m, floor_m_s)

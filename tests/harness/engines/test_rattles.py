@@ -6,19 +6,23 @@ import pytest
 
 from harness.benchmark.rattles import rows
 from harness.engine import Engine, Want
+from harness.engines.bullet3d import Bullet3D
 from harness.engines.munk2d import Munk2D
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 
+ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)
 
+
+@ENGINES
 @pytest.mark.parametrize("seed", [10129, 20399, 20809, 20866])
-def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(seed: int) -> None:
-    for row in rows(Munk2D(), [seed], [1e-3]):
+def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(engine: Engine, seed: int) -> None:
+    for row in rows(engine, [seed], [1e-3]):
         assert row["sensitive_rad"] < 1e-5, "the scene itself is sensitive"
         assert row["error_rad"][1e-3] <= budget.RATTLE_RAD
 
 
-@pytest.mark.parametrize("engine", [Munk2D()], ids=lambda engine: engine.name)
+@ENGINES
 def test_ever_shorter_swings_end_in_finite_work(engine: Engine) -> None:
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
     run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), Want(skips=frozenset()))
