@@ -53,9 +53,9 @@ A foot that comes down in a short swing gathers speed in the half step by which 
 foreseen with what it gained in the last step, and it is set back so far that the velocity of the instant takes it down (short of
 that it would be stopped at the present one). A swing shorter than eight steps, as its first part shows its forces, is followed in
 five parts, until one is longer, or shorter than a quarter of a step and left to die out. So a rattle, rocking of 1e-5 rad in
-swings of some milliseconds from which a statue rises (docs/pymunk.md, "Rattling"), is followed by steps of that length; before, it
-ended at an impact below 0.003 rad/s or a swing of three steps. `python -m harness.benchmark.rattles pybullet` gives the largest
-error in 3 s against the analytic model, rad:
+swings of some milliseconds from which a statue rises (docs/pymunk.md, "Rattling"), is followed by steps of that length; before,
+it ended at an impact below 0.003 rad/s or a swing of three steps. `python -m harness.benchmark.rattles pybullet` gives the
+largest error in 3 s against the analytic model, rad:
 
 | seed of `harness.coverage` | 4 ms | 2 ms | 1 ms | 0.5 ms | 0.25 ms | before, 4 ms | 1 ms | 0.25 ms |
 |---|---|---|---|---|---|---|---|---|
