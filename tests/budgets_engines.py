@@ -40,6 +40,10 @@ LONGEST_STEP_RAD: Final = 6e-4
 """Measured 3.0e-4 rad at 8 ms over four impacts; 1.3e-2 where a slow statue's contact is lost for a step."""
 IMPACT_AFTER_A_HALT_RAD: Final = 3e-5
 """Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just halted costs 1.2e-4."""
+HALTED_RAD: Final = 3e-5
+"""Measured 6.4e-6 rad in 10.5 s at 1 ms, and"""
+HALTED_M: Final = 1.5e-5
+"""3.3e-6 m of slip; 0.27 m where the statue went into the pedestal."""
 RELEASE_RAD: Final = 1e-6
 """Measured 2.8e-7 rad at 0.5 ms over the first slips; a step that is wholly static or wholly kinetic costs 4e-6 at any step."""
 TURNING_SHARE: Final = 1.3

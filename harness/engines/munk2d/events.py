@@ -63,7 +63,10 @@ def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_
     advance(drive, move, ahead_s - 0.5 * part_s)
     _turn_on(drive, standing, facet, old=2 * facet + 1 - incoming)
     record(drive, drive.t_s, drive.t_s - drive.place_s)
-    standing.keep(time_to_contact(standing, incoming), turned=True)
+    # A vertex that no longer comes down, as the part has halted it, is not taken anywhere.
+    contact_s = time_to_contact(standing, incoming)
+    if abs(contact_s) < drive.settings.dt_s:
+        standing.keep(contact_s, turned=True)
 
 
 def end(drive: Drive, end_s: float) -> None:

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.benchmark.scenes import PEDESTAL, TWO
 from harness.coverage import random_scene
 from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.twoblock import TwoBlock
 from harness.record import Run
 from harness.scene import Scene
+from harness.studies.cases import Base
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 ENGINE, MODEL = Munk2D(), TwoBlock()
+SCENES = Path(__file__).parents[3] / "scenes"
 
 
 def run(on: Scene, dt_s: float) -> Run:
@@ -92,3 +96,24 @@ def test_a_corner_that_reaches_its_friction_takes_all_iterations() -> None:
     times = np.linspace(1.1, 1.19, 50)
     few, all_of_them = (found.history.at(times) for found in runs if found.history is not None)
     np.testing.assert_allclose(few, all_of_them, rtol=0.0, atol=budget.TURNING_RAD)
+
+
+def test_a_vertex_that_an_approach_has_halted_is_taken_nowhere(data_dir: Path) -> None:
+    # At 10.375 s a part of a rattle ends with all at rest: contact was then 1e13 s ahead, and the statue went into the pedestal.
+    west = {
+        "kind": "record",
+        "file": str(data_dir / "records/coalinga1983_PFZ14.csv"),
+        "column": "a_90_ms2",
+        "unit": "m/s2",
+    }
+    statue = {"mesh": {"file": "togatus.ply", "unit": "m", "density_kg_m3": 2700.0}}
+    content = {"title": "rattle", "statue": statue, "pedestal": PEDESTAL, "contact": TWO, "motion": {"x": west}}
+    on = Base(SCENES / "scene.toml", {**content, "duration_s": 10.5}).scene({})
+    found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    assert found.history is not None
+    assert exact.history is not None
+    assert found.work["impacts_split"] > 20
+    assert error(on, 1e-3) <= budget.HALTED_RAD
+    times = np.linspace(0.0, on.duration_s, 500)
+    slips = [np.interp(times, history.t_s, history.slip_m) for history in (found.history, exact.history)]
+    assert np.max(np.abs(slips[0] - slips[1])) <= budget.HALTED_M
