@@ -147,10 +147,10 @@ def _plain_steps(
                 risen = uplift.follow(drive, standing, k - drive.whole_from)
                 if risen and drive.work["uplifts_met"] > met:
                     met += 1
-                    recorder.drop()
-                    each(space, record_with, record_to)
-                    row = last()
-                    state, spin = row[own], row[own][5]
+                    if recorder.drop():
+                        each(space, record_with, record_to)
+                    state = native.state_of(standing.statue)
+                    spin = state[5]
             found = standing.coming(state, below, spin_before)
             if found == FAR:
                 wanted = few if standing.held(k, state, gravity[k - 1]) else many

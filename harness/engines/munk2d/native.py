@@ -39,7 +39,7 @@ FIELDS: Final = (
 )
 WIDTH: Final = 6
 """Numbers for each body: x, z, angle (anticlockwise), their rates."""
-KEPT: Final = 3
+KEPT: Final = 66
 """Rows that `Recorder.last` still knows when all were taken."""
 SPIN: Final = 5
 """Place of the last of them."""
@@ -85,7 +85,7 @@ class Recorder:
         self._floats.num = 0
 
     def last(self, back: int = 0) -> list[float]:
-        """The row recorded last, or one of the two before it (`back` 1, 2); empty where there is none yet."""
+        """The row recorded last, or one of those before it (`back` 1, 2, … `KEPT` − 1); empty where there is none."""
         floats = self._floats
         end = floats.num - back * self.row
         if end > 0:
@@ -95,9 +95,12 @@ class Recorder:
         kept = end // self.row - 1
         return self._taken[kept] if -kept <= len(self._taken) else []
 
-    def drop(self) -> None:
-        """Forget the row recorded last."""
+    def drop(self) -> bool:
+        """Forget the row recorded last; False, and nothing done, where it was taken."""
+        if self._floats.num < self.row:
+            return False
         self._floats.num -= self.row
+        return True
 
     def take(self) -> Array:
         """The states recorded since the last call, shape (n, 6·bodies), in the order of the space's bodies."""

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.excitation import Pulse
 from harness.engine import Want
-from harness.engines.munk2d import Munk2D, uplift
+from harness.engines.munk2d import Munk2D, loop, uplift
 from harness.engines.twoblock import TwoBlock
 from harness.record import Run
 from harness.scene import Scene
@@ -66,3 +66,16 @@ def test_both_sides_are_owed_the_same() -> None:
 def test_a_statue_that_turns_slowly_keeps_its_contact_at_the_longest_step() -> None:
     # Unheld, its corner rises by the tangent of its circle in each step; at 8 ms it left the support before the rate was "fast".
     assert error(scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=2.0)) <= budget.LONGEST_STEP_RAD
+
+
+def test_an_uplift_at_the_edge_of_a_block_of_steps_forgets_no_state_that_was_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    on = shaken(0.3)
+    whole = run(on, 1e-3).history
+    monkeypatch.setattr(loop, "BLOCK_STEPS", 1)
+    each_step = run(on, 1e-3)
+    assert each_step.work["uplifts_met"] == 1
+    assert each_step.history is not None
+    assert whole is not None
+    np.testing.assert_allclose(each_step.history.theta_rad, whole.theta_rad, rtol=0.0, atol=budget.BLOCKS_RAD)
