@@ -74,7 +74,7 @@ class Recorder:
         # Not `batch.Buffer`: it never frees what its arrays have grown to (some 170 bytes a step with a pedestal, in every run).
         self._floats = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
         self._ints = ffi.gc(lib.pmIntArrayNew(0), lib.pmIntArrayFree)
-        self._taken: list[list[float]] = []
+        self._taken: Array = np.empty((0, 0))
         self.target = ffi.new("pmBatchedData *")
         self.target.fields = FIELDS.value
         self.target.floatArray = self._floats
@@ -93,7 +93,8 @@ class Recorder:
             return row
         # The rows before were taken.
         kept = end // self.row - 1
-        return self._taken[kept] if -kept <= len(self._taken) else []
+        taken: list[float] = self._taken[kept].tolist() if -kept <= len(self._taken) else []
+        return taken
 
     def drop(self) -> bool:
         """Forget the row recorded last; False, and nothing done, where it was taken."""
@@ -107,6 +108,6 @@ class Recorder:
         floats = self._floats
         recorded = ffi.buffer(floats.arr, floats.num * ffi.sizeof("cpFloat"))
         states = np.frombuffer(recorded, dtype=np.float64).reshape(-1, self.row).copy()
-        self._taken = [*self._taken, *states[-KEPT:].tolist()][-KEPT:]
+        self._taken = np.concatenate([self._taken.reshape(-1, self.row), states[-KEPT:]])[-KEPT:].copy()
         floats.num = 0
         return states

@@ -82,10 +82,10 @@ def test_a_rung_errs_by_what_it_states_at_most(pedestal: bool) -> None:
     [paestum(), paestum(pedestal=False), replace(paestum(), shake=Shake(y=Harmonic(1.0, 2.0)))],
     ids=["pedestal", "floor", "across"],
 )
-def test_finer_rungs_and_probes_state_less(on: Scene) -> None:
+def test_finer_rungs_and_probes_state_no_more(on: Scene) -> None:
     engine = load("pybullet")
     ladder = engine.ladder(on)
-    assert all(coarse.expected_error_rad > fine.expected_error_rad for coarse, fine in pairwise(ladder))
+    assert all(coarse.expected_error_rad >= fine.expected_error_rad for coarse, fine in pairwise(ladder))
     # A probe has a little less than half the step of its rung.
     states = [engine.probes(on, rung)[0].expected_error_rad for rung in ladder]
     assert states == [
