@@ -23,7 +23,7 @@ DURATION_S: Final = 3.0
 GRAVITY_M_S2: Final = 9.81
 FINER: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the ladder's own two."""
-FIRST_SEED: Final = 20_700
+FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the ladder or the safety factor."""
 SCENES: Final = 200
 TARGET_RAD: Final = 1e-3

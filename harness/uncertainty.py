@@ -16,15 +16,18 @@ from typing import Final
 from harness.engine import Engine, Settings, Want
 from harness.record import Run
 from harness.scene import Scene
-from harness.spread import CLEAR, LEAST_ORDER, MOST_ORDER, SAFETY_ORDERED, Spread, factor, spread
+from harness.spread import CLEAR, Spread, factor, spread
 
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CLIMB_SHARE: Final = 0.75
 """A rung is worth a run when its step is shorter than all that were tried by at least this."""
 LEAP: Final = 4.0
-"""Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do; chosen as if errors
-fell at `MOST_ORDER`: a step too short costs more than one more run on the way to it."""
+"""Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
+ORDER: Final = 1.5
+"""Order at which errors are expected to fall when that step is chosen."""
+MOST_ORDER: Final = 2.0
+"""Highest order that two differences are taken to show."""
 FLOOR_SHARE: Final = 1.0
 """Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
 PARTED: Final = 4.0
@@ -46,7 +49,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         check = _Check(runs, spreads, settings.dt_s, ladder[-1].dt_s, accuracy_rad)
         run = engine.simulate(scene, settings, replace(want, history=True, stop=check))
         if runs and not run.outcome.failed and not runs[-1].outcome.failed:
-            spreads.append(spread(runs[-1], run, accuracy_rad, _before(runs)))
+            spreads.append(spread(runs[-1], run, accuracy_rad))
         if check.stopped:
             return _stated(runs, run, spreads, accuracy_rad, want, engine.agreements)
         runs.append(run)
@@ -57,13 +60,6 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Wan
         if _hopeless(spreads, run.end_s, ladder[-1].dt_s, accuracy_rad):
             break
     return _stated(runs, None, spreads, accuracy_rad, want, engine.agreements)
-
-
-def _before(runs: Sequence[Run]) -> Run | None:
-    """The run before the last one, where both show by their difference how errors fall."""
-    if len(runs) < 2 or runs[-2].outcome.failed or runs[-1].outcome.failed:
-        return None
-    return runs[-2]
 
 
 class _Check:
@@ -121,9 +117,7 @@ def _factor(spreads: Sequence[Spread], accuracy_rad: float) -> float:
     """How many times finer than the last step the next should be."""
     if not spreads or spreads[-1].apart_rad > PARTED * accuracy_rad:
         return 1.0
-    last = spreads[-1]
-    left_rad = last.apart_rad / ((last.coarse_dt_s / last.fine_dt_s) ** MOST_ORDER - 1.0)
-    needed = (SAFETY_ORDERED * left_rad / accuracy_rad) ** (1.0 / MOST_ORDER)
+    needed = (spreads[-1].stated_to_the_end_rad / accuracy_rad) ** (1.0 / ORDER)
     return float(min(max(needed, 1.0), LEAP))
 
 
@@ -167,12 +161,9 @@ def _falls(previous: Spread, last: Spread, finest_dt_s: float, accuracy_rad: flo
     if not last.apart_rad < previous.apart_rad < math.inf:
         return False
     order = math.log(previous.apart_rad / last.apart_rad) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
-    if order < LEAST_ORDER:
-        return False
-    order = min(order, MOST_ORDER)
-    expected_rad = last.apart_rad * (last.fine_dt_s / last.coarse_dt_s) ** order
-    ratio = last.fine_dt_s / max(last.fine_dt_s / LEAP, finest_dt_s)
-    return ratio > 1.0 and SAFETY_ORDERED * expected_rad <= (ratio**order - 1.0) * accuracy_rad
+    expected_rad = last.apart_rad * (last.fine_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
+    next_s = max(last.fine_dt_s / LEAP, finest_dt_s)
+    return order >= 1.0 and factor(last.fine_dt_s, next_s) * expected_rad <= accuracy_rad
 
 
 def _stated(
@@ -208,8 +199,7 @@ def _left_rad(spreads: list[Spread], accuracy_rad: float) -> float:
     if len(spreads) < 2 or not math.isfinite(spreads[-2].apart_rad):
         return 0.0
     before, fine_dt_s = spreads[-2], spreads[-1].fine_dt_s
-    stated_rad = factor(before.coarse_dt_s, before.fine_dt_s) * before.apart_rad
-    return float(min(stated_rad * (fine_dt_s / before.fine_dt_s) ** MOST_ORDER, accuracy_rad))
+    return float(min(before.stated_to_the_end_rad * (fine_dt_s / before.fine_dt_s) ** MOST_ORDER, accuracy_rad))
 
 
 def _held_until_s(spreads: list[Spread], agreements: int) -> float:
