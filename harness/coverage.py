@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -16,6 +17,7 @@ import numpy as np
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from harness import engines
 from harness.engine import Engine, Want
+from harness.record import Run
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 from harness.uncertainty import run_to_accuracy
 
@@ -50,6 +52,17 @@ class Row:
     def as_dict(self) -> dict[str, Any]:
         """The row as plain values."""
         return dict(vars(self))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A seeded scene, its run to an accuracy with the processor time that this took, and a run that stands for the truth."""
+
+    seed: int
+    scene: Scene
+    run: Run
+    truth: Run
+    cpu_s: float
 
 
 def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
@@ -104,32 +117,46 @@ def _motion(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
 
 def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int]) -> Iterator[Row]:
     """For each seed run to the accuracy, then against a finer run of the same engine, and say whether the statement held."""
+    for case in cases(engine, accuracy_rad, seeds):
+        yield row_of(case, engine.name, accuracy_rad)
+
+
+def cases(engine: Engine, accuracy_rad: float, seeds: Sequence[int]) -> Iterator[Case]:
+    """For each seed its scene, the run to the accuracy and a finer one of the same engine; without those that kept no history."""
     for seed in seeds:
         scene = random_scene(seed)
+        begin = time.process_time()
         run = run_to_accuracy(engine, scene, accuracy_rad, Want())
+        cpu_s = time.process_time() - begin
         fine = engine.settings_for_dt(scene, float(run.settings["dt_s"]) / FINER)
-        until = run.reliable_until_s or 0.0
-        truth = engine.simulate(scene, fine, Want(stop=_after(until)))
-        if run.history is None or truth.history is None:
-            continue
-        times = run.history.t_s[run.history.t_s <= min(until, truth.end_s)]
-        error = float(np.max(np.abs(run.history.at(times) - truth.history.at(times)), initial=0.0))
-        stated = run.numerical_uncertainty_rad or 0.0
-        yield Row(
-            seed=seed,
-            engine=engine.name,
-            outcome=run.outcome.value,
-            target_rad=accuracy_rad,
-            stated_rad=stated,
-            reliable_until_s=until,
-            error_rad=error,
-            covered=error <= stated,
-            met_whole=until >= run.end_s and stated <= accuracy_rad,
-            dt_s=float(run.settings["dt_s"]),
-            runs=int(run.work.get("runs", 1)),
-            steps=int(run.work.get("steps_of_all_runs", run.steps)),
-            wall_s=run.wall_s,
-        )
+        truth = engine.simulate(scene, fine, Want(stop=_after(run.reliable_until_s or 0.0)))
+        if run.history is not None and truth.history is not None:
+            yield Case(seed, scene, run, truth, cpu_s)
+
+
+def row_of(case: Case, engine: str, accuracy_rad: float) -> Row:
+    """What a case says of the statement. Raises `ValueError` where a run kept no history."""
+    run, truth, until = case.run, case.truth, case.run.reliable_until_s or 0.0
+    if run.history is None or truth.history is None:
+        raise ValueError("both runs must have kept their histories")
+    times = run.history.t_s[run.history.t_s <= min(until, truth.end_s)]
+    error = float(np.max(np.abs(run.history.at(times) - truth.history.at(times)), initial=0.0))
+    stated = run.numerical_uncertainty_rad or 0.0
+    return Row(
+        seed=case.seed,
+        engine=engine,
+        outcome=run.outcome.value,
+        target_rad=accuracy_rad,
+        stated_rad=stated,
+        reliable_until_s=until,
+        error_rad=error,
+        covered=error <= stated,
+        met_whole=until >= run.end_s and stated <= accuracy_rad,
+        dt_s=float(run.settings["dt_s"]),
+        runs=int(run.work.get("runs", 1)),
+        steps=int(run.work.get("steps_of_all_runs", run.steps)),
+        wall_s=run.wall_s,
+    )
 
 
 def _after(until_s: float) -> Callable[[float, float], bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.benchmark.scenes import Standard, standard_set
-from harness.benchmark.timing import Cost, cost
+from harness.benchmark.timing import Cost, cost, costs
 from harness.engine import Engine, EngineFailure, Settings, Want
 from harness.errors import InputError
 from harness.record import Run
@@ -102,62 +102,83 @@ def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) 
 
 
 def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, quick: bool) -> Iterator[Row]:
+    """Every rung and what the target takes: errors first, then all of them timed in turns, as they are compared."""
     reference = "analytic" if exact is not None else "own finest rung"
-    found: list[tuple[Settings, Run | str, Cost | None]] = []
-    rungs = engine.ladder(scene)
-    for settings in rungs[:3] if quick else rungs:
-        dear = found and found[-1][2] is not None and found[-1][2].cpu_s > DEAR_S
-        found.append(
-            (settings, f"not run: the rung before it took {DEAR_S:g} s or more", None)
-            if dear
-            else _timed(engine, scene, settings)
-        )
-    judge = exact or next((run for _, run, _ in reversed(found) if isinstance(run, Run)), None)
-    for settings, run, spent in found:
+    found = _computed(engine, scene, quick)
+    good = [(settings, run) for settings, run in found if isinstance(run, Run)]
+    judge = exact or (good[-1][1] if good else None)
+    asked = None if judge is None or engine.capabilities.certifies else _asked(engine, scene)
+    works: list[Callable[[], object]] = [partial(engine.simulate, scene, settings, Want()) for settings, _ in good]
+    if isinstance(asked, Run):
+        works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, Want()))
+    spent = iter(costs(works))
+    for settings, run in found:
         label = _label(settings)
-        if isinstance(run, str) or spent is None or judge is None:
+        if isinstance(run, str) or judge is None:
             yield _row(item, engine.name, "ladder", label, dt_s=settings.dt_s, failed=str(run), reference=reference)
             continue
+        took = next(spent)
         if run is judge:
             continue
         yield _row(
             item, engine.name, "ladder", label,
-            dt_s=settings.dt_s, error_rad=error(run, judge), spent=spent, run=run, reference=reference, scene=scene,
+            dt_s=settings.dt_s, error_rad=error(run, judge), spent=took, run=run, reference=reference, scene=scene,
         )  # fmt: skip
-    if judge is not None and not engine.capabilities.certifies:
-        yield from _chosen(item, scene, engine, judge, reference)
+    if asked is not None and judge is not None:
+        yield _chosen(item, scene, engine.name, judge, reference, asked, next(spent, None))
 
 
-def _timed(engine: Engine, scene: Scene, settings: Settings) -> tuple[Settings, Run | str, Cost | None]:
-    """The run whose error is taken, and apart from it the runs that are timed."""
+def _computed(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str]]:
+    """Each rung's run, whose error is taken, or why there is none."""
+    found: list[tuple[Settings, Run | str]] = []
+    rungs = engine.ladder(scene)
+    for settings in rungs[:3] if quick else rungs:
+        before = found[-1][1] if found else None
+        dear = isinstance(before, Run) and before.wall_s > DEAR_S
+        told = f"not run: the rung before it took {DEAR_S:g} s or more"
+        found.append((settings, told if dear else _run(engine, scene, settings)))
+        if dear:
+            found += [(coming, told) for coming in rungs[len(found) :]]
+            break
+    return found
+
+
+def _run(engine: Engine, scene: Scene, settings: Settings) -> Run | str:
     try:
         run = engine.simulate(scene, settings, Want())
     except EngineFailure as failure:
-        return settings, str(failure), None
-    if run.outcome.failed or run.history is None:
-        return settings, run.message or run.outcome.sentence, None
-    return settings, run, cost(lambda: engine.simulate(scene, settings, Want()))
+        return str(failure)
+    return (run.message or run.outcome.sentence) if run.outcome.failed or run.history is None else run
 
 
-def _chosen(item: Standard, scene: Scene, engine: Engine, judge: Run, reference: str) -> Iterator[Row]:
-    """What the target accuracy takes, its own checks included."""
+def _asked(engine: Engine, scene: Scene) -> Run | str:
+    """What the target accuracy gives, or why it gives nothing."""
     try:
-        run = run_to_accuracy(engine, scene, TARGET_RAD, Want())
+        return run_to_accuracy(engine, scene, TARGET_RAD, Want())
     except EngineFailure as failure:
-        yield _row(
-            item, engine.name, "accuracy", f"--accuracy {TARGET_RAD:g}", failed=str(failure), reference=reference
-        )
-        return
-    spent = cost(lambda: run_to_accuracy(engine, scene, TARGET_RAD, Want()))
+        return str(failure)
+
+
+def _chosen(
+    item: Standard, scene: Scene, engine: str, judge: Run, reference: str, run: Run | str, spent: Cost | None
+) -> Row:
+    """What the target accuracy takes, its own checks included."""
+    short = f"--accuracy {TARGET_RAD:g}"
+    if isinstance(run, Run) and run.settings == judge.settings:
+        run = "it goes on to the very rung by which errors are judged here"
+    if isinstance(run, str):
+        return _row(item, engine, "accuracy", short, failed=run, reference=reference)
     until = run.reliable_until_s
-    label = f"--accuracy {TARGET_RAD:g}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
     row = _row(
-        item, engine.name, "accuracy", label,
+        item, engine, "accuracy", f"{short}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}",
         dt_s=float(run.settings["dt_s"]), error_rad=error(run, judge, until), spent=spent, run=run,
         reference=reference, scene=scene,
     )  # fmt: skip
-    row |= {"chosen": True, "reliable_until_s": until, "steps": run.work.get("steps_of_all_runs", run.steps)}
-    yield row
+    return row | {
+        "chosen": True,
+        "reliable_until_s": until,
+        "steps": run.work.get("steps_of_all_runs", run.steps),
+    }
 
 
 def _rivals(item: Standard, scene: Scene, name: str, exact: Run | None) -> Iterator[Row]:

@@ -61,6 +61,7 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str
         "rows": timed,
         "absent": absent,
         "choice": sentences.choice(timed, precision.TARGET_RAD),
+        "seeded": sentences.choice(cover.choice_rows(rows["coverage"]), precision.TARGET_RAD),
         "coverage_rows": rows["coverage"],
         "coverage": cover.counted(rows["coverage"]),
         "skips": [*skips.together(rows["skips"]), *rows["alone"]],

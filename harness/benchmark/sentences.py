@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -52,6 +53,7 @@ def choice(rows: Sequence[Row], target_rad: float) -> list[dict[str, Any]]:
                 "engine": engine, "scenes": len(taken), "total_s": total, "fixed_s": min(meets, default=None),
                 "share": None if not meets else total / min(meets), "worst_scene": worst,
                 "worst_times": None if worst is None else hindsight[worst],
+                "median_times": statistics.median(hindsight.values()) if hindsight else None,
                 "met": sum(row["error_rad"] <= target_rad for row in taken.values()),
             }
         )  # fmt: skip
@@ -79,6 +81,7 @@ def sentences(record: Mapping[str, Any]) -> list[str]:
     rows, target = record["rows"], float(record["target_rad"])
     told = [_speed(engine, *item, target) for engine, item in fastest(rows, target).items()]
     told += [_choice(item, target) for item in record["choice"]]
+    told += [_seeded(item, target) for item in record.get("seeded", ())]
     told += [_coverage(engine, item) for engine, item in record["coverage"].items()]
     told += [_skip(row) for row in record["skips"] if row["skip"] == "all together"]
     told += [
@@ -109,6 +112,24 @@ def _choice(item: Mapping[str, Any], target: float) -> str:
         return f"{start}{middle}."
     held = "within" if times <= HINDSIGHT else "above"
     return f"{start}{middle}; at most {times:.2g} times the best rung in hindsight ({held} {HINDSIGHT:g}; “{worst}”)."
+
+
+def _seeded(item: Mapping[str, Any], target: float) -> str:
+    on = f"On {item['scenes']} seeded scenes that {item['engine']} meets to the end, --accuracy {target:g} takes"
+    end = "" if item["median_times"] is None else f"; {_hindsight(item)}"
+    if item["share"] is None:
+        return f"{on} {item['total_s']:.3g} s, where no fixed rung that was tried meets all of them{end}."
+    held = "within" if item["share"] <= COST_SHARE else "above"
+    fixed = f"{item['share']:.2f} times the one fixed rung that meets all of them ({held} the {COST_SHARE:g} wanted)"
+    return f"{on} {item['total_s']:.3g} s, {fixed}{end}."
+
+
+def _hindsight(item: Mapping[str, Any]) -> str:
+    held = "within" if item["worst_times"] <= HINDSIGHT else "above"
+    return (
+        f"{item['median_times']:.2g} times the best rung in hindsight on half of them, at most {item['worst_times']:.2g} "
+        f"({held} {HINDSIGHT:g}; {item['worst_scene']})"
+    )
 
 
 def _coverage(engine: str, item: Mapping[str, Any]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -24,14 +24,22 @@ class Cost:
 
 def cost(work: Callable[[], object], repeats: int = REPEATS, budget_s: float = BUDGET_S) -> Cost:
     """Time some work that has been done once already (compiled, loaded, cached)."""
-    walls: list[float] = []
-    cpus: list[float] = []
-    while len(walls) < repeats and (not cpus or sum(cpus) < budget_s):
-        wall, cpu = time.perf_counter(), time.process_time()
-        work()
-        walls.append(time.perf_counter() - wall)
-        cpus.append(time.process_time() - cpu)
-    return Cost(min(walls), min(cpus), len(walls))
+    return costs([work], repeats, budget_s)[0]
+
+
+def costs(works: Sequence[Callable[[], object]], repeats: int = REPEATS, budget_s: float = BUDGET_S) -> list[Cost]:
+    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too."""
+    walls: list[list[float]] = [[] for _ in works]
+    cpus: list[list[float]] = [[] for _ in works]
+    for _ in range(repeats):
+        for work, wall_s, cpu_s in zip(works, walls, cpus, strict=True):
+            if sum(cpu_s) >= budget_s:
+                continue
+            wall, cpu = time.perf_counter(), time.process_time()
+            work()
+            wall_s.append(time.perf_counter() - wall)
+            cpu_s.append(time.process_time() - cpu)
+    return [Cost(min(wall_s), min(cpu_s), len(wall_s)) for wall_s, cpu_s in zip(walls, cpus, strict=True)]
 
 
 def peak_memory_mb() -> float:

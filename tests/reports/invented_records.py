@@ -167,6 +167,10 @@ def write_bench(folder: Path) -> Path:
                 {"engine": "pybullet", "scenes": 3, "met": 2, "total_s": 3.0, "fixed_s": None, "share": None}
                 | {"worst_times": None, "worst_scene": None},
             ],
+            "seeded": [
+                {"engine": "pymunk", "scenes": 15, "met": 15, "total_s": 0.5, "fixed_s": 2.0, "share": 0.25}
+                | {"median_times": 2.6, "worst_times": 5.5, "worst_scene": "seed 7"},
+            ],
             "skips": [
                 {"skip": "all together", "engine": "analytic", "scenes": 48, "on_s": 0.1, "off_s": 0.8, "gain": 8.0}
                 | {"same": True, "changed": []},
