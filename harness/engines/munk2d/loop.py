@@ -133,8 +133,7 @@ def _plain_steps(
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
     least_spin = standing.swings_rad_s if aligned else math.inf
     own, under = world.statue_slice, world.pedestal_slice
-    risen, met = standing.risen, drive.work["uplifts_met"]
-    begin, event, share, spin, row = k, END, 0.0, drive.spin_before_rad_s, last()
+    begin, event, share, spin, row, risen = k, END, 0.0, drive.spin_before_rad_s, last(), standing.risen
     state, below = row[own], row[under] if on_pedestal else None
     rate, before, top, standing.asked = driving.slip_rate(drive), drive.rate_before_m_s, None, -2
     while k < stop:
@@ -145,12 +144,8 @@ def _plain_steps(
         else:
             if not risen:
                 risen = uplift.follow(drive, standing, k - drive.whole_from)
-                if risen and drive.work["uplifts_met"] > met:
-                    met += 1
-                    if recorder.drop():
-                        each(space, record_with, record_to)
-                    state = native.state_of(standing.statue)
-                    spin = state[5]
+                state = native.state_of(standing.statue)
+                spin = state[5]
             found = standing.coming(state, below, spin_before)
             if found == FAR:
                 wanted = few if standing.held(k, state, gravity[k - 1]) else many

@@ -28,7 +28,7 @@ taken as a half."""
 def follow(drive: Drive, standing: Standing, whole: int) -> bool:
     """Correct the statue's motion if it has just begun to rock, `whole` steps after the last event.
 
-    Returns False where one more step must be seen first. A correction replaces the state recorded last.
+    Returns False where one more step must be seen first. A correction replaces the state recorded last, unless that was taken.
     """
     world, body = drive.world, standing.statue
     # The moment on a sliding pedestal is its kinetic friction's: it begins at once, with the slip or a halt.
@@ -53,6 +53,8 @@ def follow(drive: Drive, standing: Standing, whole: int) -> bool:
         return True
     _give(drive, standing, grows, min(max(begun, -0.5), 0.5), back - 2)
     drive.work["uplifts_met"] += 1
+    if world.recorder.drop():
+        native.each_body(native.space_of(world.space), world.recorder.each, world.recorder.target)
     return True
 
 
