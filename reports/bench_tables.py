@@ -37,7 +37,7 @@ def _choice(items: Sequence[Row], caption: str) -> Table:
         (
             str(item["engine"]),
             [
-                f"{item['met']} of {item['scenes']}", digits(item["total_s"], 2), digits(item["fixed_s"], 2),
+                f"{item['met']}\u00a0of\u00a0{item['scenes']}", digits(item["total_s"], 2), digits(item["fixed_s"], 2),
                 digits(item["share"], 2), digits(item.get("median_times"), 2), digits(item["worst_times"], 2),
                 str(item["worst_scene"] or "–"),
             ],

@@ -164,9 +164,9 @@ def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path)
     ]
     texts = [row[1][-1] for row in found["skips"][0][2]]
     assert texts == ["the same", "stands, without overturned_left, 1·10⁻⁷ rad apart", "no record here"]
-    assert found["choice"][0][2][0][1][:4] == ["3 of 3", "0.30", "1.2", "0.25"]
+    assert found["choice"][0][2][0][1][:4] == ["3\u00a0of\u00a03", "0.30", "1.2", "0.25"]
     assert found["choice"][0][2][1][1][2:] == ["–", "–", "–", "–", "–"]
-    assert found["choice"][1][2][0][1] == ["15 of 15", "0.50", "2.0", "0.25", "2.6", "5.5", "seed 7"]
+    assert found["choice"][1][2][0][1] == ["15\u00a0of\u00a015", "0.50", "2.0", "0.25", "2.6", "5.5", "seed 7"]
     assert found["choice"][2][2][1][1] == ["14 of 15", "7"]
     assert found["others"] == [], "what is not measured has no empty table"
     page = write_report(tmp_path).read_text(encoding="utf-8")
