@@ -102,6 +102,9 @@ def _must_be_stl(file: Path) -> None:
 
 def _reason(error: Exception) -> str:
     """What the reader stumbled over, in a few words; its own errors are often those of an array that did not fit."""
+    if isinstance(error, NameError | AttributeError):
+        # The reader's own mistake on what it did not expect tells nothing of the file.
+        return "its content is not that of such a file"
     text = " ".join(str(error).split())
     plain = isinstance(error, ValueError | LookupError | TypeError | ImportError) or not text
     return f"its content is not that of such a file: {text[:80] or type(error).__name__}" if plain else text[:160]

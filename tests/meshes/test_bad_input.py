@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid
+from meshes.intake import read_mesh
 from meshes.loft import union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
@@ -137,3 +138,17 @@ def test_load_refuses_what_prepare_would_repair(statue: Solid, tmp_path: Path) -
     for up in ("w", "Z"):
         with pytest.raises(MeshError, match="up axis"):
             load_solid(file, unit="m", up=up, density_kg_m3=2700.0)
+
+
+def test_a_readers_own_mistake_is_not_shown_as_the_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import trimesh
+
+    def stumbles(*_: object, **__: object) -> None:
+        raise UnboundLocalError("cannot access local variable 'line' where it is not associated with a value")
+
+    monkeypatch.setattr(trimesh, "load_scene", stumbles)
+    file = tmp_path / "damaged.ply"
+    file.write_text("ply\n")
+    with pytest.raises(MeshError, match="its content is not that of such a file") as caught:
+        read_mesh(file)
+    assert "local variable" not in str(caught.value)
