@@ -30,6 +30,10 @@ DEAR_S: Final = 4.0
 """A rung is left out (and said so) when the one before it took this long: finer rungs show the same line further."""
 
 
+TURNS: Final = 15
+"""Turns in which rungs are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
+
+
 @dataclass(frozen=True)
 class Rival:
     """Settings that are not this project's: `label`, the module that runs them, and what its `Stock` is given."""
@@ -111,7 +115,7 @@ def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, qui
     works: list[Callable[[], object]] = [partial(engine.simulate, scene, settings, Want()) for settings, _ in good]
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, Want()))
-    spent = iter(costs(works))
+    spent = iter(costs(works, repeats=TURNS))
     for settings, run in found:
         label = _label(settings)
         if isinstance(run, str) or judge is None:
