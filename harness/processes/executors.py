@@ -114,11 +114,17 @@ class LocalPool:
         executor, self._executor = self._executor, None
         if executor is None:
             return
+        answers = getattr(executor, "_result_queue", None)
         executor.shutdown(wait=False, cancel_futures=True)
-        for process in multiprocessing.active_children():
-            if process.pid not in self._not_ours:
-                process.terminate()
-        executor.shutdown(wait=True)
+        ours = [process for process in multiprocessing.active_children() if process.pid not in self._not_ours]
+        for process in ours:
+            process.terminate()
+        for process in ours:
+            process.join()
+        if answers is not None:
+            # A worker that was ended in the middle of an answer leaves the pool's own thread waiting for the rest of it, and the
+            # interpreter for that thread, as long as anyone holds the end that is written to: this process does, too.
+            answers._writer.close()
 
 
 def _live_with_parent() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -82,8 +84,9 @@ def test_processes_are_started_once() -> None:
 def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from harness.processes.executors import LocalPool\n"
+        "BUSY = \"__import__('time').sleep(60.0)\"\n"
         "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
-        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", '1'], told)\n"
+        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"
     )
     script = tmp_path / "script.py"
     script.write_text(code)
@@ -91,3 +94,19 @@ def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     subprocess.run([sys.executable, script, tmp_path / "pid"], check=False, env=environment)
     pid = int((tmp_path / "pid").read_text())
     assert ended(pid)
+
+
+def test_a_pool_that_is_interrupted_in_the_middle_of_an_answer_leaves_no_thread_waiting() -> None:
+    # The second answer takes its worker longer to write than the interrupt takes to end it.
+    def interrupted(task: str, result: Any) -> None:
+        if task == "0":
+            time.sleep(0.4)
+            raise KeyboardInterrupt
+
+    before = set(threading.enumerate())
+    with pytest.raises(KeyboardInterrupt):
+        LocalPool(2).run(eval, ["0", *["bytes(400_000_000)"] * 3], interrupted)
+    left = [thread for thread in threading.enumerate() if thread not in before]
+    for thread in left:
+        thread.join(timeout=10.0)
+    assert not [thread.name for thread in left if thread.is_alive()]
