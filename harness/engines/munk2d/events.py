@@ -29,8 +29,7 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
     """
     dt = drive.settings.dt_s
     ahead = _time_level(drive, standing, facet)
-    # To the left the facet's left end comes down, which is the later one.
-    incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
+    incoming = incoming_vertex(standing, facet)
     approach(drive, standing, facet, ahead, dt)
     move = time_to_contact(standing, incoming)
     found = 0.0 < move < dt
@@ -55,9 +54,14 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
     return found
 
 
+def incoming_vertex(standing: Standing, facet: int) -> int:
+    """The vertex that comes down on a facet: to the left the facet's left end, which is the later one."""
+    return facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
+
+
 def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_s: float) -> None:
     """Velocities to the impact on a facet `ahead_s` after the places, which are half of `part_s` behind; places half the way."""
-    incoming = facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
+    incoming = incoming_vertex(standing, facet)
     move = 0.5 * ahead_s + 0.25 * part_s
     standing.keep(move)
     advance(drive, move, ahead_s - 0.5 * part_s)

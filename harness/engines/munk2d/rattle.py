@@ -44,7 +44,7 @@ LEAST_TAIL: Final = 0.5
 
 def is_short(drive: Drive, standing: Standing, facet: int, t_s: float) -> bool | None:
     """Whether the impact to come on a facet belongs to a rattle; None where steps of this length can tell of none."""
-    vertex = _incoming(standing, facet)
+    vertex = events.incoming_vertex(standing, facet)
     # A statue at rest tilts on a vertex that is still in contact.
     if standing.gap(vertex)[0] <= -standing.depth_m:
         return None
@@ -88,7 +88,7 @@ def rattle(drive: Drive, standing: Standing, facet: int, edges_s: Array) -> int:
     standing.fast_rad_s = math.inf if abs(spin) < fast_rad_s else 0.0
     returns = True
     while returns:
-        incoming = _incoming(standing, facet)
+        incoming = events.incoming_vertex(standing, facet)
         if not _meet(drive, standing, facet, part, gained):
             break
         spin = native.get_spin(standing.statue)
@@ -106,15 +106,10 @@ def rattle(drive: Drive, standing: Standing, facet: int, edges_s: Array) -> int:
     return _to_whole_step(drive, standing, edges_s)
 
 
-def _incoming(standing: Standing, facet: int) -> int:
-    """The vertex that comes down on a facet: to the left the facet's left end, which is the later one."""
-    return facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
-
-
 def _meet(drive: Drive, standing: Standing, facet: int, part_s: float, gained_rad_s: float) -> bool:
     """The last of the parts of a swing, all of this length, and its impact; whether it was met."""
     ahead = _back_s(standing, facet, part_s, gained_rad_s)
-    incoming = _incoming(standing, facet)
+    incoming = events.incoming_vertex(standing, facet)
     if not LEAST_AHEAD * part_s <= ahead <= MOST_AHEAD * part_s:
         return False
     events.approach(drive, standing, facet, ahead, part_s)
