@@ -97,3 +97,7 @@ PROFILE_FINE_RAD: Final = 8e-6
 REST_ANGLE_RAD: Final = 1e-5
 """A facet of 0.2 m resting with one end deeper than the other by the contact's depth at 0.5 ms, 4e-7 m: 2e-6 rad; five times
 that, measured 6e-7."""
+TOPPLED_S: Final = 1.5e-2
+"""Times of no return of one fall at 1 ms: up to 2e-5 s between two planar models; 9e-3 s in space, on a round base's polygon."""
+LYING_RAD: Final = 2e-3
+"""Rotation between two samples of 1 ms at the speed, below 2 rad/s, with which a body meets its flank."""

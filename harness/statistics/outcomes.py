@@ -17,13 +17,7 @@ Flags = NDArray[np.bool_]
 FELL: Final = "overturned"
 """An observation that says that the statue fell, not to which side."""
 
-DECIDED: Final = (
-    Outcome.STANDS,
-    Outcome.OVERTURNED_LEFT,
-    Outcome.OVERTURNED_RIGHT,
-    Outcome.OVERTURNED_FRONT,
-    Outcome.OVERTURNED_BACK,
-)
+DECIDED: Final = tuple(outcome for outcome in Outcome if outcome.fell is not None)
 """Outcomes that say whether the statue fell; the others (a wall, a lift-off, a failure) are counted apart."""
 
 
