@@ -231,10 +231,12 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     lines = [result.scene.title]
-    outcomes = {run.outcome for run in result.runs.values() if not run.outcome.failed}
+    outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
-        agree = len(outcomes) == 1
-        lines.append(f"  outcome: {'all models agree: ' + outcomes.pop().sentence if agree else 'the models differ'}")
+        ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
+        if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
+            ended = "all models agree that the statue overturns; the side differs"
+        lines.append(f"  outcome: {ended}")
     for name, run in result.runs.items():
         lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
