@@ -236,7 +236,8 @@ def summary(result: Result) -> str:
         ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
         if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
             ended = "all models agree that the statue overturns; the side differs"
-        lines.append(f"  outcome: {ended}")
+        given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
+        lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
     for name, run in result.runs.items():
         lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():

@@ -47,7 +47,7 @@ def run_verdict(source: RunSource) -> Verdict:
         *_slip(source, answered),
     ]
     points += [*_scores(source.record), *_trust(source, answered), *silent]
-    headline = _headline(groups, len(answered))
+    headline = _headline(groups, len(answered)) + (", given unlike motions" if motion_given(answered) else "")
     agree = len({_class(outcome) for outcome in groups}) == 1
     robust = (Difference.MODEL, Difference.PLANE)
     apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") in robust]
