@@ -62,9 +62,10 @@ def engines(as_json: Json = False) -> None:
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
+    from harness.record import to_plain
 
     rows = [
-        {"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order}
+        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
         for name in REGISTRY
         for engine in [load(name)]
     ]

@@ -45,7 +45,12 @@ class Result:
     @property
     def failed(self) -> bool:
         """Whether any engine failed to give an answer."""
-        return any(run.outcome.failed for run in self.runs.values())
+        return self.failed_but(())
+
+    def failed_but(self, optional: Sequence[str]) -> bool:
+        """Whether any engine failed, those of `optional` that are not installed here left aside."""
+        runs = (run for run in self.runs.values() if run.outcome.failed)
+        return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
 
     def as_dict(self) -> dict[str, Any]:
         """The whole record as it stands in `result.json`."""
@@ -159,6 +164,7 @@ def run_scene(
     start = time.perf_counter()
     left = [item for item in loaded if item.name not in (stored or {})]
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
+    beside = [item for item in beside if item.missing() is None]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
         here: dict[str, Run] = dict(stored or {})
