@@ -90,7 +90,9 @@ def _private(path: Path, sources: Path) -> bool:
         owners, open_to = owners | {code.st_uid}, code.st_mode
     # Where others may write and no sticky bit holds them off, they could put a folder of theirs in its place.
     replaceable = above.st_mode & OTHERS & ~open_to and not above.st_mode & stat.S_ISVTX
-    return stat.S_ISDIR(seen.st_mode) and seen.st_uid in owners and not (seen.st_mode & OTHERS & ~open_to or replaceable)
+    return (
+        stat.S_ISDIR(seen.st_mode) and seen.st_uid in owners and not (seen.st_mode & OTHERS & ~open_to or replaceable)
+    )
 
 
 def _writable(chosen: Path) -> bool:

@@ -32,8 +32,8 @@ CONCAVITY: Final = 0.05
 """Where the parts' error stops falling on generated and scanned statues alike (docs/meshes.md)."""
 MAX_PARTS: Final = 32
 MAX_VERTICES: Final = 64
-LONGEST_S: Final = 600.0
-"""Longest wait for a decomposition: sixty times what the largest coarsened statue takes (docs/meshes.md)."""
+LONGEST_S: Final = 300.0
+"""Longest wait for a decomposition: twenty times the dearest of the table (docs/meshes.md)."""
 FORM: Final = 1
 """Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
 
