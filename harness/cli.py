@@ -156,9 +156,9 @@ def salvage(
     """Copy what can still be read of a damaged store into a new one."""
     from harness.studies.salvage import salvage as rescue
 
-    count = rescue(damaged, fresh)
-    found = {"results": count, "store": str(fresh)}
-    say(found, f"{count} results were readable; they are in {fresh}", as_json, quiet)
+    saved = rescue(damaged, fresh)
+    found = {**vars(saved), "store": str(fresh)}
+    say(found, f"{fresh}: {saved}", as_json, quiet)
 
 
 def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
