@@ -22,7 +22,8 @@ OK: Final = 0
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-FULL_OR_READ_ONLY: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM})
+NO_SUCH_PLACE: Final = frozenset({errno.ENAMETOOLONG, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP})
+"""What the system says of a path that is wrong, not of one that cannot be written or read just now."""
 
 Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
 Engines = Annotated[
@@ -284,8 +285,7 @@ def guarded(action: Any) -> int:
         sys.stderr.close()
         return FAILED
     except OSError as error:
-        if error.errno not in FULL_OR_READ_ONLY:
-            raise
-        print(f"error: {error.filename or 'the output'} could not be written: {error.strerror}", file=sys.stderr)
-        return FAILED
+        what = f"{str(error.filename)!r} could not be read or" if error.filename else "the output could not be"
+        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
     return int(code or OK)

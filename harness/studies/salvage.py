@@ -70,7 +70,7 @@ def _readable(path: Path, table: str) -> Iterator[tuple[Any, ...]]:
     seen: set[tuple[Any, ...]] = set()
     for order in ("rowid ASC", "rowid DESC", "1 ASC", "1 DESC"):
         try:
-            with closing(sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True)) as db:
+            with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)) as db:
                 for row in db.execute(f"SELECT * FROM {table} ORDER BY {order}"):
                     if row[:3] in seen:
                         break
