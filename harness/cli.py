@@ -184,9 +184,10 @@ def compute(
     out: Path | None = None,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
-    from harness.engines import DEFAULT_ENGINES
+    from harness.engines import DEFAULT_ENGINES, load
     from harness.run import check_target, check_writing, run_scene
     from harness.scene_file.load import load_scene
+    from harness.workload import check as check_work
 
     check_target(accuracy, dt)
     want = wanted(no_skip)
@@ -194,7 +195,11 @@ def compute(
     engines_asked = names or DEFAULT_ENGINES
     if out is not None:
         check_writing(out, scene, engines_asked)
+    dimensions = {name: load(name).capabilities.dimensions for name in engines_asked}
+    estimate = check_work(scene, dimensions, str(scene_file), accuracy, dt)
     with Telling(quiet) as telling:
+        if estimate:
+            telling.say(estimate)
         return run_scene(
             scene,
             engines_asked,

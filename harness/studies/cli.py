@@ -23,8 +23,11 @@ from harness.studies.file import StudyFile, load_study
 from harness.studies.record import study_record
 from harness.studies.run import Summary, run_study, study_name
 from harness.studies.store import Store
+from harness.telling import Telling
 
 STORE_NAME: Final = "store.sqlite"
+SEARCH_LIMIT_S: Final = 4 * 3600.0
+"""How long no search for an amplitude (tens of runs each) may end before the workers are taken to hang."""
 
 
 def run(
@@ -52,7 +55,8 @@ def run(
             study = load_study(path)
             _check(study, folder, jobs, resume, export)
         if pool is None:
-            pool = stack.enter_context(closing(LocalPool(jobs) if dask is None else DaskPool(dask)))
+            limit_s = SEARCH_LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
+            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
         stack.enter_context(ending_cleanly())
         if study is None:
             told = stack.enter_context(progress(path.stem, quiet))
@@ -170,7 +174,10 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, disable=quiet or not console.is_terminal) as bar:
+    with ExitStack() as stack:
+        bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
+        lines = Telling(quiet or console.is_terminal)
+        stack.enter_context(lines)
         task = bar.add_task(title, total=None)
         said = -1
 
@@ -178,8 +185,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
             nonlocal said
             bar.update(task, completed=done, total=total)
             tenth = 10 * done // total if total else 10
-            if not console.is_terminal and tenth != said:
-                said = tenth
-                console.print(f"{title}: {done} of {total} runs", highlight=False)
+            (lines.now if tenth != said else lines.later)(f"{title}: {done} of {total} runs")
+            said = tenth
 
         yield told

@@ -60,7 +60,7 @@ def salvage(damaged: Path, fresh: Path) -> Salvaged:
 def _is_whole(row: tuple[Any, ...], checksum: Callable[..., int], stored: tuple[Any, ...]) -> bool:
     """Whether a row has the checksum that it was stored with; not so one of another version, or of other types."""
     try:
-        return checksum(*stored) == row[-1]
+        return bool(checksum(*stored) == row[-1])
     except (TypeError, ValueError):
         return False
 
