@@ -17,6 +17,8 @@ from harness.errors import InputError, Mistake
 
 GRACE_S: Final = 5.0
 """Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
+LIMIT_S: Final = 4 * 3600.0
+"""Time without any answer after which the workers are taken to hang: a search for an amplitude takes tens of runs."""
 AHEAD: Final = 3
 """Tasks handed out per worker at a time: enough that none waits, few enough that a crash leaves few suspects."""
 
@@ -52,11 +54,11 @@ class Pool(Protocol):
 class LocalPool:
     """Processes on this machine, started once; a crash loses only its own task.
 
-    So does a worker that hangs or is stopped: where none answers for `limit_s` (None: wait for ever), all are ended, and what was
+    So does a worker that hangs or is stopped: where none answers for `limit_s`, all are ended, and what was
     under way is computed again, alone.
     """
 
-    def __init__(self, jobs: int | None = None, limit_s: float | None = None) -> None:
+    def __init__(self, jobs: int | None = None, limit_s: float = LIMIT_S) -> None:
         self._jobs = jobs or os.cpu_count() or 1
         self._limit_s = limit_s
         self._cause = Crash("the process died")

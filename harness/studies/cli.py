@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from harness import effects3d, record
 from harness.errors import InputError, Mistake
-from harness.processes.executors import DaskPool, LocalPool, Pool
+from harness.processes.executors import LIMIT_S, DaskPool, LocalPool, Pool
 from harness.result_folder import RECORD, checksum, listing, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
@@ -26,8 +26,6 @@ from harness.studies.store import Store
 from harness.telling import Telling
 
 STORE_NAME: Final = "store.sqlite"
-SEARCH_LIMIT_S: Final = 4 * 3600.0
-"""How long no search for an amplitude (tens of runs each) may end before the workers are taken to hang."""
 
 
 def run(
@@ -55,7 +53,7 @@ def run(
             study = load_study(path)
             _check(study, folder, jobs, resume, export)
         if pool is None:
-            limit_s = SEARCH_LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
+            limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
             pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
         stack.enter_context(ending_cleanly())
         if study is None:
