@@ -144,9 +144,7 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         return []
     most = max(float(run["peak_slip_m"]) for run in answered.values())
     return (
-        [f"Its pedestal slides on the floor by up to {length(most, 2)}."]
-        if most > 1e-4
-        else ["Its pedestal stays put."]
+        [f"Its pedestal slides on the floor by up to {length(most)}."] if most > 1e-4 else ["Its pedestal stays put."]
     )
 
 
@@ -155,7 +153,7 @@ def _trust(source: RunSource) -> list[str]:
     if until is None or until >= float(source.scene["duration_s"]):
         return []
     return [
-        f"From second {short(until, 2)} on at least one model does not vouch for its own motion swing by swing. Read the "
+        f"From second {short(until, 3)} on at least one model does not vouch for its own motion swing by swing. Read the "
         "distances on this page as typical, not as exact."
     ]
 
@@ -184,7 +182,7 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
     if extremes:
         words.append("The dashed lines show its farthest positions to either side; the numbers, how far its top moves.")
         clear = [(side, _beyond(outline, shape, extremes, sign)) for side, sign in (("left", -1.0), ("right", 1.0))]
-        each = listed(f"{length(reach, 2)} on the {side}" for side, reach in clear)
+        each = listed(f"{length(reach)} on the {side}" for side, reach in clear)
         words.append(f"Beyond its outline at rest it needs {each}: keep that space free.")
     elif _standing(source):
         words.append(f"In {listed(_standing(source))} it does not move visibly.")
@@ -196,8 +194,8 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
         gap = float(wall["distance_m"]) + edge - rest
         left = gap - _beyond(outline, shape, extremes, sign)
         words.append(
-            f"At rest {length(gap, 2)} are free between it and the wall; at its farthest lean "
-            + (f"{length(left, 2)} remain." if left > 0 else "nothing remains: it would strike the wall.")
+            f"At rest {length(gap)} are free between it and the wall; at its farthest lean "
+            + (f"{length(left)} remain." if left > 0 else "nothing remains: it would strike the wall.")
         )
     fell = [name for name, run in source.runs.items() if Outcome(run["outcome"]).overturned]
     if fell:

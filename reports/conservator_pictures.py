@@ -93,7 +93,7 @@ def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[str]:
         x = float(place(lean[peak : peak + 1])[0, 0])
         parts.append(f'<path d="M{rest[0]:.1f} 30H{x:.1f}" stroke="{SHAKING}" stroke-width="3"/>')
         anchor, beside = ("start", 6) if moved > 0 else ("end", -6)
-        parts.append(_text(x + beside, 34, length(abs(moved), 2), anchor, SHAKING))
+        parts.append(_text(x + beside, 34, length(abs(moved)), anchor, SHAKING))
     return parts
 
 
