@@ -208,7 +208,9 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
         )
     last = _no_return(source, fell) if not extremes else []
     if last:
-        words.append("The dashed line shows the lean from which it does not come back.")
+        words.append(
+            "The dashed line shows the lean from which it does not come back; the number, how far its top is then."
+        )
     return Picture(heading, reach_svg(source, extremes or last, f"{heading} {' '.join(words)}"), words)
 
 

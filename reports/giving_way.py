@@ -150,7 +150,7 @@ def levels(scene: Mapping[str, Any], support: Support) -> list[Level]:
 def _end(friction: float, span: Span | None) -> str:
     if span is None or span[0] == span[1]:
         return ""
-    return " (least friction tried)" if friction == span[0] else " (greatest friction tried)"
+    return " (least tried)" if friction == span[0] else " (greatest tried)"
 
 
 def order_words(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -68,7 +69,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "notes": record["notes"],
         "usage": record.get("usage", {}).get("sentence", ""),
         "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
-        "command": f"rockcheck study {record['file']}",
+        "command": f"rockcheck study {shlex.quote(record['file'])}",
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -164,7 +165,7 @@ def _settings(item: Mapping[str, Any]) -> str:
 
 def command(record: Mapping[str, Any]) -> str:
     """The command that repeats the validation, with every option that is not at its default."""
-    parts = [f"rockcheck validate {record['experiments']}", *(f"-e {name}" for name in record["models"])]
+    parts = [f"rockcheck validate {shlex.quote(record['experiments'])}", *(f"-e {name}" for name in record["models"])]
     parts += [f"--samples {record['samples']}"] if record.get("samples") else []
     parts += [f"--seed {record['seed']}"] if record.get("seed") else []
     name = record["fit_share"]["name"]

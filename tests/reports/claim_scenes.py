@@ -44,7 +44,7 @@ def content(seed: int) -> dict[str, Any]:
         scene["motion"][axis] = _motion(rng, strength * (0.5 if axis == "z" else 1.0))
     if seed % 4 == 3 or not axes:
         scene["initial"] = {"theta_rad": float(rng.choice([0.02, -0.05, 0.6, -1.2, 1.49]))}
-    if seed % 6 == 2:
+    if seed % 3 == 2:
         scene["wall"] = {"side": str(rng.choice(["left", "right"])), "distance_m": float(rng.uniform(0.05, 0.6))}
     return scene
 

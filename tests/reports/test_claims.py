@@ -20,6 +20,7 @@ from harness.scene_file.load import load_scene
 from reports.conservator import context
 from reports.page import write_report
 from reports.source import RunSource, run_source
+from reports.words import run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
 from tests.reports.claim_scenes import SEEDS, content, write_scene
 
@@ -236,3 +237,19 @@ def test_a_title_reaches_no_page_with_its_control_characters(told: list[Told]) -
             assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", page), (item.seed, name)
             if item.seed % 5 == 0:
                 assert r"x [/] y &lt;b&gt; &#34;$a_{&#34; \x1b[31m\nred \u202e" in page, (item.seed, name)
+
+
+def test_one_model_alone_is_not_called_agreement(told: list[Told]) -> None:
+    for item in told:
+        verdict = run_verdict(item.source)
+        assert (verdict.tone == "agree") is (item.run["outcome"] == Outcome.STANDS), item.seed
+
+
+def test_no_distance_on_a_page_is_negative(told: list[Told]) -> None:
+    """A pedestal may slide into a wall that no model follows: it is said, not told as a distance below nought."""
+    seen = 0
+    for item in told:
+        text = " ".join(run_verdict(item.source).points)
+        assert not re.search(r"[-−]\d\S*\u00a0(mm|cm|m)\b", text + item.text), item.seed
+        seen += "of the wall" in text or "past the wall" in text or "touches the wall" in text
+    assert seen >= 5
