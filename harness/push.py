@@ -27,6 +27,7 @@ CAUSES: Final[Mapping[str, str]] = {
     "statue_tips": "the statue tips",
     "statue_slides": "the statue slides on its support",
     "pedestal_slides": "the pedestal slides on the floor",
+    "pedestal_tips": "the pedestal tips with the statue on it",
 }
 """What can begin to move, in words."""
 
@@ -94,7 +95,7 @@ def _level(parts: tuple[Excitation, ...], t_s: Array, x_factor: float) -> Array:
 
 
 def _limits(scene: Scene) -> tuple[str, ...]:
-    return tuple(name for name in CAUSES if name != "pedestal_slides" or scene.pedestal is not None)
+    return tuple(name for name in CAUSES if not name.startswith("pedestal") or scene.pedestal is not None)
 
 
 def _needed(scene: Scene, level_m_s2: Array) -> dict[str, Array]:
@@ -108,8 +109,31 @@ def _needed(scene: Scene, level_m_s2: Array) -> dict[str, Array]:
             "statue_slides": size / contact.statue,
         }
         if scene.pedestal is not None:
+            stone = vars(scene.pedestal)
+            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, stone)
+            over = [direction * level_m_s2[:, axis] / np.float64(share) for (axis, direction), share in sides.items()]
+            needed["pedestal_tips"] = np.max(over, axis=0)
             needed["pedestal_slides"] = np.where(size > 0.0, size / np.float64(contact.floor_static), 0.0)
     return needed
+
+
+def tipping_of_pedestal(
+    mass_kg: float, centroid_height_m: float, base_centre_m: float, pedestal: Mapping[str, Any]
+) -> dict[tuple[int, int], float]:
+    """The pushes, as shares of the weight, from which pedestal and statue tip as one body, by (axis, direction): ±x, ±y.
+
+    About an edge of the pedestal: push (m₁ H/2 + m₂ (H + h)) = g (m₁ d₁ + m₂ d₂), d being the distances of both centroids from
+    the edge. A centroid beyond its edge leaves nothing.
+    """
+    stone_kg, height_m = float(pedestal["mass_kg"]), float(pedestal["height_m"])
+    lever = 0.5 * stone_kg * height_m + mass_kg * (height_m + centroid_height_m)
+    sides = {}
+    for axis, size, centre in ((0, "width_m", base_centre_m + float(pedestal["offset_m"])), (1, "depth_m", 0.0)):
+        half = 0.5 * float(pedestal[size])
+        for direction in (1, -1):
+            share = (stone_kg * half + mass_kg * (half + direction * centre)) / lever
+            sides[axis, direction] = max(share, 0.0)
+    return sides
 
 
 def _shares(needed_m_s2: Array, weight_m_s2: Array) -> Array:

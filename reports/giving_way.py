@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.push import CAUSES
+from harness.push import CAUSES, tipping_of_pedestal
 from reports.numbers import listed, percent, short
 from reports.posing import Array
 
@@ -140,11 +140,25 @@ def levels(scene: Mapping[str, Any], support: Support) -> list[Level]:
     for friction in dict.fromkeys(support.floor or ()):
         found.append(Level(CAUSES["pedestal_slides"] + _end(friction, support.floor), friction, "pedestal_slides"))
     most = max(level.push for level in found)
+    for side, push in pedestal_tips(scene, support).items():
+        if push < most:
+            found.append(Level(f"the pedestal tips to the {side}", push, "pedestal_tips"))
     for friction in dict.fromkeys(support.statue):
         if friction < most:
             words = CAUSES["statue_slides"] + _end(friction, support.statue)
             found.append(Level(words, friction, "statue_slides"))
     return sorted(found, key=lambda level: level.push)
+
+
+def pedestal_tips(scene: Mapping[str, Any], support: Support) -> dict[str, float]:
+    """The pushes from which the pedestal tips with the statue on it, by side; none without a pedestal."""
+    statue, stone = scene["statue"], scene["pedestal"]
+    if stone is None or True not in support.pedestal:
+        return {}
+    centre = 0.5 * (float(statue["corner_right_m"]) - float(statue["corner_left_m"]))
+    pushes = tipping_of_pedestal(float(statue["mass_kg"]), float(statue["centroid_height_m"]), centre, stone)
+    names = {(0, 1): "right", (0, -1): "left", (1, 1): "back", (1, -1): "front"}
+    return {names[side]: push for side, push in pushes.items()}
 
 
 def _end(friction: float, span: Span | None) -> str:
@@ -161,7 +175,8 @@ def order_words(
     `rising`: the shaking has an up-and-down part.
     """
     tips = [level.push for level in levels(scene, support) if level.cause == "statue_tips"]
-    meanings = {said: _meaning(tips, floor, statue) for said, floor, statue in support.situations()}
+    stone = min(pedestal_tips(scene, support).values(), default=math.inf)
+    meanings = {said: _meaning(tips, stone, floor, statue) for said, floor, statue in support.situations()}
     if len(set(meanings.values())) == 1:
         words = [next(iter(meanings.values()))]
     else:
@@ -173,8 +188,10 @@ def order_words(
     return words
 
 
-def _meaning(tips: Sequence[float], floor: float | None, statue: float) -> str:
-    """The order of giving way at one pair of frictions in a sentence or two."""
+def _meaning(tips: Sequence[float], stone: float, floor: float | None, statue: float) -> str:
+    """The order of giving way at one pair of frictions in a sentence or two; `stone` tips the pedestal itself."""
+    if floor is not None and stone < min(*tips, floor, statue):
+        return "The pedestal itself tips, with the statue on it, before anything else gives way: it is too slender to protect it."
     if statue < min(*tips, math.inf if floor is None else floor):
         return (
             f"The statue slides on its {'support' if floor is None else 'pedestal'} before anything else gives way. Sliding "

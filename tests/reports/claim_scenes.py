@@ -36,7 +36,9 @@ def content(seed: int) -> dict[str, Any]:
     }
     if seed % 2:
         floor = 0.0 if seed % 10 == 1 else float(rng.uniform(0.05, 0.7))
-        scene["pedestal"] = {"mass_kg": 0.5 * mass, "width_m": 2.0 * h, "depth_m": 2.0 * h, "height_m": 0.2}
+        slender = {"width_m": 1.1 * (left + right), "depth_m": h, "height_m": 3.0 * h}
+        low = {"width_m": 2.0 * h, "depth_m": 2.0 * h, "height_m": 0.2}
+        scene["pedestal"] = {"mass_kg": 0.5 * mass, **(slender if seed % 8 == 5 else low)}
         scene["contact"] |= {"floor_static": floor, "floor_kinetic": 0.8 * floor}
     strength = float(rng.choice([0.02, 0.1, 0.3, 0.8, 50.0], p=[0.3, 0.2, 0.25, 0.2, 0.05]))
     axes = ("x", "y", "z")[: int(rng.choice([0, 1, 1, 1, 2, 3]))]

@@ -112,6 +112,14 @@ def pushes(scene: Scene) -> tuple[float, dict[str, float]]:
     shares = {"the statue tips": float(tips), "the statue slides": float((size / weight).max()) / scene.contact.statue}
     if scene.pedestal is not None:
         floor = scene.contact.floor_static
+        stone, half = scene.pedestal, np.array([[scene.pedestal.width_m], [scene.pedestal.depth_m]]) / 2.0
+        lever = stone.mass_kg * stone.height_m / 2.0 + statue.mass_kg * (stone.height_m + statue.centroid_height_m)
+        # From the statue's centroid the edges lie the pedestal's half and the base's middle away.
+        middle = np.array([[statue.base_centre_m], [0.0]])
+        arms = {1: half + middle, -1: half - middle}
+        holds = {side: stone.mass_kg * half + statue.mass_kg * arm for side, arm in arms.items()}
+        turning = {side: np.max(-side * np.stack([x, y]) * lever / hold / weight) for side, hold in holds.items()}
+        shares["the pedestal tips"] = float(max(turning.values()))
         shares["the pedestal slides"] = float((size / weight).max()) / floor if floor else math.inf
     return float(size.max()) / g, shares
 
@@ -158,21 +166,22 @@ def test_nothing_moves_is_said_where_nothing_can(told: list[Told]) -> None:
 
 
 def test_the_hint_is_the_least_that_moves_the_statue(told: list[Told]) -> None:
-    """At the value told the statics of the block give way, a hair below they do not; and the model itself agrees where it can."""
+    """At the value told the statics of the block give way, a hair below they do not; so does the model itself."""
     seen = 0
     for item in told:
         hint = re.search(r"from motion\.x\.(\S+)=(\S+) on", " ".join(item.source.record["notes"]))
         if hint is None:
             continue
         changed = content(item.seed)
-        for factor, moves in ((1.0, True), (1.0 - LEAST_MOVES, False)):
+        # At the limit itself a model may hold, and one that looks at its steps only may miss the very crest.
+        for factor, moves in ((1.0 + LEAST_MOVES, True), (1.0 - LEAST_MOVES, False)):
             changed["motion"]["x"][hint.group(1)] = float(hint.group(2)) * factor
             scene = load_scene(write_scene(item.source.folder / f"hint{moves:d}", changed))
-            assert (max(pushes(scene)[1].values()) >= 1.0 - PUSH_TOLD * LEAST_MOVES) is moves, (item.seed, factor)
-            cause = max(pushes(scene)[1].items(), key=lambda pair: pair[1])[0]
-            if scene.planar and cause != "the statue slides":
+            assert (max(pushes(scene)[1].values()) >= 1.0) is moves, (item.seed, factor)
+            if scene.planar:
                 run = run_scene(scene, ["analytic"]).runs["analytic"]
-                assert (run.peak_theta_rad != 0.0 or run.peak_slip_m != 0.0) is moves, (item.seed, factor)
+                left = bool(run.validity["left_domain_by"])
+                assert (left or run.peak_theta_rad != 0.0 or run.peak_slip_m != 0.0) is moves, (item.seed, factor)
         seen += 1
     assert seen >= 5
 

@@ -32,8 +32,10 @@ def spoken(told: dict[str, Any]) -> str:
 def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
     record = run_source(write_invented(tmp_path)).record
     found = levels(record["scene"], support_of(record))
-    assert [level.push for level in found] == pytest.approx([0.0682 / 0.774, 0.2, 0.3585 / 0.774])
-    assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "statue_tips"]
+    # Both as one body about the pedestal's right edge, 0.3 m from its own centroid and 0.1548 m from the statue's.
+    together = (250.0 * 0.3 + 707.0 * (0.3 - 0.14515)) / (250.0 * 0.1 + 707.0 * 0.974)
+    assert [level.push for level in found] == pytest.approx([0.0682 / 0.774, 0.2, together, 0.3585 / 0.774])
+    assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "pedestal_tips", "statue_tips"]
     bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).record
     assert {level.cause for level in levels(bare["scene"], support_of(bare))} == {"statue_tips"}
     assert "nothing slides before it tips" in " ".join(order_words(bare["scene"], support_of(bare), None))
@@ -63,6 +65,14 @@ def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
         (0.6, "nothing slides"),
     ):
         assert words in " ".join(order_words(scene, Support((False,), None, (friction, friction)), None))
+
+
+def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
+    record = run_source(write_invented(tmp_path)).record
+    scene = {**record["scene"], "pedestal": {**record["scene"]["pedestal"], "height_m": 3.0}}
+    support = support_of(record)
+    assert levels(scene, support)[0].words == "the pedestal tips to the right"
+    assert "The pedestal itself tips, with the statue on it" in " ".join(order_words(scene, support, None))
 
 
 def test_frictions_that_differ_between_situations_are_told_one_by_one(tmp_path: Path) -> None:
