@@ -17,6 +17,7 @@ from harness.history import Outcome
 from harness.run import run_scene, write_result
 from harness.scene import Scene
 from harness.scene_file.load import load_scene
+from reports.chart_histories import histories_figure
 from reports.conservator import context
 from reports.page import write_report
 from reports.source import RunSource, run_source
@@ -246,6 +247,15 @@ def test_a_title_reaches_no_page_with_its_control_characters(told: list[Told]) -
             assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", page), (item.seed, name)
             if item.seed % 5 == 0:
                 assert r"x [/] y &lt;b&gt; &#34;$a_{&#34; \x1b[31m\nred \u202e" in page, (item.seed, name)
+
+
+def test_the_first_view_of_a_history_shows_some_of_it(told: list[Told]) -> None:
+    """Upwards, and over rotations that the statue takes: one let go beyond its balance points never comes near them."""
+    for item in told:
+        low, high = histories_figure(item.source)["layout"]["yaxis"]["range"]
+        theta = item.source.histories["analytic"].theta_rad
+        assert low < high, item.seed
+        assert ((theta >= low) & (theta <= high)).any(), item.seed
 
 
 def test_one_model_alone_is_not_called_agreement(told: list[Told]) -> None:
