@@ -15,9 +15,6 @@ SECONDS: Final[Mapping[str, tuple[float, float]]] = {
     "pymunk": (0.08, 0.08),
     "pybullet": (0.06, 0.5),
     "mujoco": (0.5, 1.0),
-    "pymunk:plain": (2.0, 5.0),
-    "pybullet:plain": (1.0, 3.0),
-    "mujoco:plain": (0.5, 1.0),
 }
 """Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""
 STEP_S: Final = 5e-5
