@@ -97,3 +97,11 @@ PROFILE_FINE_RAD: Final = 8e-6
 REST_ANGLE_RAD: Final = 1e-5
 """A facet of 0.2 m resting with one end deeper than the other by the contact's depth at 0.5 ms, 4e-7 m: 2e-6 rad; five times
 that, measured 6e-7."""
+SLIP_BESIDE_ROCKING_M: Final = 2e-7
+"""Slip of a squat block's pedestal at 0.25 ms: 5e-8 measured; 2.7e-6 where the statue's momentum in it is half a step old."""
+SLIP_ORDER: Final = 1.5
+"""Order at which that error falls from 2 to 0.25 ms: 1.8 measured, as halts and releases fall irregularly; 1.0 before."""
+STATUE_WALK_M: Final = 1e-6
+"""Slip of a statue on a support that holds it in 1.5 s at 1 ms: 3e-7 measured; moved along tangents it walks 5e-5 m."""
+THROWN_SLIP_M: Final = 1e-6
+"""Slip of a pedestal whose statue starts with a rate, at 0.25 ms: 2.1e-7 measured; 3.1e-6 with the tangent of half a step on."""
