@@ -32,13 +32,20 @@ def plain_spells(drive: Drive, standing: Standing) -> Mapping[str, Any]:
     """`plain_from_s`, the first instant at which the steps were plain (None: never), `plain_for_s`, for how long altogether,
     and `plain_because`, the reasons in the order in which they came.
     """
-    t_s, states = np.array(drive.times_s), np.concatenate(drive.states)
-    fallen = np.flatnonzero(np.abs(states[:, drive.world.statue_column + 2]) >= OVERTURN_RAD)
-    if fallen.size:
-        t_s, states = t_s[: fallen[0] + 1], states[: fallen[0] + 1]
     if not drive.aligned:
-        return {"plain_from_s": float(t_s[0]), "plain_for_s": float(t_s[-1] - t_s[0]), "plain_because": ["asked for"]}
-    causes = _causes(drive, standing, states)
+        return {
+            "plain_from_s": drive.times_s[0],
+            "plain_for_s": drive.times_s[-1] - drive.times_s[0],
+            "plain_because": ["asked for"],
+        }
+    # Block by block: a long run asked for its outcome alone keeps no arrays of its length for this.
+    with np.errstate(invalid="ignore", over="ignore"):  # a run that diverged holds numbers that are not finite
+        blocks = [_causes(drive, standing, states) for states in drive.states if len(states)]
+    causes = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    t_s, over = np.array(drive.times_s), causes.pop("over")
+    if over.any():
+        t_s = t_s[: over.argmax() + 1]
+        causes = {name: spell[: t_s.size] for name, spell in causes.items()}
     left = np.any(list(causes.values()), axis=0)
     if not left.any():
         return {"plain_from_s": None, "plain_for_s": 0.0, "plain_because": []}
@@ -53,7 +60,7 @@ def plain_spells(drive: Drive, standing: Standing) -> Mapping[str, Any]:
 
 
 def _causes(drive: Drive, standing: Standing, states: Array) -> dict[str, Array]:
-    """By reason, whether it held at each recorded state, shape (n,)."""
+    """By reason, whether it held at each recorded state, shape (n,); `over`: whether the statue had overturned."""
     world, pedestal = drive.world, drive.scene.pedestal
     place_x, place_z, angle, rate_x, _, spin = states[:, world.statue_slice].T
     below = np.zeros((len(states), 6))
@@ -71,7 +78,7 @@ def _causes(drive: Drive, standing: Standing, states: Array) -> dict[str, Array]
     off = np.maximum(SLIDE_M_S, (HELD_SHARE + 2.0 * turn) * np.abs(spin) * standing.height_m)
     gap = place_z + arm_z - below[:, 1] - standing.half_m - (place_x + arm_x - below[:, 0]) * tilt
     near = RISES * (drive.settings.depth_m + standing.height_m * turn**2)
-    causes = {"slides": (slide > off) & (gap <= near), "flies": gap > near}
+    causes = {"slides": (slide > off) & (gap <= near), "flies": gap > near, "over": np.abs(angle) >= OVERTURN_RAD}
     if pedestal is not None:
         causes["tips"] = np.abs(tilt) > TIPPED_RAD
         causes["edge"] = np.abs(place_x + arm_x - below[:, 0]) > 0.5 * pedestal.width_m
