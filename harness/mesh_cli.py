@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness import record
+from harness import paths, record
 from harness.errors import InputError, Mistake, mistake_from
 from harness.scene_file.new_scene import scene_text
 
@@ -84,7 +84,7 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
         raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))
     if out.exists():
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
-    if not motion.is_file():
+    if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     shaking = read_record(motion, unit=unit_of_motion)
     mesh = out.with_name(f"{out.stem}_statue.ply")

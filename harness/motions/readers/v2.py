@@ -7,12 +7,12 @@ from typing import Final
 
 from harness.motions.orientation import parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
-from harness.motions.text import fixed_width, mistake
+from harness.motions.text import fixed_width, header_count, header_number, mistake, stated_peak
 
 NAME: Final = "CSMIP V2"
 TESTED_ON_ORIGINALS: Final = True
 
-_FLOAT = r"(-?\d*\.\d*)"
+_FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
     r"^\s*(\d+)\s+POINTS OF ACCEL DATA EQUALLY SPACED AT\s+" + _FLOAT + r"\s+SEC\.\s+\(UNITS:\s*([^)]+)\)", re.MULTILINE
 )
@@ -41,11 +41,11 @@ def read(text: str, where: str) -> RecordFile:
 
 
 def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
-    count, dt_s, unit = int(block.group(1)), float(block.group(2)), block.group(3).strip()
+    place, unit = f"line {start + 1}", block.group(3).strip()
+    count = header_count(block.group(1), where, place, "number of points")
+    dt_s = header_number(block.group(2), where, place, "step in seconds")
     if unit not in _UNITS:
         raise mistake(where, f"line {start + 1}", "accelerations in cm/sec/sec or g", repr(unit))
-    if dt_s <= 0.0 or count < 2:
-        raise mistake(where, f"line {start + 1}", "two points or more at a positive step", f"{count} at {dt_s} s")
     data = lines[start + 1 : start + 1 + -(-count // _PER_LINE)]
     values = fixed_width(data, _WIDTH, count, where=where, first_line=start + 2)
     head = "\n".join(line for line in lines[head_from:start] if not line.startswith("/&"))
@@ -53,5 +53,5 @@ def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str],
     orientation = parse_orientation(name)
     factor = UNITS_M_S2[_UNITS[unit]] * orientation.sign
     peak = _PEAK.search(head)
-    stated = (float(peak.group(1)) * factor, float(peak.group(2))) if peak else (None, None)
+    stated = stated_peak(peak, factor)
     return Channel(name, orientation, dt_s, values * factor, 0.0, *stated)
