@@ -29,6 +29,7 @@ class Known:
     mass_kg: float | None = None
     max_faces: int = 50_000
     contact_tolerance_m: float = 1e-3
+    cut_below_m: float | None = None
 
 
 def inspect(file: Path, known: Known) -> Inspection:
@@ -42,7 +43,7 @@ def inspect(file: Path, known: Known) -> Inspection:
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3
-    wanted = Wanted(unit=known.unit, height_m=known.height_m, up=known.up, max_faces=known.max_faces)
+    wanted = Wanted(known.unit, known.height_m, known.up, known.max_faces, known.cut_below_m)
     try:
         return inspected(
             file,
