@@ -62,9 +62,10 @@ def engines(as_json: Json = False) -> None:
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
+    from harness.record import to_plain
 
     rows = [
-        {"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order}
+        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
         for name in REGISTRY
         for engine in [load(name)]
     ]
@@ -179,19 +180,23 @@ def compute(
     quiet: bool,
     iso: bool = False,
     horizon: bool = False,
+    out: Path | None = None,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
+    """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.engines import DEFAULT_ENGINES
-    from harness.run import check_target, run_scene
+    from harness.run import check_target, check_writing, run_scene
     from harness.scene_file.load import load_scene
 
     check_target(accuracy, dt)
     want = wanted(no_skip)
     scene = load_scene(scene_file, overrides or ())
+    engines_asked = names or DEFAULT_ENGINES
+    if out is not None:
+        check_writing(out, scene, engines_asked)
     with Telling(quiet) as telling:
         return run_scene(
             scene,
-            names or DEFAULT_ENGINES,
+            engines_asked,
             accuracy_rad=accuracy,
             dt_s=dt,
             want=want,

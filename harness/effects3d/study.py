@@ -23,6 +23,7 @@ from harness.engine import Capabilities
 from harness.errors import InputError, Mistake
 from harness.processes.executors import Crash, Pool
 from harness.record import SCHEMA_VERSION
+from harness.result_folder import listing
 from harness.scene import Scene
 from harness.studies.cases import Base, base_of_scene
 from harness.studies.digest import scene_digest
@@ -172,6 +173,7 @@ def run_effects(
         "unit_g": peak_g(scene),
         "versions": record.versions(),
         "machine": record.machine(),
+        "files": listing(()),
     }
     found["replay"] = write_replay(found, scene, folder / "replay")
     summary = Summary(

@@ -59,6 +59,33 @@ def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path)
     assert header.startswith("t_s,theta_rad,theta_rate_rad_s,slip_m,slip_rate_m_s")
 
 
+WITHOUT_PYBULLET = "import sys; sys.modules['pybullet'] = None; from reports.cli import main; main()"
+
+
+@pytest.mark.parametrize(("named", "code"), [((), 0), (("-e", "analytic", "-e", "pybullet"), 1)])
+def test_without_pybullet_everything_else_runs_and_says_so(
+    scene: Path, tmp_path: Path, named: tuple[str, ...], code: int
+) -> None:
+    command = [sys.executable, "-c", WITHOUT_PYBULLET, "run", "block.toml", *named]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stderr
+    assert "pybullet cannot be imported" in done.stdout
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "block" / "report.html").is_file()
+    record = json.loads((tmp_path / "out" / "block" / "result.json").read_text())
+    assert record["runs"]["pybullet"]["outcome"] == "unavailable"
+    assert record["runs"]["analytic"]["outcome"] == "stands"
+
+
+def test_without_pybullet_the_engines_are_listed(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", WITHOUT_PYBULLET, "engines", "--json"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    missing = {row["engine"]: row["missing"] for row in json.loads(done.stdout)}
+    assert missing["pymunk"] is None
+    assert "pybullet cannot be imported" in missing["pybullet"]
+
+
 def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Path) -> None:
     done = rockcheck("run", "block.toml", "-e", "analytic", "--json", cwd=tmp_path)
     assert json.loads(done.stdout)["runs"]["analytic"]["outcome"] == "stands"
