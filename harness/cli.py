@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from harness.errors import InputError, Mistake
 from harness.telling import Telling
+from harness.terminal import json_text, printable, printable_lines
 
 if TYPE_CHECKING:
     from harness.run import Result
@@ -70,7 +70,7 @@ def engines(as_json: Json = False) -> None:
         for engine in [load(name)]
     ]
     if as_json:
-        typer.echo(json.dumps(rows, indent=1))
+        typer.echo(json_text(rows))
         return
     for row in rows:
         able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
@@ -124,7 +124,7 @@ def compare(
             prefix = f"{path.stem}: " if len(files) > 1 else ""
             found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
     if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+        typer.echo(json_text(found))
     elif not quiet:
         for pair, scores in found.items():
             typer.echo(table_of(pair, scores))
@@ -144,7 +144,7 @@ def table_of(title: str, scores: Mapping[str, Any]) -> str:
             lines.append(f"  {name:34} {len(value)} of them (see --json)")
         elif isinstance(value, Mapping) and "sentence" in value:
             lines.append(f"  {name:34} {value['sentence']}")
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def salvage(
@@ -164,9 +164,9 @@ def salvage(
 def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
     """What a command found: as JSON, or as text, or not at all."""
     if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+        typer.echo(json_text(found))
     elif not quiet:
-        typer.echo(text)
+        typer.echo(printable_lines(text))
 
 
 def compute(
@@ -214,8 +214,8 @@ def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | 
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
     if as_json:
-        return json.dumps([step.as_dict() for step in steps], indent=1, ensure_ascii=False)
-    return "\n".join(map(str, steps))
+        return json_text([step.as_dict() for step in steps])
+    return "\n".join(printable(str(step)) for step in steps)
 
 
 def wanted(no_skip: Sequence[str] | None) -> Any:
@@ -247,7 +247,7 @@ def summary(result: Result) -> str:
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def _details(run: Any) -> str:
@@ -286,6 +286,7 @@ def guarded(action: Any) -> int:
     except OSError as error:
         if error.errno not in FULL_OR_READ_ONLY:
             raise
-        print(f"error: {error.filename or 'the output'} could not be written: {error.strerror}", file=sys.stderr)
+        place = printable(str(error.filename or "the output"))
+        print(f"error: {place} could not be written: {error.strerror}", file=sys.stderr)
         return FAILED
     return int(code or OK)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import Annotated, Final
@@ -12,6 +11,7 @@ import typer
 from harness import cli as harness_cli
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
 from harness.telling import Telling
+from harness.terminal import json_text
 from reports import cli_input
 
 OUT: Final = Path("out")
@@ -64,7 +64,7 @@ def run(
     write_result(result, folder)
     page = _page(folder)
     if as_json:
-        typer.echo(json.dumps(result.as_dict(), indent=1, ensure_ascii=False))
+        typer.echo(json_text(result.as_dict()))
     elif not quiet:
         typer.echo(f"{harness_cli.summary(result)}\nreport: {page}")
     # An engine that nobody named and that has no wheels here is said, and no failure.

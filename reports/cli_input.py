@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -10,6 +9,7 @@ import typer
 
 from harness.cli import Json, Quiet, say
 from harness.telling import Telling
+from harness.terminal import json_text, printable
 
 OUT: Final = Path("out")
 
@@ -151,15 +151,15 @@ def motion_inspect(
     figure(found).savefig(folder / "motion.png", dpi=150)
     write_json(folder / "motion.json", found.record())
     if as_json:
-        typer.echo(json.dumps(found.record(), indent=1, ensure_ascii=False))
+        typer.echo(json_text(found.record()))
     elif not quiet:
-        rows = found.table()
+        rows = [[printable(cell) for cell in row] for row in found.table()]
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         for row in rows:
             typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
         for text in found.warnings:
-            typer.echo(f"warning: {text}")
-        typer.echo(f"picture: {folder / 'motion.png'}")
+            typer.echo(printable(f"warning: {text}"))
+        typer.echo(printable(f"picture: {folder / 'motion.png'}"))
 
 
 def _inspected(file: Path, unit: str | None, axis: str) -> Any:

@@ -13,11 +13,14 @@ from reports.palette import faint
 from reports.posing import Array, section
 from reports.silhouette import silhouette_m
 from reports.source import RunSource
+from reports.still_axes import nice_ticks
 from reports.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 
 SIDE: Final = 420
 """Width and height of each picture in its own units."""
 MARGIN: Final = 46.0
+MOST_RINGS: Final = 4
+"""As many circles as a reader can tell apart by their numbers."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
 DIRECTIONS: Final = ("right", "back right", "back", "back left", "left", "front left", "front", "front right")
@@ -117,8 +120,7 @@ def push_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], title: str, bo
     def place(pushes: Array) -> Array:
         return np.column_stack([middle + scale * pushes[:, 0], middle - scale * pushes[:, 1]])
 
-    step = next(value for value in (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0) if most / value <= 4.5)
-    rings = [step * k for k in range(1, int(most / step) + 1)]
+    rings = nice_ticks(0.0, most, MOST_RINGS)[1:]
     parts = [
         f'<circle cx="{middle}" cy="{middle}" r="{scale * ring:.1f}" fill="none" stroke="#d5dbe3"/>' for ring in rings
     ]

@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.record import PATTERN_NAMES
+from reports.numbers import drawn_text
 from reports.palette import INK, MUTED, PATTERN_LOOKS, Look, look
 from reports.source import RunSource, read_record, run_source
 from reports.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR, SHOWN_RAD, SLIP_COLOUR
@@ -216,7 +217,7 @@ def draw_panels(figure: Figure, group: Sequence[Mapping[str, Any]], model: str) 
         labels,
         loc="outside upper left",
         ncols=3 if figure.get_figwidth() > 5.0 else 1,
-        title=f"{model}, r = {group[0]['restitution']:g}",
+        title=f"{drawn_text(model)}, r = {group[0]['restitution']:g}",
         alignment="left",
         borderaxespad=0.0,
     )

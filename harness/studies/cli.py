@@ -21,6 +21,7 @@ from harness.studies.file import StudyFile, load_study
 from harness.studies.record import study_record
 from harness.studies.run import Summary, run_study, study_name
 from harness.studies.store import Store
+from harness.terminal import printable
 
 STORE_NAME: Final = "store.sqlite"
 
@@ -148,11 +149,12 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
         TimeRemainingColumn,
     )
 
-    console = Console(stderr=True, quiet=quiet)
+    console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
+    title = printable(title)
     if size:
-        console.print(size, highlight=False)
+        console.print(printable(size), highlight=False)
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
