@@ -169,7 +169,7 @@ def repacked(data: bytes, rng: Stream) -> bytes:
         text = gzip.decompress(data)
     except (OSError, EOFError, zlib.error):
         return data
-    return gzip.compress(TEXT[int(rng.integers(len(TEXT)))](text, rng), 1)
+    return gzip.compress(TEXT[int(rng.integers(len(TEXT)))](text, rng), 1, mtime=0)
 
 
 def bomb(data: bytes, rng: Stream) -> bytes:
@@ -180,7 +180,7 @@ def bomb(data: bytes, rng: Stream) -> bytes:
 
 @lru_cache(maxsize=3)
 def _packed(fill: bytes) -> bytes:
-    return gzip.compress(fill * (BOMB_BYTES // len(fill)), 1)
+    return gzip.compress(fill * (BOMB_BYTES // len(fill)), 1, mtime=0)
 
 
 TEXT: Final[tuple[Mutation, ...]] = (

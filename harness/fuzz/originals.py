@@ -222,7 +222,7 @@ def kinds() -> tuple[Kind, ...]:
         Kind("store", "store.sqlite", _store(), use.store, BINARY),
         Kind("title", "titled.toml", SCENE, use.title, TITLED),
         Kind("AT2 header", "stepped.at2", records.at2(), use.step, STEPPED),
-        Kind("gzip", "packed.at2.gz", gzip.compress(records.at2()), use.packed, PACKED),
-        Kind("sister in gzip", "RSN1_B_180.at2", gzip.compress(records.at2()), use.sister, PACKED),
+        Kind("gzip", "packed.at2.gz", gzip.compress(records.at2(), mtime=0), use.packed, PACKED),
+        Kind("sister in gzip", "RSN1_B_180.at2", gzip.compress(records.at2(), mtime=0), use.sister, PACKED),
         Kind("output folder", "result.json", _result(), use.folder),
     )
