@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -30,6 +31,8 @@ UNFINISHED: Final = (
     COMING,
 )
 """What stands in a folder before its first record is whole."""
+PLAIN_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,199}")
+"""Every file that is ever written into a result folder has such a name."""
 FRESH: Final = ".writing-"
 
 Sums = dict[str, set[str | None]]
@@ -98,8 +101,8 @@ def owned(folder: Path) -> Sums:
     for record in filter(None, (_record(folder / name) for name in (RECORD, COMING))):
         files = record.get("files")
         for name, value in (files if isinstance(files, Mapping) else _of_old(record)).items():
-            # Nothing but a plain name: what a record says of other folders is not believed.
-            if name == Path(name).name:
+            # Nothing but a plain name: what a record says of other folders, or of itself, is not believed.
+            if PLAIN_NAME.fullmatch(name) and name != RECORD and isinstance(value, str | None):
                 sums.setdefault(name, set()).add(value)
     return sums
 

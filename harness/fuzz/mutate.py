@@ -141,6 +141,11 @@ TITLES: Final = (
     "%s{0}{x}", "../../etc", "=HYPERLINK(1)", "<script>alert(1)</script>", "é θ 😀", "\\u0000", "a" * 5000, " ", "$x$", "\\\\",
 )  # fmt: skip
 TITLE: Final = re.compile(rb'(?m)^(title = ")(.*)(")$')
+KINDS: Final = (b'"study"', b'"stress"', b'"bench"', b'"none"', b"1", b"[]", b"null", b'"run "')
+LISTED: Final = (
+    b'""', b'"."', b'".."', b'"/"', b'"/etc/passwd"', b'"../good.toml"', b'"a/b"', b'"~"', b'"\\u0000"', b'"\\ud800"',
+    b'"' + b"a" * 300 + b'"', b'"result.json"', b'".coming.json"', b'"x": [1], "y": {}, "z"', b'"*"',
+)  # fmt: skip
 BOMB_BYTES: Final = 96 * 2**20
 """Half as much again as a record may have: enough to be refused, and unpacked in a tenth of a second where it is not."""
 
@@ -193,8 +198,18 @@ STL_FACET: Final = 50
 BINARY: Final[tuple[Mutation, ...]] = (flip, flip, digit, digit, single, single, truncate, insert)
 
 STL: Final[tuple[Mutation, ...]] = (*BINARY, point, point, point)
+
+
+def listed(data: bytes, rng: Stream) -> bytes:
+    """A result's record that claims another kind, or lists among its files what is no file of its folder."""
+    if rng.integers(2):
+        return data.replace(b'"kind": "run"', b'"kind": ' + KINDS[int(rng.integers(len(KINDS)))], 1)
+    return data.replace(b'"files": {', b'"files": {' + LISTED[int(rng.integers(len(LISTED)))] + b": null, ", 1)
+
+
 STEPPED: Final[tuple[Mutation, ...]] = (step, step, step, step, nudge, lines, recode, insert)
 TITLED: Final[tuple[Mutation, ...]] = (title, title, title, title, insert, recode, words)
+RECORD: Final[tuple[Mutation, ...]] = (*TEXT, listed, listed, listed, listed, listed, listed)
 PACKED: Final[tuple[Mutation, ...]] = (repacked, repacked, repacked, gathered, flip, truncate, bomb)
 TRIES: Final = 20
 """Draws after which a file that nothing changes is given up: an empty one."""

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness.fuzz import records, use
-from harness.fuzz.mutate import BINARY, PACKED, STEPPED, STL, TEXT, TITLED, Mutation
+from harness.fuzz.mutate import BINARY, PACKED, RECORD, STEPPED, STL, TEXT, TITLED, Mutation
 
 
 @dataclass(frozen=True)
@@ -224,5 +224,5 @@ def kinds() -> tuple[Kind, ...]:
         Kind("AT2 header", "stepped.at2", records.at2(), use.step, STEPPED),
         Kind("gzip", "packed.at2.gz", gzip.compress(records.at2(), mtime=0), use.packed, PACKED),
         Kind("sister in gzip", "RSN1_B_180.at2", gzip.compress(records.at2(), mtime=0), use.sister, PACKED),
-        Kind("output folder", "result.json", _result(), use.folder),
+        Kind("output folder", "result.json", _result(), use.folder, RECORD),
     )

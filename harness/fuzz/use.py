@@ -12,6 +12,7 @@ import resource
 import shutil
 from contextlib import redirect_stderr
 from decimal import Decimal
+from functools import lru_cache
 from io import StringIO
 from itertools import islice
 from pathlib import Path
@@ -219,10 +220,18 @@ def _is_json(path: Path) -> bool:
 
 def write_into(scene_file: Path, folder: Path) -> None:
     """Run a scene for a moment and write the result into a folder."""
-    from harness.run import run_scene, write_result
+    from harness.run import write_result
+
+    write_result(_of_a_moment(scene_file.read_bytes(), scene_file), folder)
+
+
+@lru_cache(maxsize=1)
+def _of_a_moment(content: bytes, scene_file: Path) -> Any:
+    """The result of a scene, run once for all folders."""
+    from harness.run import run_scene
     from harness.scene_file.load import load_scene
 
-    write_result(run_scene(load_scene(scene_file).but(duration_s=0.01), ("analytic",)), folder)
+    return run_scene(load_scene(scene_file).but(duration_s=0.01), ("analytic",))
 
 
 def unfinished(folder: Path, accepted: bool) -> str | None:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError, Mistake
-from harness.fuzz.mutate import BINARY, BOMB_BYTES, PACKED, STEPPED, STL, TEXT, TITLED, bomb, mutated, point
+from harness.fuzz.mutate import BINARY, BOMB_BYTES, LISTED, PACKED, STEPPED, STL, TEXT, TITLED, bomb, mutated, point
 from harness.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
 from harness.fuzz.records import at2, cosmos, esm, smc
 from harness.fuzz.run import Tried, attempt, died, fuzz, summed, tasks
@@ -196,6 +196,16 @@ def test_the_search_sees_a_step_misread_and_a_folder_robbed(
     for way, said in ((robs, "a file that is another's was changed"), (robs_and_refuses, "is not as it was")):
         monkeypatch.setattr(use, "write_into", way)
         assert said in (attempt(output, output.content, folder).wrong or "")
+
+
+@pytest.mark.parametrize("name", LISTED)
+def test_a_record_that_lists_what_is_no_file_of_its_folder_takes_nothing(
+    every: dict[str, Kind], folder: Path, name: bytes
+) -> None:
+    output = every["output folder"]
+    content = output.content.replace(b'"files": {', b'"files": {' + name + b": null, ", 1)
+    assert content != output.content
+    assert attempt(output, content, folder).wrong is None
 
 
 def test_a_title_that_steers_the_terminal_is_seen(
