@@ -143,8 +143,8 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
         return
     for line in path.read_text(encoding="utf-8").splitlines():
         try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
+            yield dict(json.loads(line))
+        except (TypeError, ValueError):
             continue
 
 
@@ -152,7 +152,7 @@ def _read(kept: Path, part: Part, stamp: Mapping[str, Any]) -> Measured:
     found = Measured()
     plain = record.to_plain(stamp)
     for line in _lines(_path(kept, part)):
-        if line["stamp"] == plain and line["task"] in part.tasks:
+        if line.get("stamp") == plain and line.get("task") in part.tasks:
             found.rows[line["task"]] = line["rows"]
             found.busy_s += line["busy_s"]
             found.wall_s += line["wall_s"]

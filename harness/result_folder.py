@@ -21,19 +21,15 @@ COMING: Final = ".coming.json"
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: listed without a checksum."""
 KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
-UNFINISHED: Final = (
-    "store.sqlite",
-    "store.sqlite-wal",
-    "store.sqlite-shm",
-    "searches.jsonl",
-    "parts",
-    "replay",
-    COMING,
-)
-"""What stands in a folder before its first record is whole."""
+UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "searches.jsonl", "parts", "replay")
+"""What stands in a folder before its first record is whole, and"""
+INSPECTED: Final = ("motion.png", "motion.json")
+"""what an inspected motion leaves there: neither makes a folder another's."""
 PLAIN_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,199}")
 """Every file that is ever written into a result folder has such a name."""
 FRESH: Final = ".writing-"
+MARK: Final = b"made by rockcheck"
+"""Stands in every picture that is written beside a result: such a picture may be written again."""
 
 Sums = dict[str, set[str | None]]
 
@@ -74,7 +70,7 @@ def check_folder(folder: Path, kinds: tuple[str, ...] = KINDS, names: Iterable[s
         told = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(Mistake("--out", "", "a folder that can be written", f"{str(folder)!r}: {told}")) from error
     kind = _kind(folder)
-    others = [name for name in inside if name not in UNFINISHED and not name.startswith(".")]
+    others = [name for name in inside if name not in (*UNFINISHED, *INSPECTED) and not name.startswith(".")]
     if kind is None and others:
         got = f"{folder}, where {_some(others)} stand{'s' * (len(others) == 1)} without a result of rockcheck"
         raise InputError(Mistake("--out", "", "a new or an empty folder, or one with a result of its own", got))
@@ -95,10 +91,31 @@ def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> 
             raise InputError(Mistake("--out", "", "another folder than its input's", f"{path} would be lost"))
 
 
+def check_listed(path: Path, account: Path) -> None:
+    """Raise `InputError` unless a file, and the account beside it that lists it, are not there yet or as they were written."""
+    if not os.path.lexists(path) and not os.path.lexists(account):
+        return
+    try:
+        files = json.loads(account.read_text(encoding="utf-8"))["files"]
+        mine = files == listing([path], pages=False) and not path.is_symlink()
+    except (OSError, ValueError, KeyError, TypeError):
+        mine = False
+    if not mine:
+        got = f"{path}, which {account.name} does not list as it is"
+        raise InputError(Mistake("--out", "", "a new file, or one that this command wrote", got, "give another name"))
+
+
+def check_marked(pictures: Iterable[Path]) -> None:
+    """Raise `InputError` where a picture to be written would replace a file that is no picture of rockcheck's."""
+    for path in pictures:
+        if os.path.lexists(path) and not (path.is_file() and not path.is_symlink() and MARK in path.read_bytes()):
+            raise InputError(Mistake("--out", "", "a new file, or a picture of rockcheck's to replace", str(path)))
+
+
 def owned(folder: Path) -> Sums:
     """The files that the folder's own record lists, with the checksums they may have (None: not checked)."""
     sums: Sums = {}
-    for record in filter(None, (_record(folder / name) for name in (RECORD, COMING))):
+    for record in filter(None, (read_own(folder / name) for name in (RECORD, COMING))):
         files = record.get("files")
         for name, value in (files if isinstance(files, Mapping) else _of_old(record)).items():
             # Nothing but a plain name: what a record says of other folders, or of itself, is not believed.
@@ -118,11 +135,17 @@ def _own(path: Path, sums: Sums) -> bool:
     """Whether a file may be replaced: it is not there, or listed and as it was written."""
     if not os.path.lexists(path) or path.name == RECORD:
         return True
-    known = sums.get(path.name)
-    return known is not None and not path.is_symlink() and (None in known or checksum(path) in known)
+    return path.name in sums and path.is_file() and not path.is_symlink() and as_written(path, sums)
 
 
-def _record(path: Path) -> dict[str, Any] | None:
+def as_written(path: Path, sums: Sums) -> bool:
+    """Whether a file has a checksum that was listed for it; one of which none is listed is taken as it is."""
+    known = sums.get(path.name, {None})
+    return None in known or checksum(path) in known
+
+
+def read_own(path: Path) -> dict[str, Any] | None:
+    """A record that rockcheck wrote, None where there is none."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -132,12 +155,25 @@ def _record(path: Path) -> dict[str, Any] | None:
 
 
 def _kind(folder: Path) -> str | None:
-    record = _record(folder / RECORD) or _record(folder / COMING)
+    record = read_own(folder / RECORD) or read_own(folder / COMING)
     return None if record is None else str(record["kind"])
 
 
 def _some(names: list[str]) -> str:
     return ", ".join(names[:3]) + (" and others" if len(names) > 3 else "")
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Path]:
+    """A name beside `path` that becomes it when all is written, and is removed when not; what was there before goes."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=FRESH, suffix=path.suffix)
+    os.close(handle)
+    try:
+        yield Path(name)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    finally:
+        Path(name).unlink(missing_ok=True)
 
 
 @contextmanager

@@ -51,9 +51,14 @@ class Telling:
         self._now = (words, time.monotonic())
         self._progress.update(self._task, description=words)
         if self._lines:
-            self._say(words)
+            self.say(words)
 
-    def _say(self, words: str) -> None:
+    def later(self, words: str) -> None:
+        """What a reminder tells from now on, without a word now."""
+        self._now = (words, time.monotonic())
+
+    def say(self, words: str) -> None:
+        """Tell this once."""
         self._said = time.monotonic()
         self._console.print(words, highlight=False)
 
@@ -61,4 +66,4 @@ class Telling:
         while not self._done.wait(max(0.01, self._said + self._silent_s - time.monotonic())):
             if time.monotonic() - self._said >= self._silent_s:
                 words, since = self._now
-                self._say(f"{words}: {time.monotonic() - since:.0f} s so far")
+                self.say(f"{words}: {time.monotonic() - since:.0f} s so far")

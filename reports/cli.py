@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -225,4 +226,7 @@ cli_input.add_commands(app)
 
 def main() -> None:
     """Entry point of the command."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        # The name of a file may be no text: what cannot be printed is printed as escapes.
+        sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(harness_cli.guarded(app))

@@ -89,9 +89,10 @@ class Ledger:
             for line in path.read_text(encoding="utf-8").splitlines():
                 try:
                     entry = json.loads(line)
-                except json.JSONDecodeError:
+                    key, answer, seconds = str(entry["key"]), dict(entry["answer"]), float(entry["seconds"])
+                except (ValueError, TypeError, KeyError):
                     continue
-                self.known[entry["key"]], self.spent_s[entry["key"]] = entry["answer"], entry["seconds"]
+                self.known[key], self.spent_s[key] = answer, seconds
 
     def put(self, key: str, found: Answer, seconds: float) -> None:
         """Keep an answer and the processor time that it took."""

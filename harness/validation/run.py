@@ -24,6 +24,8 @@ from harness.validation.scoring import Answers, Choice, choose, curves, probabil
 from harness.validation.table import Trial, read_table
 
 MAX_SAMPLES: Final = 1000
+LIMIT_S: Final = 3600.0
+"""How long no test of any model may be finished before the workers are taken to hang."""
 """More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
 
 
@@ -54,7 +56,7 @@ def validate(
     wanted = jobs_of(trials, chosen, samples, seed)
     with Store(folder / STORE_NAME) as store:
         with progress(experiments.name, quiet) as told:
-            computed = compute(store, LocalPool(jobs), wanted, told)
+            computed = compute(store, LocalPool(jobs, LIMIT_S), wanted, told)
         found = _record(store, trials, chosen, wanted, intensities, samples, fit_share)
     found |= {
         "experiments": experiments.name,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 
 from harness.cli import INTERRUPTED, guarded
 from harness.errors import InputError
+from reports.cli import app
 from reports.page import write_report
 from tests.reports.invented_run import write_invented
 
@@ -281,6 +283,57 @@ def test_a_single_instant_is_no_agreement(tmp_path: Path) -> None:
     (tmp_path / "two.csv").write_text("t_s,theta_rad\n0,0\n1,0.1\n")
     done = rockcheck("compare", "one.csv", "two.csv", cwd=tmp_path)
     assert (done.returncode, "one common instant" in done.stderr) == (2, True), done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "{}.toml"],
+        ["run", "block.toml", "--out", "{}"],
+        ["study", "{}.toml"],
+        ["validate", "{}.csv"],
+        ["compare", "{}.csv", "b.csv"],
+        ["report", "{}"],
+        ["gif", "{}"],
+        ["figures", "{}"],
+        ["mesh", "inspect", "{}.obj"],
+        ["motion", "inspect", "{}.V2"],
+        ["store", "salvage", "{}", "new"],
+    ],
+)
+def test_a_name_too_long_is_a_mistake(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str],
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    filled = [part.format("a" * 300) for part in arguments]
+    with pytest.raises(SystemExit) as ending:
+        sys.exit(guarded(lambda: app(filled)))
+    assert ending.value.code == 2
+    assert "too long" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["block.toml"]
+
+
+def test_a_name_that_is_no_text_is_carried_through(scene: Path, tmp_path: Path) -> None:
+    name = os.fsdecode(b"bl\xffock")
+    scene.rename(tmp_path / f"{name}.toml")
+    for more in ((), ("--json",)):
+        done = subprocess.run(
+            [sys.executable, "-c", "from reports.cli import main; main()", "run", f"{name}.toml", "-e", "analytic", *more],
+            cwd=tmp_path, capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "utf-8:strict"},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    record = json.loads((tmp_path / "out" / name / "result.json").read_text())
+    assert record["scene"]["file"] == f"{name}.toml"
+
+
+def test_a_file_that_may_not_grow_is_told(scene: Path, tmp_path: Path) -> None:
+    command = f"ulimit -f 8; {shlex.quote(sys.executable)} -c 'from reports.cli import main; main()' run block.toml -e analytic"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert [path.name for path in (tmp_path / "out" / "block").iterdir()] == []
 
 
 def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:
