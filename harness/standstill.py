@@ -14,6 +14,8 @@ from harness.scene import Scene
 STILL_RAD: Final = 1e-4
 """A smaller rotation is the give of a contact engine, or an uneven base settling."""
 STILL_M: Final = 1e-5
+DIGIT_ROUNDING: Final = 1e-3
+"""Of a fourth digit: what the factor itself is found to, so that 1.0000001 is told as 1 and not as 1.001."""
 SIZE_KEYS: Final = {"pulse": "amplitude_g", "harmonic": "amplitude_g", "record": "scale"}
 """The key by which a scene file says how large a motion is."""
 LARGEST: Final = {"amplitude_g": LARGEST_G, "scale": LARGEST_SCALE}
@@ -54,7 +56,9 @@ def _least(scene: Scene) -> str:
     if factor is None:
         return ""
     digit = 10.0 ** (math.floor(math.log10(abs(factor * before))) - 3)
-    return f"motion.x.{key}={math.copysign(digit * math.ceil(abs(factor * before) / digit), before):.4g}"
+    return (
+        f"motion.x.{key}={math.copysign(digit * math.ceil(abs(factor * before) / digit - DIGIT_ROUNDING), before):.4g}"
+    )
 
 
 def motion_sized(scene: Scene, factor: float) -> str:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
 from harness import cli as harness_cli
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
 from harness.telling import Telling
-from harness.terminal import json_text
+from harness.terminal import printable
 from reports import cli_input
 
 OUT: Final = Path("out")
@@ -63,11 +64,7 @@ def run(
         return
     result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json, out=folder)
     write_result(result, folder)
-    page = _page(folder)
-    if as_json:
-        typer.echo(json_text(result.as_dict()))
-    elif not quiet:
-        typer.echo(f"{harness_cli.summary(result)}\nreport: {page}")
+    _say(result.as_dict(), harness_cli.summary(result), folder, as_json, quiet)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if engine else tuple(result.runs))
     raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
@@ -98,10 +95,9 @@ def study(
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=quiet or as_json
     )
-    page = _page(folder)
     usage = found.get("usage")
-    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else []), f"report: {page}"]
-    say(found, "\n".join(lines), as_json, quiet)
+    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
+    _say(found, "\n".join(lines), folder, as_json, quiet)
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 
@@ -144,8 +140,7 @@ def validate(
         resume=resume,
         quiet=quiet or as_json,
     )
-    page = _page(folder)
-    say(found, f"report: {page}", as_json, quiet)
+    _say(found, "", folder, as_json, quiet)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
@@ -169,8 +164,7 @@ def bench(
     folder = out or OUT / "bench"
     with Telling(quiet or as_json) as telling:
         found = measure(folder, quick, telling.engine, _names(parts))
-    page = _page(folder)
-    say(found, "\n".join([*found["sentences"], f"report: {page}"]), as_json, quiet)
+    _say(found, "\n".join(found["sentences"]), folder, as_json, quiet)
 
 
 @app.command(epilog="Examples:  `rockcheck stress --out out/stress`  ·  `rockcheck stress --parts fuzz`")
@@ -183,8 +177,7 @@ def stress(
     folder = out or OUT / "stress"
     with Telling(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine, _names(parts))
-    page = _page(folder)
-    say(found, "\n".join([*stresses.sentences(found), f"report: {page}"]), as_json, quiet)
+    _say(found, "\n".join(stresses.sentences(found)), folder, as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
@@ -197,11 +190,11 @@ def report(
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
     from harness.errors import InputError, Mistake
-    from reports.page import CONSERVATOR_NAME
+    from reports.page import CONSERVATOR_NAME, write_report
 
     if reader not in READERS:
         raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
-    page = _page(folder)
+    page = write_report(folder)
     if reader == "conservator":
         page = folder / CONSERVATOR_NAME
         if not page.is_file():
@@ -214,10 +207,21 @@ def _names(parts: str | None) -> list[str] | None:
     return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
 
 
-def _page(folder: Path) -> Path:
+def _say(found: Mapping[str, Any], text: str, folder: Path, as_json: bool, quiet: bool) -> None:
+    """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
+    from harness.errors import InputError
     from reports.page import write_report
 
-    return write_report(folder)
+    if text or as_json:
+        say(found, text, as_json, quiet)
+    try:
+        page = write_report(folder)
+    except InputError as error:
+        for mistake in error.mistakes:
+            typer.echo(f"error: {mistake}", err=True)
+        raise typer.Exit(harness_cli.FAILED) from error
+    if not as_json and not quiet:
+        typer.echo(printable(f"report: {page}"))
 
 
 harness_cli.add_commands(app)

@@ -68,6 +68,11 @@ def count_word(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
 
 
+def percent(share: float, count: int = 2) -> str:
+    """A push as a share of the statue's weight."""
+    return f"{short(100.0 * share, count)} %"
+
+
 def listed(items: Iterable[str]) -> str:
     """`a`, `a and b`, `a, b and c`."""
     names = list(items)

@@ -19,7 +19,7 @@ from harness.result_folder import KINDS, RECORD, as_written, owned
 
 RECORD_NAME: Final = RECORD
 REWRITE: Final = "write the result anew with this version"
-DAMAGE: Final = (KeyError, TypeError, ValueError, IndexError, AttributeError, UndefinedError)
+DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
 _TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
 _EVERY: Final = {
@@ -101,8 +101,8 @@ def _check_parts(path: Path, record: dict[str, Any]) -> None:
 
 
 @contextmanager
-def telling_damage(folder: Path) -> Iterator[None]:
-    """Turn what pages and pictures meet where a part deep inside a record is absent or of another form into an `InputError`."""
+def telling_damage(folder: Path, page: str = "") -> Iterator[None]:
+    """Turn what a page or picture meets where a part deep inside a record is absent or of another form into an `InputError`."""
     try:
         yield
     except InputError:
@@ -110,7 +110,8 @@ def telling_damage(folder: Path) -> Iterator[None]:
     except DAMAGE as error:
         told = f"{type(error).__name__}: {error}"
         advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
-        raise InputError(Mistake(str(folder / RECORD_NAME), "", "a whole record", told, advice)) from error
+        wanted = f"a whole record for {page}" if page else "a whole record"
+        raise InputError(Mistake(str(folder / RECORD_NAME), "", wanted, told, advice)) from error
 
 
 def run_source(folder: Path) -> RunSource:
