@@ -163,8 +163,9 @@ def test_the_search_sees_what_it_looks_for(
     late = attempt(replace(scene, read=refuses_late), b"", folder).wrong
     assert late == "left half-written: written though refused: half.csv"
     assert not (folder / WRITTEN).exists()
-    monkeypatch.setattr("harness.fuzz.run.HANG_S", 1)
-    assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
+    with monkeypatch.context() as short:
+        short.setattr("harness.fuzz.run.HANG_S", 1)
+        assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
     assert attempt(scene, SCENE, folder) == Tried()
 
 
