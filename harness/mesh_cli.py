@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness import record
+from harness import paths, record
 from harness.errors import InputError, Mistake, mistake_from
 from harness.result_folder import check_listed, listing, writing
 from harness.scene_file.new_scene import scene_text
@@ -31,6 +31,7 @@ class Known:
     mass_kg: float | None = None
     max_faces: int = 50_000
     contact_tolerance_m: float = 1e-3
+    cut_below_m: float | None = None
 
 
 def inspect(file: Path, known: Known) -> Inspection:
@@ -44,7 +45,7 @@ def inspect(file: Path, known: Known) -> Inspection:
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3
-    wanted = Wanted(unit=known.unit, height_m=known.height_m, up=known.up, max_faces=known.max_faces)
+    wanted = Wanted(known.unit, known.height_m, known.up, known.max_faces, known.cut_below_m)
     try:
         return inspected(
             file,
@@ -87,7 +88,7 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
         raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))
     if os.path.lexists(out):
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
-    if not motion.is_file():
+    if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     shaking = read_record(motion, unit=unit_of_motion)
     mesh = out.with_name(f"{out.stem}_statue.ply")

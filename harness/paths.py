@@ -19,6 +19,14 @@ def data_folder() -> Path:
     return Path(named) if named else Path(__file__).resolve().parent.parent.parent / "shared" / "data"
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name too long or with a NUL in it, which the system refuses to look up, is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
     """The existing file that `file` names: absolute, relative to `base_dir`, or starting with "${ROCKCHECK_DATA}/".
 
@@ -28,7 +36,7 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
         raise InputError(Mistake(where, key, f'a path, of variables only "{_PREFIX}/…"', repr(file), "write it out"))
     in_data = file.startswith(_PREFIX)
     path = data_folder() / file[len(_PREFIX) + 1 :] if in_data else base_dir / Path(file).expanduser()
-    if not path.is_file():
+    if not is_file(path):
         advice = (
             f"set {DATA_VARIABLE} to the folder of scans and records"
             if in_data

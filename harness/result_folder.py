@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -24,6 +25,8 @@ UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "se
 """What stands in a folder before its first record is whole, and"""
 INSPECTED: Final = ("motion.png", "motion.json")
 """what an inspected motion leaves there: neither makes a folder another's."""
+PLAIN_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,199}")
+"""Every file that is ever written into a result folder has such a name."""
 FRESH: Final = ".writing-"
 MARK: Final = b"made by rockcheck"
 """Stands in every picture that is written beside a result: such a picture may be written again."""
@@ -115,8 +118,8 @@ def owned(folder: Path) -> Sums:
     for record in filter(None, (read_own(folder / name) for name in (RECORD, COMING))):
         files = record.get("files")
         for name, value in (files if isinstance(files, Mapping) else _of_old(record)).items():
-            # Nothing but a plain name: what a record says of other folders is not believed.
-            if name == Path(name).name:
+            # Nothing but a plain name: what a record says of other folders, or of itself, is not believed.
+            if PLAIN_NAME.fullmatch(name) and name != RECORD and isinstance(value, str | None):
                 sums.setdefault(name, set()).add(value)
     return sums
 
