@@ -73,7 +73,7 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     mass = rng.uniform(50.0, 900.0)
     depth = 0.8 * (left + right)
     inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
-    statue = _block(mass, float(left), float(right), height, inertia, depth)
+    statue = block(mass, float(left), float(right), height, inertia, depth)
     pedestal = None
     if rng.random() < 0.5:
         width = (left + right) * rng.uniform(1.1, 2.0)
@@ -94,7 +94,8 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     )
 
 
-def _block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+    """A rectangular body of the given centroid height and corners, twice as high as its centroid."""
     top, half = 2.0 * height, 0.5 * depth
     section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
