@@ -76,7 +76,7 @@ all (`plain_from_s`, `plain_s`). The pedestal's own impacts on the floor are met
 statue's are not what the layer takes them for. On eighteen random scenes (seeds 0 to 17 of `harness.tipping`, light, narrow
 and tall pedestals) events located in the tipping put the rotation up to 2.1e-2 rad off the finest plain run at 0.25 ms, where
 plain steps are off by 1.5e-5 to 2.8e-3 rad. To 1e-3 rad the stated uncertainty held on 16 of them with 405 000 steps, and
-holds on 18 with 173 000.
+holds on 18 with 165 000.
 
 A step moves a body along the tangent of the circle on which it turns about its foot, off the foot's place by ω²·r·dt²/2. Across
 the support Bullet takes that back in the next step, so that its velocity is the chord's; along it friction asks for none, and
