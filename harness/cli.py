@@ -22,7 +22,8 @@ OK: Final = 0
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-FULL_OR_READ_ONLY: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM})
+NO_SUCH_PLACE: Final = frozenset({errno.ENAMETOOLONG, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP})
+"""What the system says of a path that is wrong, not of one that cannot be written or read just now."""
 
 Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
 Engines = Annotated[
@@ -62,9 +63,10 @@ def engines(as_json: Json = False) -> None:
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
+    from harness.record import to_plain
 
     rows = [
-        {"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order}
+        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
         for name in REGISTRY
         for engine in [load(name)]
     ]
@@ -155,9 +157,9 @@ def salvage(
     """Copy what can still be read of a damaged store into a new one."""
     from harness.studies.salvage import salvage as rescue
 
-    count = rescue(damaged, fresh)
-    found = {"results": count, "store": str(fresh)}
-    say(found, f"{count} results were readable; they are in {fresh}", as_json, quiet)
+    saved = rescue(damaged, fresh)
+    found = {**vars(saved), "store": str(fresh)}
+    say(found, f"{fresh}: {saved}", as_json, quiet)
 
 
 def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
@@ -179,19 +181,23 @@ def compute(
     quiet: bool,
     iso: bool = False,
     horizon: bool = False,
+    out: Path | None = None,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
+    """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.engines import DEFAULT_ENGINES
-    from harness.run import check_target, run_scene
+    from harness.run import check_target, check_writing, run_scene
     from harness.scene_file.load import load_scene
 
     check_target(accuracy, dt)
     want = wanted(no_skip)
     scene = load_scene(scene_file, overrides or ())
+    engines_asked = names or DEFAULT_ENGINES
+    if out is not None:
+        check_writing(out, scene, engines_asked)
     with Telling(quiet) as telling:
         return run_scene(
             scene,
-            names or DEFAULT_ENGINES,
+            engines_asked,
             accuracy_rad=accuracy,
             dt_s=dt,
             want=want,
@@ -280,8 +286,7 @@ def guarded(action: Any) -> int:
         sys.stderr.close()
         return FAILED
     except OSError as error:
-        if error.errno not in FULL_OR_READ_ONLY:
-            raise
-        print(f"error: {error.filename or 'the output'} could not be written: {error.strerror}", file=sys.stderr)
-        return FAILED
+        what = f"{str(error.filename)!r} could not be read or" if error.filename else "the output could not be"
+        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
     return int(code or OK)

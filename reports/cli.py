@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -47,10 +48,11 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
-    from harness.run import check_folder, check_target, write_result
+    from harness.result_folder import check_folder, named_after
+    from harness.run import check_target, write_result
 
-    folder = out or OUT / scene.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(scene)
+    check_folder(folder, ("run",))
     if explain:
         from harness.scene_file.load import load_scene
 
@@ -59,14 +61,16 @@ def run(
         if not quiet or as_json:
             typer.echo(told)
         return
-    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json)
+    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json, out=folder)
     write_result(result, folder)
     page = _page(folder)
     if as_json:
         typer.echo(json.dumps(result.as_dict(), indent=1, ensure_ascii=False))
     elif not quiet:
         typer.echo(f"{harness_cli.summary(result)}\nreport: {page}")
-    raise typer.Exit(harness_cli.FAILED if result.failed else harness_cli.OK)
+    # An engine that nobody named and that has no wheels here is said, and no failure.
+    failed = result.failed_but(() if engine else tuple(result.runs))
+    raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")
@@ -86,11 +90,11 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, named_after
     from harness.studies import cli as study_cli
 
-    folder = out or OUT / study_file.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(study_file)
+    check_folder(folder, ("study", "effects3d"))
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=quiet or as_json
     )
@@ -124,11 +128,11 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Run the models on measured tests and score them against what was observed."""
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, named_after
     from harness.validation.run import validate as run_validation
 
-    folder = out or OUT / experiments.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(experiments)
+    check_folder(folder, ("validation",))
     found = run_validation(
         experiments,
         folder,
@@ -222,4 +226,7 @@ cli_input.add_commands(app)
 
 def main() -> None:
     """Entry point of the command."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        # The name of a file may be no text: what cannot be printed is printed as escapes.
+        sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(harness_cli.guarded(app))

@@ -132,15 +132,18 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.record import write_json
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, check_listed, listing, named_after, writing
     from reports.motion_figure import figure
 
-    folder = out or OUT / file.name.split(".")[0]
+    folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
+    picture, account = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
+    check_listed(picture, account)
     found = _inspected(file, unit, axis)
     folder.mkdir(parents=True, exist_ok=True)
-    figure(found).savefig(folder / "motion.png", dpi=150)
-    write_json(folder / "motion.json", found.record())
+    with writing(picture) as fresh:
+        figure(found).savefig(fresh, dpi=150)
+    write_json(account, found.record() | {"files": listing([picture], pages=False)})
     if as_json:
         typer.echo(json.dumps(found.record(), indent=1, ensure_ascii=False))
     elif not quiet:

@@ -15,9 +15,9 @@ from harness.errors import InputError, Mistake
 from harness.history import History, history_file
 from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
+from harness.result_folder import KINDS, RECORD, as_written, owned
 
-RECORD_NAME: Final = "result.json"
-KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
+RECORD_NAME: Final = RECORD
 REWRITE: Final = "write the result anew with this version"
 DAMAGE: Final = (KeyError, TypeError, ValueError, IndexError, AttributeError, UndefinedError)
 
@@ -130,5 +130,10 @@ def run_source(folder: Path) -> RunSource:
         raise InputError(
             [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
         )
+    sums = owned(folder)
+    changed = [path for path in (*paths.values(), mesh) if path.is_file() and not as_written(path, sums)]
+    if changed:
+        wanted = "the file that result.json lists"
+        raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)

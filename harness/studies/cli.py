@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sqlite3
 import threading
@@ -14,6 +15,7 @@ from typing import Any, Final
 from harness import effects3d, record
 from harness.errors import InputError, Mistake
 from harness.processes.executors import DaskPool, LocalPool, Pool
+from harness.result_folder import RECORD, checksum, listing, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
@@ -69,11 +71,12 @@ def _run(
     size = estimate.sentence(study, scene, pool.workers)
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as told:
         summary = run_study(study, path, store, pool, told)
-        found = study_record(study, path, store, summary, time.perf_counter() - start)
-        record.write_json(folder / "result.json", found)
+        found = study_record(study, path, store, summary, time.perf_counter() - start) | {"files": listing(())}
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
+            found["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
+        record.write_json(folder / RECORD, found)
     return found, summary
 
 
@@ -125,9 +128,18 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
     if export is not None and not export.resolve().parent.is_dir():
         raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    if export is not None and os.path.lexists(export) and not _exported(export, folder):
+        got = f"the file {export}, which this study has not written, or which was changed since"
+        raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
     if resume and not (folder / STORE_NAME).is_file():
         wanted = f"a study that was begun in {folder}"
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
+def _exported(export: Path, folder: Path) -> bool:
+    """Whether the study in `folder` wrote a file, and it is as it was written."""
+    told = (read_own(folder / RECORD) or {}).get("export")
+    return isinstance(told, dict) and told == {"file": str(export.resolve()), "sha256": checksum(export)}
 
 
 def _check_jobs(jobs: int | None) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.errors import InputError, Mistake
 from harness.record import impacts
+from harness.result_folder import writing
 from harness.studies.store import Store
 
 
@@ -16,7 +17,7 @@ def export_csv(store: Store, study: str, path: Path) -> int:
     """Write a study's rows as CSV (one line per case and engine); returns how many."""
     lines = [flat(row) for row in store.rows(study)]
     names = list(dict.fromkeys(name for line in lines for name in line))
-    with path.open("w", newline="", encoding="utf-8") as stream:
+    with writing(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, names)
         writer.writeheader()
         writer.writerows(lines)
@@ -32,7 +33,8 @@ def export_parquet(store: Store, study: str, path: Path) -> int:
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
     lines = [flat(row) for row in store.rows(study)]
     names = list(dict.fromkeys(name for line in lines for name in line))
-    parquet.write_table(pyarrow.table({name: [line.get(name) for line in lines] for name in names}), path)
+    with writing(path) as fresh:
+        parquet.write_table(pyarrow.table({name: [line.get(name) for line in lines] for name in names}), fresh)
     return len(lines)
 
 
