@@ -174,7 +174,9 @@ def writing(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapping[str, Any]]) -> Iterator[Path]:
+def replacing(
+    folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapping[str, Any]], kind: str = "run"
+) -> Iterator[Path]:
     """A folder beside, whose files become the result in `folder` together with their record; what was its own before goes.
 
     `record_of` makes the record from the listing of its files. A write that is killed leaves files that one of both records
@@ -182,7 +184,7 @@ def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapp
     """
     from harness import record
 
-    check_folder(folder, ("run",))
+    check_folder(folder, (kind,))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -191,7 +193,7 @@ def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapp
     try:
         yield fresh
         written = sorted(fresh.iterdir())
-        check_folder(folder, ("run",), [path.name for path in written])
+        check_folder(folder, (kind,), [path.name for path in written])
         files = listing(written)
         before = owned(folder)
         record.write_json(fresh / COMING, record_of(files))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
@@ -174,3 +174,33 @@ def overturns(task: tuple[int, str, Scene]) -> bool | None:
     except EngineFailure:
         return None
     return None if outcome.failed else outcome.overturned
+
+
+def summary(found: Mapping[str, Any]) -> str:
+    """An assessment in a few lines of plain words."""
+    lines = [str(found["title"])]
+    width = max(len(name) for name in found["assessment"])
+    for name, item in found["assessment"].items():
+        told = f"not here: {item['message']}" if "message" in item else f"{sentence(item)}; {item['engine_runs']} runs"
+        lines.append(f"  {name:{width}}  {told}")
+    if found["assumed"]:
+        lines.append(
+            "  note: the scene has no table [uncertainty]; assumed are " + ", ".join(map(_told, found["uncertainty"]))
+        )
+    return "\n".join(lines)
+
+
+def sentence(item: Mapping[str, Any]) -> str:
+    """`falls in 40 % of what may be true (39 to 41 %)`."""
+    low, high = percent(item["low"]), percent(item["high"])
+    return f"falls in {percent(item['probability_overturned'])} % of what may be true ({low} to {high} %)"
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits where it is small."""
+    value = 100.0 * share
+    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
+
+
+def _told(item: Mapping[str, Any]) -> str:
+    return f"{item['key']} ({item['kind']}, {item['width']:g})"
