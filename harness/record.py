@@ -46,6 +46,7 @@ class Run:
     bounds the rotation's own numerical error up to `reliable_until_s` (None: not estimated). `history` is None when only the
     outcome was asked. `steps` counts integration steps; `work` further counts by name (evaluations, iterations, ...).
     `skipped` are sentences on what was left out and why the result is the same; `warnings` are sentences for the user.
+    `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
     """
 
     engine: str
@@ -72,6 +73,7 @@ class Run:
     warnings: Sequence[str] = ()
     labels: Sequence[str] = ()
     message: str = ""
+    motion_axes: Sequence[str] | None = None
 
     def with_uncertainty(self, uncertainty_rad: float, reliable_until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""

@@ -21,6 +21,8 @@ SAFE_HIGH: Final = 0.10
 """its interval stays below this."""
 MATTERS: Final = 0.05
 """A total index below this: knowing the input would change next to nothing."""
+TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
+"""Factors written on the axis."""
 
 
 def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
@@ -29,7 +31,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "title": record["title"],
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record["assessment"].items()],
-        "differences": [(name, _difference(name, item)) for name, item in record["difference_from_model"].items()],
         "inputs": [
             (item["key"], [digits(item["value"]), item["kind"], _width(item)]) for item in record["uncertainty"]
         ],
@@ -63,19 +64,21 @@ def assess_verdict(record: Mapping[str, Any]) -> Verdict:
     points = [f"{name}: {sentence(item)}." for name, item in answers.items()]
     points += [_difference(name, item) for name, item in record["difference_from_model"].items()]
     at = record.get("fragility", {}).get("factor_at", {})
-    known = [f"{float(key):.0%} at {value:.2f}" for key, value in at.items() if value is not None]
+    known = [f"{percent(float(key))} % at {value:.2f}" for key, value in at.items() if value is not None]
     if known:
         points.append(f"Probability of a fall by the factor on today's shaking: {', '.join(known)}.")
     order = sorted(record.get("indices", {}).items(), key=lambda item: -float(item[1]["total"]))
     if order and order[0][1]["total"] >= MATTERS:
-        points.append(f"What decides most is {order[0][0]}: {order[0][1]['total']:.0%} of the doubt hangs on it.")
+        points.append(
+            f"What decides most is {order[0][0]}: {percent(order[0][1]['total'])} % of the doubt hangs on it."
+        )
     return Verdict(f"The statue {sentence(answers[first])}", tone(worst), points)
 
 
 def _cells(item: Mapping[str, Any]) -> list[str]:
     if "probability_overturned" not in item:
         return ["not here", item["message"], "", ""]
-    interval = f"{percent(item['low'])} to {percent(item['high'])} % (level {item['level']:.0%})"
+    interval = f"{percent(item['low'])} to {percent(item['high'])} % (level {percent(item['level'])} %)"
     undecided = f"{percent(item['undecided'])} %"
     return [f"{percent(item['probability_overturned'])} %", interval, f"{item['engine_runs']}", undecided]
 
@@ -117,7 +120,12 @@ def _chart(fragility: Mapping[str, Any]) -> dict[str, Any]:
     ]
     layout = {
         "height": 380,
-        "xaxis": {"title": {"text": "factor on the shaking, all axes"}, "type": "log", "gridcolor": HAIRLINE},
+        "xaxis": {
+            "title": {"text": "factor on the shaking, all axes"},
+            "type": "log",
+            "gridcolor": HAIRLINE,
+            "tickvals": TICKS,
+        },
         "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
         "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
     }
