@@ -182,6 +182,7 @@ def compute(
     iso: bool = False,
     horizon: bool = False,
     out: Path | None = None,
+    assess: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.engines import DEFAULT_ENGINES, load
@@ -210,6 +211,7 @@ def compute(
             apart=True,
             iso=iso,
             horizon=horizon,
+            assess=assess,
         )
 
 
@@ -241,7 +243,10 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
+    from harness.assess.assessment import sentence
+
     lines = [result.scene.title]
+    lines += [f"  {name}: the statue {sentence(item.as_dict())}" for name, item in result.assessment.items()]
     outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
         ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"

@@ -20,7 +20,7 @@ COMING: Final = ".coming.json"
 """The record of a result while its files are moved into place: until then the files of both are the folder's own."""
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: listed without a checksum."""
-KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
+KINDS: Final = ("run", "assess", "study", "effects3d", "bench", "stress", "validation")
 UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "searches.jsonl", "parts", "replay")
 """What stands in a folder before its first record is whole, and"""
 INSPECTED: Final = ("motion.png", "motion.json")
@@ -177,7 +177,9 @@ def writing(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapping[str, Any]]) -> Iterator[Path]:
+def replacing(
+    folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapping[str, Any]], kind: str = "run"
+) -> Iterator[Path]:
     """A folder beside, whose files become the result in `folder` together with their record; what was its own before goes.
 
     `record_of` makes the record from the listing of its files. A write that is killed leaves files that one of both records
@@ -185,7 +187,7 @@ def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapp
     """
     from harness import record
 
-    check_folder(folder, ("run",))
+    check_folder(folder, (kind,))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -194,7 +196,7 @@ def replacing(folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapp
     try:
         yield fresh
         written = sorted(fresh.iterdir())
-        check_folder(folder, ("run",), [path.name for path in written])
+        check_folder(folder, (kind,), [path.name for path in written])
         files = listing(written)
         before = owned(folder)
         record.write_json(fresh / COMING, record_of(files))

@@ -22,6 +22,7 @@ from harness.scene import Scene
 from harness.standstill import standstill
 
 if TYPE_CHECKING:
+    from harness.assess.assessment import Assessment
     from harness.comparator import Scores
     from harness.horizon import Horizon
 
@@ -40,6 +41,7 @@ class Result:
     plan: Sequence[Mapping[str, Any]]
     seconds: float
     horizons: Mapping[str, Horizon] = field(default_factory=dict)
+    assessment: Mapping[str, Assessment] = field(default_factory=dict)
 
     @property
     def failed(self) -> bool:
@@ -65,6 +67,7 @@ class Result:
                 "histories": [name for name, run in self.runs.items() if run.history is not None],
                 "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
                 "horizons": {name: horizon.as_dict() for name, horizon in self.horizons.items()},
+                "assessment": {name: item.as_dict() for name, item in self.assessment.items()},
                 "plan": self.plan,
                 "warnings": [f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
                 "seconds": self.seconds,
@@ -150,6 +153,7 @@ def run_scene(
     iso: bool = False,
     horizon: bool = False,
     apart: bool = False,
+    assess: bool = False,
     stored: Mapping[str, Run] | None = None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
@@ -157,7 +161,8 @@ def run_scene(
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
-    `multiprocessing` wants it); the results are the same. `stored` are runs of this very scene and target that are there already.
+    `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
+    from what the scene does not know. `stored` are runs of this very scene and target that are there already.
     """
     from harness.comparator import compare
 
@@ -194,7 +199,20 @@ def run_scene(
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
     plain = [step.as_dict() for step in steps]
-    return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons)
+    assessed = _assessed(scene, told) if assess else {}
+    return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons, assessed)
+
+
+def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment]:
+    from analytic import AnalyticInputError
+    from harness.assess.assessment import MODEL, assess_model
+
+    told("probability")
+    try:
+        answer = assess_model(scene)
+    except AnalyticInputError:  # the model refuses this scene; its own run says why
+        return {}
+    return {} if answer is None else {MODEL: answer}
 
 
 def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:

@@ -132,6 +132,18 @@ class Initial:
     theta_rate_rad_s: float = 0.0
 
 
+@dataclass(frozen=True)
+class Uncertain:
+    """One number that is not known: its dotted `key`, its distribution's `kind`, the scene's `value` (a lognormal's median, else
+    the mean) and the distribution's `width` (`cov`, `sd` or `half_width`).
+    """
+
+    key: str
+    kind: Literal["lognormal", "normal", "uniform"]
+    value: float
+    width: float
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """One scene, resolved. `notes` are sentences on what was assumed or reconciled; `given` is the file's content as read."""
@@ -151,6 +163,7 @@ class Scene:
     source: Path | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    uncertainty: Sequence[Uncertain] = ()
 
     def but(self, **changes: Any) -> Scene:
         """The same scene with some parts replaced."""

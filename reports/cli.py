@@ -45,6 +45,9 @@ def run(
     out: Out = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
     no_skip: NoSkip = None,
+    no_assess: Annotated[
+        bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
+    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -62,12 +65,68 @@ def run(
         if not quiet or as_json:
             typer.echo(told)
         return
-    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json, out=folder)
+    result = harness_cli.compute(
+        scene,
+        engine,
+        overrides,
+        accuracy,
+        dt,
+        no_skip,
+        quiet=quiet or as_json,
+        out=folder,
+        assess=not no_assess,
+    )
     write_result(result, folder)
     _say(result.as_dict(), harness_cli.summary(result), folder, as_json, quiet)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if engine else tuple(result.runs))
     raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
+
+
+@app.command(
+    epilog="Examples:  `rockcheck assess scenes/paestum_pedestal.toml`  ·  "
+    "`rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1`"
+)
+def assess(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)],
+    engine: Engines = None,
+    overrides: Overrides = None,
+    draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 20_000,
+    seed: Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)] = 0,
+    half_width: Annotated[
+        float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
+    ] = 0.05,
+    most_runs: Annotated[int, typer.Option("--most-runs", help="Most runs of each contact engine.", min=30)] = 400,
+    out: Out = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
+    from harness import record
+    from harness.assess import assessment
+    from harness.engines import DEFAULT_ENGINES
+    from harness.paths import read_files
+    from harness.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
+    from harness.scene_file.load import load_scene
+
+    folder = out or OUT / f"{named_after(scene)}-assess"
+    check_folder(folder, ("assess",))
+    loaded = load_scene(scene, overrides or ())
+    check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
+    with Telling(quiet or as_json) as telling:
+        found = assessment.assess(
+            loaded,
+            engine or DEFAULT_ENGINES,
+            draws=draws,
+            seed=seed,
+            half_width=half_width,
+            most_runs=most_runs,
+            on_progress=telling.now,
+        )
+    with replacing(folder, lambda files: record.to_plain({**found, "files": files}), "assess"):
+        pass
+    page = _page(folder)
+    say(record.to_plain(found), f"{assessment.summary(found)}\nreport: {page}", as_json, quiet)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")

@@ -21,6 +21,7 @@ CONSERVATOR_KINDS: Final = ("run", "study", "effects3d")
 
 PAGES: Final = {
     "run": "reports.page_run",
+    "assess": "reports.page_assess",
     "study": "reports.page_study",
     "effects3d": "reports.page_effects3d",
     "validation": "reports.page_validation",

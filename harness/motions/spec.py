@@ -194,8 +194,12 @@ Component = Annotated[RestSpec | HarmonicSpec | PulseSpec | RecordSpec | Spectru
 
 
 class Motion(_Part):
-    """The floor's acceleration along x (in the rocking plane), y (across it) and z (up); an absent axis is at rest."""
+    """The floor's acceleration along x (in the rocking plane), y (across it) and z (up); an absent axis is at rest.
+
+    `scale` multiplies all of them together.
+    """
 
     x: Component | None = None
     y: Component | None = None
     z: Component | None = None
+    scale: float = Field(default=1.0, gt=0.0, le=1e3)

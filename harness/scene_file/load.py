@@ -17,6 +17,7 @@ from harness.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake,
 from harness.scene_file import tables
 from harness.scene_file.mesh_statue import statue_from_mesh
 from harness.scene_file.tables import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.scene_file.uncertain import uncertain_inputs
 
 if TYPE_CHECKING:
     pass
@@ -79,6 +80,7 @@ def resolve(
         source=path,
         given=content or {},
         notes=tuple(notes),
+        uncertainty=uncertain_inputs(model),
     )
 
 
@@ -108,7 +110,7 @@ def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[st
                 duration_s=model.duration_s,
                 gravity_m_s2=model.gravity_m_s2,
             )
-            found[axis] = prepared.excitation
+            found[axis] = prepared.excitation.scaled(model.motion.scale)
             notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)

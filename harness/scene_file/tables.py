@@ -12,6 +12,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from harness.errors import InputError, Mistake
 from harness.motions.spec import Motion, list_to_tuple
 from harness.scene_file.mistakes import Contradiction, mistakes_of
+from harness.scene_file.uncertain import Distribution, uncertain_inputs
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -148,6 +149,7 @@ class SceneFile(Table):
     wall: WallTable | None = None
     initial: InitialTable = InitialTable()
     output: OutputTable = OutputTable()
+    uncertainty: dict[str, Distribution] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _whole(self) -> SceneFile:
@@ -163,6 +165,7 @@ class SceneFile(Table):
             )
         if self.wall is not None and self.statue.mesh is None and self.statue.height_m is None:
             raise Contradiction("statue.height_m", "a number beside a wall: what touches it is the top", "nothing")
+        uncertain_inputs(self)
         return self
 
 

@@ -15,7 +15,7 @@ from analytic.excitation import Rest
 from harness.engine import Capabilities
 from harness.scene import Contact, Form, Scene, Shake, Statue
 
-NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid"})
+NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid", "uncertainty"})
 
 
 def scene_digest(scene: Scene, capabilities: Capabilities) -> str:

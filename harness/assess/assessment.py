@@ -1,0 +1,206 @@
+"""The probability that a statue falls, by the analytic model and by contact engines, and how far the two are apart."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+from harness import engines, record
+from harness.assess.inputs import draw, row, uncertain_inputs
+from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
+from harness.assess.stratified import LEVEL, Estimate, estimate
+from harness.assess.variation import varied
+from harness.describe import describe
+from harness.engine import EngineFailure, Want
+from harness.processes.executors import Crash, LocalPool
+from harness.scene import Scene
+from harness.statistics.distributions import wilson
+
+MODEL: Final = "analytic"
+RUN_DRAWS: Final = 10_000
+"""Draws beside every single run: ± 0.8 % at a half, in half a second for a harmonic motion of 10 s."""
+ASSESS_DRAWS: Final = 20_000
+HALF_WIDTH: Final = 0.05
+"""Half width to which a contact engine's probability is asked, at `LEVEL`."""
+MOST_RUNS: Final = 400
+"""Engine runs after which an interval is told as it is."""
+ENGINE_ERROR_RAD: Final = 1e-3
+"""A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
+BATCH: Final = 16
+"""Runs between two looks at the interval."""
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """One model's probability of overturning over the draws; `undecided` is the share that came to no end, or failed."""
+
+    probability_overturned: float
+    low: float
+    high: float
+    level: float
+    draws: int
+    engine_runs: int
+    undecided: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """The assessment as plain values."""
+        return asdict(self)
+
+
+def assess_model(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> Assessment | None:
+    """The analytic model's own probability; None where nothing of the scene is uncertain."""
+    inputs = uncertain_inputs(scene)
+    if not inputs:
+        return None
+    values = draw(inputs, draws, seed)
+    if not sweepable(scene, values):
+        values = draw(inputs, min(draws, SLOW_DRAWS), seed)
+    return _of_model(model_draws(scene, values))
+
+
+def _of_model(model: ModelDraws) -> Assessment | None:
+    size = model.overturned.size
+    share = wilson(int(model.overturned.sum()), size, LEVEL)
+    if share is None:
+        return None
+    return Assessment(share.value, share.low, share.high, LEVEL, size, size, 1.0 - float(model.decided.mean()))
+
+
+def assess(
+    scene: Scene,
+    names: Sequence[str],
+    *,
+    draws: int = ASSESS_DRAWS,
+    seed: int = 0,
+    half_width: float = HALF_WIDTH,
+    most_runs: int = MOST_RUNS,
+    on_progress: Callable[[str], None] = lambda text: None,
+) -> dict[str, Any]:
+    """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters."""
+    inputs = uncertain_inputs(scene)
+    on_progress(f"{MODEL}: {draws} draws")
+    values = draw(inputs, draws, seed)
+    fast = sweepable(scene, values)
+    if not fast:
+        draws = min(draws, SLOW_DRAWS)
+        values = draw(inputs, draws, seed)
+    model = model_draws(scene, values)
+    own = _of_model(model)
+    found: dict[str, Any] = {MODEL: None if own is None else own.as_dict()}
+    differences: dict[str, Any] = {}
+    for name in dict.fromkeys(names):
+        if name == MODEL:
+            continue
+        reason = engines.load(name).missing()
+        if reason is not None:
+            found[name] = {"message": reason}
+            continue
+        with _Runs(scene, name, values, on_progress) as runs:
+            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=BATCH)
+        found[name] = _of_engine(answer, draws).as_dict()
+        if own is not None:
+            differences[name] = _difference(own, answer)
+    return {
+        "schema_version": record.SCHEMA_VERSION,
+        "kind": "assess",
+        "title": scene.title,
+        "scene": describe(scene),
+        "notes": list(scene.notes),
+        "uncertainty": [asdict(item) for item in inputs],
+        "assumed": not scene.uncertainty,
+        "seed": seed,
+        "assessment": {name: found[name] for name in dict.fromkeys((*names, MODEL)) if name in found},
+        "difference_from_model": differences,
+        **(_more(scene, inputs, seed, on_progress) if fast else {}),
+        "versions": record.versions(),
+        "machine": record.machine(),
+    }
+
+
+def _more(scene: Scene, inputs: Sequence[Any], seed: int, on_progress: Callable[[str], None]) -> dict[str, Any]:
+    from harness.assess.sensitivity import fragility, indices
+
+    on_progress(f"{MODEL}: fragility and indices")
+    return {"fragility": fragility(scene, inputs, seed), "indices": indices(scene, inputs, seed)}
+
+
+def _of_engine(answer: Estimate, draws: int) -> Assessment:
+    undecided = answer.undecided / answer.runs if answer.runs else 0.0
+    return Assessment(answer.probability, answer.low, answer.high, answer.level, draws, answer.runs, undecided)
+
+
+def _difference(own: Assessment, answer: Estimate) -> dict[str, float]:
+    """The model's probability less the engine's: both from the same draws, so that only the engine's sampling is left."""
+    p = own.probability_overturned
+    return {"value": p - answer.probability, "low": p - answer.high, "high": p - answer.low, "level": answer.level}
+
+
+class _Runs:
+    """Runs of one engine on numbered draws, in processes of their own."""
+
+    def __init__(self, scene: Scene, name: str, values: Any, on_progress: Callable[[str], None]) -> None:
+        self.scene, self.name, self.values, self.on_progress = scene, name, values, on_progress
+        self.pool, self.made = LocalPool(os.cpu_count()), 0
+
+    def __enter__(self) -> _Runs:
+        return self
+
+    def __exit__(self, *ending: object) -> None:
+        self.pool.close()
+
+    def __call__(self, numbers: Sequence[int]) -> list[bool | None]:
+        tasks = [(k, self.name, varied(self.scene, row(self.values, number))) for k, number in enumerate(numbers)]
+        answers: list[bool | None] = [None] * len(tasks)
+
+        def done(task: Any, answer: Any) -> None:
+            answers[task[0]] = None if isinstance(answer, Crash) else answer
+
+        self.pool.run(overturns, tasks, done)
+        self.made += len(tasks)
+        self.on_progress(f"{self.name}: {self.made} runs")
+        return answers
+
+
+def overturns(task: tuple[int, str, Scene]) -> bool | None:
+    """Whether one engine's statue overturns in one scene within its duration; None where the run failed."""
+    _, name, scene = task
+    engine = engines.load(name)
+    levels = engine.ladder(scene)
+    settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
+    try:
+        outcome = engine.simulate(scene, settings, Want(history=False)).outcome
+    except EngineFailure:
+        return None
+    return None if outcome.failed else outcome.overturned
+
+
+def summary(found: Mapping[str, Any]) -> str:
+    """An assessment in a few lines of plain words."""
+    lines = [str(found["title"])]
+    width = max(len(name) for name in found["assessment"])
+    for name, item in found["assessment"].items():
+        told = f"not here: {item['message']}" if "message" in item else f"{sentence(item)}; {item['engine_runs']} runs"
+        lines.append(f"  {name:{width}}  {told}")
+    if found["assumed"]:
+        lines.append(
+            "  note: the scene has no table [uncertainty]; assumed are " + ", ".join(map(_told, found["uncertainty"]))
+        )
+    return "\n".join(lines)
+
+
+def sentence(item: Mapping[str, Any]) -> str:
+    """`falls in 40 % of what may be true (39 to 41 %)`."""
+    low, high = percent(item["low"]), percent(item["high"])
+    return f"falls in {percent(item['probability_overturned'])} % of what may be true ({low} to {high} %)"
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits where it is small."""
+    value = 100.0 * share
+    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
+
+
+def _told(item: Mapping[str, Any]) -> str:
+    return f"{item['key']} ({item['kind']}, {item['width']:g})"

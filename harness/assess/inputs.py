@@ -1,0 +1,66 @@
+"""What a scene does not know, and seeded draws of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import Harmonic, Rest
+from harness.scene import Scene, Uncertain
+
+Array = NDArray[np.float64]
+
+FRICTION_COV: Final = 0.15
+"""Assumed where a scene says nothing: repeated sliding of one pair of dry stones scatters by 10 to 20 % of its mean."""
+STRENGTH_COV: Final = 0.10
+"""Assumed: how far the strength of the shaking is known once a record or a peak has been chosen."""
+FREQUENCY_COV: Final = 0.05
+"""Assumed for a harmonic motion: how far a table, or a floor's own period, holds its frequency."""
+LEAST_SHARE: Final = 1e-3
+"""Draws of a positive number below this share of it are drawn again: a friction or a mass has no tail through zero."""
+
+
+def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
+    """The scene's own `[uncertainty]`, or the assumed one: friction, strength and, of a harmonic motion, frequency."""
+    if scene.uncertainty:
+        return tuple(scene.uncertainty)
+    assumed = [] if scene.pedestal is None else [_lognormal("contact.floor", scene.contact.floor_static, FRICTION_COV)]
+    axes = {"x": scene.shake.x, "y": scene.shake.y, "z": scene.shake.z}
+    if not all(isinstance(item, Rest) for item in axes.values()):
+        assumed.append(_lognormal("motion.scale", 1.0, STRENGTH_COV))
+    for axis, item in axes.items():
+        if isinstance(item, Harmonic):
+            assumed.append(_lognormal(f"motion.{axis}.frequency_hz", item.frequency_hz, FREQUENCY_COV))
+    return tuple(item for item in assumed if item.value > 0.0)
+
+
+def _lognormal(key: str, value: float, cov: float) -> Uncertain:
+    return Uncertain(key, "lognormal", value, cov)
+
+
+def draw(inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:
+    """Values (count,) of every input by its key; more draws of one seed begin with the same values."""
+    return {item.key: _values(item, count, np.random.default_rng([seed, k])) for k, item in enumerate(inputs)}
+
+
+def _values(item: Uncertain, count: int, random: np.random.Generator) -> Array:
+    if item.kind == "lognormal":
+        # The median is the scene's value; cov² = exp(s²) − 1.
+        s = math.sqrt(math.log1p(item.width**2))
+        return np.asarray(item.value * np.exp(s * random.standard_normal(count)))
+    values = np.empty(0)
+    while values.size < count:
+        unit = random.standard_normal(count) if item.kind == "normal" else random.uniform(-1.0, 1.0, count)
+        drawn = item.value + item.width * unit
+        allowed = drawn >= LEAST_SHARE * item.value if item.value > 0.0 else np.isfinite(drawn)
+        values = np.concatenate([values, drawn[allowed]])
+    return values[:count]
+
+
+def row(draws: Mapping[str, Array], number: int) -> dict[str, float]:
+    """The values of one draw by key."""
+    return {key: float(values[number]) for key, values in draws.items()}

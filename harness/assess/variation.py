@@ -1,0 +1,88 @@
+"""A scene with other values of what it does not know."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from analytic.excitation import Excitation, Harmonic, Rest
+from harness.errors import InputError, Mistake
+from harness.scene import Scene
+
+AXES: Final = ("x", "y", "z")
+
+
+def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with those values by dotted key. Raises `InputError` where a value makes no scene.
+
+    Friction, strength and frequency are changed in place; any other key is written into the scene's own file content, which is
+    then read again as a whole.
+    """
+    other = {key: value for key, value in values.items() if not _direct(scene, key)}
+    if other:
+        scene = _resolved_again(scene, other)
+    for key, value in values.items():
+        if key not in other:
+            scene = _changed(scene, key, value)
+    return scene
+
+
+def _direct(scene: Scene, key: str) -> bool:
+    if key in ("contact.floor", "motion.scale"):
+        return True
+    parts = key.split(".")
+    if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
+        return isinstance(getattr(scene.shake, parts[1]), Harmonic)
+    return False
+
+
+def _changed(scene: Scene, key: str, value: float) -> Scene:
+    if key == "contact.floor":
+        factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
+        kinetic = scene.contact.floor_kinetic * factor
+        return scene.but(contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
+    shake = scene.shake
+    if key == "motion.scale":
+        factor = value / file_scale(scene)
+        return scene.but(shake=replace(shake, **{axis: _scaled(getattr(shake, axis), factor) for axis in AXES}))
+    axis = key.split(".")[1]
+    return scene.but(shake=replace(shake, **{axis: replace(getattr(shake, axis), frequency_hz=value)}))
+
+
+def file_scale(scene: Scene) -> float:
+    """The factor that the scene's file puts on all axes, which its excitations hold already."""
+    motion: Any = scene.given.get("motion", {})
+    return float(motion.get("scale", 1.0)) if isinstance(motion, Mapping) else 1.0
+
+
+def _scaled(item: Excitation, factor: float) -> Excitation:
+    return item if isinstance(item, Rest) else item.scaled(factor)
+
+
+def _resolved_again(scene: Scene, values: Mapping[str, float]) -> Scene:
+    from pydantic import ValidationError
+
+    from harness.scene_file.load import resolve
+    from harness.scene_file.tables import SceneFile
+
+    if not scene.given:
+        keys = ", ".join(values)
+        raise InputError(Mistake("uncertainty", keys, "a scene read from a file", "one made in Python"))
+    content: dict[str, Any] = copy.deepcopy(dict(scene.given))
+    for key, value in values.items():
+        table = content
+        *path, last = key.split(".")
+        for part in path:
+            table = table.setdefault(part, {})
+        table[last] = value
+    try:
+        model = SceneFile.model_validate(content)
+    except ValidationError as error:
+        where = str(scene.source or "the scene")
+        drawn = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
+        reason = str(error.errors()[0]["msg"])
+        raise InputError(Mistake(where, "uncertainty", "draws that make a scene", drawn, reason)) from error
+    return resolve(model, scene.source or Path("scene.toml"), content)

@@ -1,0 +1,107 @@
+"""What a scene does not know: as its file says, else as assumed; seeded draws with the stated moments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.assess.inputs import draw, uncertain_inputs
+from harness.assess.variation import varied
+from harness.errors import InputError
+from harness.scene import Uncertain
+from harness.scene_file.load import load_scene
+from tests import budgets_assess as budget
+from tests.scenes_for_tests import paestum
+
+SCENES = Path(__file__).parents[3] / "scenes"
+STATED = """
+[uncertainty]
+"contact.floor" = { kind = "lognormal", cov = 0.15 }
+"motion.scale" = { kind = "normal", sd = 0.1 }
+"statue.mass_kg" = { kind = "uniform", half_width = 70.0 }
+"""
+
+
+def stated(tmp_path: Path, text: str = STATED) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text((SCENES / "paestum_block.toml").read_text(encoding="utf-8") + text, encoding="utf-8")
+    return path
+
+
+def test_a_file_says_what_is_uncertain(tmp_path: Path) -> None:
+    inputs = uncertain_inputs(load_scene(stated(tmp_path)))
+    assert [(item.key, item.kind, item.width) for item in inputs] == [
+        ("contact.floor", "lognormal", 0.15),
+        ("motion.scale", "normal", 0.1),
+        ("statue.mass_kg", "uniform", 70.0),
+    ]
+    assert [item.value for item in inputs] == [0.20, 1.0, 707.0]
+
+
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "a number of this scene"),
+        ('"title" = { kind = "normal", sd = 0.1 }', "a number of this scene"),
+        ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
+        ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "cov"),
+        ('"motion.scale" = { kind = "gamma", cov = 0.1 }', "lognormal"),
+    ],
+)
+def test_what_is_no_distribution_of_a_number_is_refused(tmp_path: Path, line: str, wanted: str) -> None:
+    with pytest.raises(InputError, match=wanted):
+        load_scene(stated(tmp_path, f"\n[uncertainty]\n{line}\n"))
+
+
+def test_without_a_table_friction_strength_and_frequency_are_assumed() -> None:
+    assert [item.key for item in uncertain_inputs(paestum(0.3, 2.0))] == [
+        "contact.floor",
+        "motion.scale",
+        "motion.x.frequency_hz",
+    ]
+    assert [item.key for item in uncertain_inputs(paestum(0.3, 2.0, pedestal=False))] == [
+        "motion.scale",
+        "motion.x.frequency_hz",
+    ]
+
+
+def test_draws_have_the_stated_median_and_spread() -> None:
+    kinds = {"lognormal": 0.15, "normal": 0.02, "uniform": 0.05}
+    inputs = [Uncertain(kind, kind, 0.2, width) for kind, width in kinds.items()]  # type: ignore[arg-type]
+    values = draw(inputs, budget.DRAWS, seed=1)
+    for name in kinds:
+        assert np.median(values[name]) == pytest.approx(0.2, rel=budget.MEDIAN_REL)
+    assert np.std(values["lognormal"]) / np.mean(values["lognormal"]) == pytest.approx(0.15, rel=budget.SPREAD_REL)
+    assert np.std(values["normal"]) == pytest.approx(0.02, rel=budget.SPREAD_REL)
+    assert np.abs(values["uniform"] - 0.2).max() <= 0.05
+
+
+def test_more_draws_begin_with_the_same() -> None:
+    inputs = uncertain_inputs(paestum(0.3, 2.0))
+    few, many = draw(inputs, 10, seed=3), draw(inputs, 1000, seed=3)
+    for key, values in few.items():
+        np.testing.assert_array_equal(values, many[key][:10])
+    assert not np.array_equal(few["motion.scale"], draw(inputs, 10, seed=4)["motion.scale"])
+
+
+def test_a_positive_number_is_never_drawn_at_or_below_zero() -> None:
+    values = draw([Uncertain("contact.floor", "normal", 0.2, 0.2)], budget.DRAWS, seed=0)["contact.floor"]
+    assert values.min() > 0.0
+
+
+def test_a_varied_scene_has_the_drawn_values(tmp_path: Path) -> None:
+    scene = load_scene(stated(tmp_path))
+    other = varied(scene, {"contact.floor": 0.3, "motion.scale": 2.0, "statue.mass_kg": 700.0})
+    assert other.contact.floor_static == pytest.approx(0.3)
+    assert other.contact.floor_kinetic == pytest.approx(0.3 * scene.contact.floor_kinetic / scene.contact.floor_static)
+    assert other.shake.x.peak_m_s2 == pytest.approx(2.0 * scene.shake.x.peak_m_s2)
+    assert other.statue.mass_kg == 700.0
+
+
+def test_one_factor_scales_every_axis(tmp_path: Path) -> None:
+    scene, twice = (load_scene(stated(tmp_path, ""), [f"motion.scale={factor}"]) for factor in (1.0, 2.0))
+    assert twice.shake.x.peak_m_s2 == 2.0 * scene.shake.x.peak_m_s2
+    back = varied(twice, {"motion.scale": 1.0})
+    assert back.shake.x.peak_m_s2 == pytest.approx(scene.shake.x.peak_m_s2, rel=budget.ROUNDING)
