@@ -104,7 +104,6 @@ def assess(
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
     from harness import record
     from harness.assess import assessment
-    from harness.engines import DEFAULT_ENGINES
     from harness.paths import read_files
     from harness.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
     from harness.scene_file.load import load_scene
@@ -116,7 +115,7 @@ def assess(
     with Telling(quiet or as_json) as telling:
         found = assessment.assess(
             loaded,
-            engine or DEFAULT_ENGINES,
+            engine,
             draws=draws,
             seed=seed,
             half_width=half_width,
@@ -125,8 +124,7 @@ def assess(
         )
     with replacing(folder, lambda files: record.to_plain({**found, "files": files}), "assess"):
         pass
-    page = _page(folder)
-    say(record.to_plain(found), f"{assessment.summary(found)}\nreport: {page}", as_json, quiet)
+    _say(record.to_plain(found), assessment.summary(found), folder, as_json, quiet)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")

@@ -12,6 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.history import Outcome
+from reports.chance import first_line
 from reports.conservator_pictures import order_svg, push_svg, reach_svg
 from reports.giving_way import compass, levels, order_words, support_of, weakest_words
 from reports.numbers import count_word, digits, length, listed, percent, short
@@ -54,7 +55,7 @@ def context(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
 def of_run(source: RunSource) -> dict[str, Any]:
     """Headline, points and pictures of one run."""
     answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
-    headline, tone = _headline(source, answered)
+    headline, tone = first_line(source.record, *_headline(source, answered))
     return {
         "headline": headline,
         "tone": tone,
@@ -164,7 +165,9 @@ def _trust(source: RunSource) -> list[str]:
     until, predictable_s = horizon_s(source), prediction_s(source)
     typical = "Read the distances on this page as typical, not as exact."
     if predictable_s is not None and predictable_s < end_s:
-        return [f"From second {short(predictable_s, 2)} on no model can follow the rocking swing by swing. {typical}"]
+        return [
+            f"Rocking is sensitive: from second {short(predictable_s, 2)} on no model can follow it swing by swing. {typical}"
+        ]
     if until is not None and until < end_s:
         return [
             f"From second {short(until, 2)} on the computed swings are not exact enough to be trusted one by one. {typical}"

@@ -11,14 +11,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.assess.assessment import percent, sentence
+from reports.chance import tone
 from reports.numbers import digits
 from reports.palette import HAIRLINE, INK, MUTED
 from reports.words import Verdict
 
-SAFE: Final = 0.05
-"""Green only where the probability of falling is at most this, and"""
-SAFE_HIGH: Final = 0.10
-"""its interval stays below this."""
 MATTERS: Final = 0.05
 """A total index below this: knowing the input would change next to nothing."""
 TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
@@ -44,13 +41,6 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "machine": record["machine"],
     }
-
-
-def tone(item: Mapping[str, Any]) -> str:
-    """The colour of a probability: green only where a fall is improbable, and its interval says so too."""
-    if item["probability_overturned"] <= SAFE and item["high"] < SAFE_HIGH:
-        return "agree"
-    return "failed" if item["probability_overturned"] >= 0.5 else "differ"
 
 
 def assess_verdict(record: Mapping[str, Any]) -> Verdict:

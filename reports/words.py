@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.history import Outcome
 from harness.verdict import Verdict as Difference
+from reports.chance import first_line
 from reports.numbers import angle, count_word, length, listed, spread, unit
 from reports.posing import section
 from reports.source import RunSource
@@ -32,7 +33,13 @@ class Verdict:
 
 
 def run_verdict(source: RunSource) -> Verdict:
-    """The verdict on one scene."""
+    """The verdict on one scene: how probable a fall is, where the record says so, and what the models say of it as given."""
+    nominal = _nominal(source)
+    headline, colour = first_line(source.record, nominal.headline, nominal.tone)
+    return Verdict(headline, colour, nominal.points)
+
+
+def _nominal(source: RunSource) -> Verdict:
     answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
     silent = [f"{name} gave no answer: {source.runs[name]['message']}" for name in source.runs if name not in answered]
     if not answered:

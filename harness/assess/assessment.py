@@ -14,6 +14,7 @@ from harness.assess.stratified import LEVEL, Estimate, estimate
 from harness.assess.variation import varied
 from harness.describe import describe
 from harness.engine import EngineFailure, Want
+from harness.errors import InputError, Mistake
 from harness.processes.executors import Crash, LocalPool
 from harness.scene import Scene
 from harness.statistics.distributions import wilson
@@ -70,7 +71,7 @@ def _of_model(model: ModelDraws) -> Assessment | None:
 
 def assess(
     scene: Scene,
-    names: Sequence[str],
+    names: Sequence[str] | None = None,
     *,
     draws: int = ASSESS_DRAWS,
     seed: int = 0,
@@ -78,8 +79,15 @@ def assess(
     most_runs: int = MOST_RUNS,
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> dict[str, Any]:
-    """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters."""
+    """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters.
+
+    `names` None: the engines of every run. A scene of which nothing is uncertain raises `InputError`.
+    """
+    names = names or engines.DEFAULT_ENGINES
     inputs = uncertain_inputs(scene)
+    if not inputs:
+        wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"
+        raise InputError(Mistake(str(scene.source or "the scene"), "uncertainty", wanted, "nothing"))
     on_progress(f"{MODEL}: {draws} draws")
     values = draw(inputs, draws, seed)
     fast = sweepable(scene, values)

@@ -9,8 +9,9 @@ import pytest
 
 from harness.assess.assessment import assess
 from harness.record import to_plain, write_json
+from reports.chance import first_line, tone
 from reports.page import write_report
-from reports.page_assess import assess_verdict, tone
+from reports.page_assess import assess_verdict
 from tests.scenes_for_tests import paestum
 
 
@@ -50,3 +51,14 @@ def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
     assert "of what may be true" in page
     assert "assumed" in page
     assert "By the strength of the shaking" in page
+
+
+@pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
+def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
+    record = {"assessment": {"analytic": answer(p, 0.0, high)}}
+    headline, tone_of_page = first_line(record, "All three models agree on the outcome: the statue stands", "agree")
+    assert tone_of_page == colour
+    assert headline.startswith("The statue falls in ")
+    assert headline.endswith("As given, once: all three models agree on the outcome: the statue stands")
+    assert first_line(record, "The models disagree", "failed")[1] == "failed"
+    assert first_line({}, "The statue stands", "agree") == ("The statue stands", "agree")
