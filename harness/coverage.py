@@ -76,7 +76,7 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     mass = rng.uniform(50.0, 900.0)
     depth = 0.8 * (left + right)
     inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
-    statue = _block(mass, float(left), float(right), height, inertia, depth)
+    statue = block(mass, float(left), float(right), height, inertia, depth)
     pedestal = None
     if rng.random() < 0.5:
         width = (left + right) * rng.uniform(1.1, 2.0)
@@ -111,7 +111,7 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     right, depth = base - left, base * float(rng.uniform(0.6, 1.5))
     mass = 2000.0 * 2.0 * height * base * depth
     inertia = mass * (4.0 * height**2 + base**2) / 12.0 * float(rng.uniform(0.7, 1.2))
-    statue = _block(mass, left, right, height, inertia, depth)
+    statue = block(mass, left, right, height, inertia, depth)
     pedestal = None
     if rng.random() < 0.6:
         width, tall = base * float(rng.uniform(1.1, 2.5)), height * float(rng.uniform(0.1, 0.5))
@@ -159,7 +159,8 @@ def _noise(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> R
     return Record(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
 
 
-def _block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+    """A rectangular body of the given centroid height and corners, twice as high as its centroid."""
     top, half = 2.0 * height, 0.5 * depth
     section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
