@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.history import History, Outcome
+from harness.history import Array, History, Outcome
 from harness.record import Run
 from harness.scores.grid import Pair
 from harness.scores.pointwise import Peak, first_beyond_s
@@ -22,10 +22,8 @@ COVERAGE: Final = 2.0
 Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
 number that calls no pair of equal models different and misses no effect above three times the uncertainty.
 """
-ROUNDING_RAD: Final = 1e-12
-"""Differences below this are rounding of numbers of order one through some thousand operations."""
-LEVER_M: Final = 1.0
-"""Lever by which an uncertainty in rotation becomes one in slip where no scene is given (see `slip_lever_m`)."""
+ROUNDING: Final = 1e-12
+"""Differences below this, rad or m, are rounding of numbers of order one through some thousand operations."""
 
 
 class Verdict(StrEnum):
@@ -41,7 +39,7 @@ class Verdict(StrEnum):
 class Side:
     """What the verdict needs to know of one run; None: not stated.
 
-    `uncertainty_rad` bounds the rotation's numerical error up to `reliable_until_s`; `horizon_s` is how far the model's own
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the model's own
     perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions, `left_domain_by`
     which.
     """
@@ -49,6 +47,7 @@ class Side:
     name: str
     outcome: Outcome | None = None
     uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
     horizon_s: float | None = None
     left_domain_s: float | None = None
@@ -71,16 +70,21 @@ class Judgement:
 
 
 def side_of(
-    answer: Run | History, name: str, horizon_s: float | None = None, uncertainty_rad: float | None = None
+    answer: Run | History,
+    name: str,
+    horizon_s: float | None = None,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
 ) -> Side:
-    """What is known of one answer; a bare history states no outcome, and of its uncertainty only what is given here."""
+    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
     if isinstance(answer, History):
-        return Side(name, uncertainty_rad=uncertainty_rad, horizon_s=horizon_s)
+        return Side(name, uncertainty_rad=uncertainty_rad, slip_uncertainty_m=slip_uncertainty_m, horizon_s=horizon_s)
     left_s, by = left_domain(answer)
     return Side(
         name,
         answer.outcome,
         answer.numerical_uncertainty_rad,
+        answer.slip_uncertainty_m,
         answer.reliable_until_s,
         horizon_s,
         left_s,
@@ -103,33 +107,67 @@ def left_domain(run: Run) -> tuple[float | None, str]:
 
 
 @dataclass(frozen=True)
-class _Facts:
-    """The quantities that decide: the limit, when it is first exceeded, by how much at most before the horizon."""
+class _Difference:
+    """Of one quantity: the limit, when it is first exceeded, the largest difference, and the largest before the horizon."""
 
-    limit_rad: float
-    exceeded_s: float | None
-    largest_rad: float
-    largest_reliable_rad: float
+    limit: float
+    exceeded_s: float | None = None
+    largest: float = 0.0
+    largest_reliable: float = 0.0
+
+    def beyond(self, time_s: float | None) -> bool:
+        """Whether it is this quantity that first exceeds its limit, at that time."""
+        return self.exceeded_s is not None and self.exceeded_s == time_s
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared."""
+
+    rotation: _Difference
+    slip: _Difference
     until_s: float
     end_s: float
 
+    @property
+    def exceeded_s(self) -> float | None:
+        """When the first of the two exceeds its limit."""
+        known = [each.exceeded_s for each in (self.rotation, self.slip) if each.exceeded_s is not None]
+        return min(known, default=None)
 
-def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m: float = LEVER_M) -> Judgement:
-    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing."""
-    joint = (a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)
-    limit = max(COVERAGE * joint, ROUNDING_RAD)
+    @property
+    def differs_in(self) -> str:
+        """Which of the two that is; empty: neither."""
+        if self.exceeded_s is None:
+            return ""
+        return "rotation" if self.rotation.beyond(self.exceeded_s) else "slip"
+
+
+def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
+    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing.
+
+    Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
+    """
+    turned = max(COVERAGE * ((a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)), ROUNDING)
+    slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
     until = min(a.until_s, b.until_s)
-    facts = _from_peaks(peaks, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
+    facts = _from_peaks(peaks, turned, slid, until) if both is None else _from_histories(both, turned, slid, until)
     flips = a.outcome is not None and b.outcome is not None and a.outcome is not b.outcome
     verdict, left = _decide(a, b, facts, flips)
     evidence = {
         "uncertainty_a_rad": a.uncertainty_rad,
         "uncertainty_b_rad": b.uncertainty_rad,
-        "limit_rad": limit,
+        "slip_uncertainty_a_m": a.slip_uncertainty_m,
+        "slip_uncertainty_b_m": b.slip_uncertainty_m,
+        "limit_rad": turned,
+        "slip_limit_m": slid,
         "coverage": COVERAGE,
+        "differs_in": facts.differs_in,
         "exceeded_s": facts.exceeded_s,
-        "largest_difference_rad": facts.largest_rad,
-        "largest_reliable_difference_rad": facts.largest_reliable_rad,
+        "largest_difference_rad": facts.rotation.largest,
+        "largest_reliable_difference_rad": facts.rotation.largest_reliable,
+        "largest_slip_difference_m": facts.slip.largest,
+        "largest_reliable_slip_difference_m": facts.slip.largest_reliable,
         "horizon_s": until if math.isfinite(until) else None,
         "compared_until_s": facts.end_s,
         "left_domain_s": None if left is None else left.left_domain_s,
@@ -139,22 +177,24 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m
     return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips), evidence)
 
 
-def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _Facts:
-    apart = np.abs(both.difference_rad)
-    # Without floor friction M du + m h dθ = 0, so an error in rotation moves the pedestal by at most h times it.
-    worst = np.maximum(apart, np.abs(both.slip_a_m - both.slip_b_m) / lever_m)
-    inside = both.t_s <= until
-    reliable = float(np.max(apart[inside])) if inside.any() else 0.0
-    return _Facts(limit, first_beyond_s(both.t_s, worst, limit), float(np.max(apart)), reliable, until, both.end_s)
+def _from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> _Facts:
+    def of(apart: Array, limit: float) -> _Difference:
+        inside = both.t_s <= until
+        reliable = float(np.max(apart[inside])) if inside.any() else 0.0
+        return _Difference(limit, first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
+
+    rotation = of(np.abs(both.difference_rad), turned_rad)
+    return _Facts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
 
 
-def _from_peaks(peaks: tuple[Peak, Peak], limit: float, until: float) -> _Facts:
+def _from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, slid_m: float, until: float) -> _Facts:
     """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
     # A run without a history may state its peak without a sign.
     smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
     apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
-    exceeded = larger.time_s if apart > limit else None
-    return _Facts(limit, exceeded, apart, apart if larger.time_s <= until else 0.0, until, math.inf)
+    exceeded = larger.time_s if apart > turned_rad else None
+    rotation = _Difference(turned_rad, exceeded, apart, apart if larger.time_s <= until else 0.0)
+    return _Facts(rotation, _Difference(slid_m), until, math.inf)
 
 
 def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side | None]:
@@ -176,13 +216,16 @@ def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side
 def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
-    bound = f"twice their joint numerical error ({facts.limit_rad:.2g} rad)"
+    joint = "twice their joint numerical error"
     if verdict is Verdict.AGREE:
-        text = (
-            f"{names} agree within their numerical error: at most {facts.largest_rad:.2g} rad apart, less than {bound}"
-        )
+        text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
+        text += f"({_rad(facts.rotation.limit)})"
+        if facts.slip.largest > ROUNDING:
+            text += f", and in slip {_mm(facts.slip.largest)} apart ({_mm(facts.slip.limit)})"
     elif verdict is Verdict.MODEL:
-        text = f"{names} differ by their models: more than {bound} apart{when}"
+        slips = facts.differs_in == "slip"
+        limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+        text = f"{names} differ by their models: more than {joint} ({limit}{' of slip' if slips else ''}) apart{when}"
         text += f", before the horizon at {facts.until_s:.4g} s" if math.isfinite(facts.until_s) else ""
     elif verdict is Verdict.HORIZON:
         text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
@@ -195,7 +238,18 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | No
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
     if unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
+    slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
+    if slipless and facts.slip.largest > ROUNDING:
+        text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
     return text + "."
+
+
+def _rad(value: float) -> str:
+    return f"{value:.2g} rad"
+
+
+def _mm(value_m: float) -> str:
+    return f"{1e3 * value_m:.2g} mm"
 
 
 def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
