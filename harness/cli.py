@@ -240,8 +240,9 @@ def summary(result: Result) -> str:
     if len(result.runs) > 1 and outcomes:
         agree = len(outcomes) == 1
         lines.append(f"  outcome: {'all models agree: ' + outcomes.pop().sentence if agree else 'the models differ'}")
+    width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
     for name, run in result.runs.items():
-        lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
+        lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]

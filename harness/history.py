@@ -77,6 +77,11 @@ def _frozen(values: ArrayLike) -> Array:
     return array
 
 
+def history_file(engine: str) -> str:
+    """Name of an engine's history in a result folder; a colon is no character of a file's name on every system."""
+    return f"history_{engine.replace(':', '-')}.csv"
+
+
 @dataclass(frozen=True, eq=False)
 class History:
     """One run on one time grid, in the table's frame; all arrays float64, shape (n,), read-only.

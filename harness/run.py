@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from harness import describe, engines, record
 from harness.engine import Engine, EngineFailure, Want
 from harness.errors import InputError, Mistake
-from harness.history import Outcome
+from harness.history import Outcome, history_file
 from harness.plan import plan
 from harness.record import SCHEMA_VERSION, Run
 from harness.scene import Scene
@@ -230,7 +230,7 @@ def write_result(result: Result, folder: Path) -> Path:
     try:
         for name, run in result.runs.items():
             if run.history is not None:
-                run.history.write_csv(fresh / f"history_{name}.csv")
+                run.history.write_csv(fresh / history_file(name))
         if result.scene.statue.solid is not None:
             from meshes.export import write_glb
 

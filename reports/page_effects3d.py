@@ -23,7 +23,7 @@ from reports.scene_picture import scene_svg
 from reports.source import run_source
 from reports.words import Verdict
 
-SOLID: Final = ("pybullet", "mujoco")
+SOLID: Final = ("pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 NEAR: Final = 0.05
 """Amplitudes within this share of each other count as the same: a survey's errors move them as much."""
 GROUPS: Final = {

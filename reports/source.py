@@ -12,7 +12,7 @@ from typing import Any, Final
 from jinja2 import UndefinedError
 
 from harness.errors import InputError, Mistake
-from harness.history import History
+from harness.history import History, history_file
 from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
 
@@ -121,7 +121,7 @@ def run_source(folder: Path) -> RunSource:
     # Records of older versions do not say which histories they kept: what lies there is all.
     kept = record.get("histories")
     names = record["runs"] if kept is None else kept
-    paths = {name: folder / f"history_{name}.csv" for name in names}
+    paths = {name: folder / history_file(name) for name in names}
     lost = [path for path in paths.values() if kept is not None and not path.is_file()]
     mesh = folder / "statue.glb"
     if record["scene"].get("statue", {}).get("mesh") is not None and not mesh.is_file():

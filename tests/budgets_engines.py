@@ -97,3 +97,9 @@ PROFILE_FINE_RAD: Final = 8e-6
 REST_ANGLE_RAD: Final = 1e-5
 """A facet of 0.2 m resting with one end deeper than the other by the contact's depth at 0.5 ms, 4e-7 m: 2e-6 rad; five times
 that, measured 6e-7."""
+
+PLAIN_RAD: Final = 6e-4
+"""Plain engines, 0.25 ms, the paper's pedestal over the first second: an impact falls inside a step, so they are of first order:
+6e-5 rad (pymunk) and 2e-4 rad (pybullet) measured, three times the larger."""
+PLAIN_SLIP_M: Final = 2.2e-4
+"""The same for the pedestal's slip: 7e-5 m measured, three times that."""

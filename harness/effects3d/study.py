@@ -28,7 +28,7 @@ from harness.studies.cases import Base, base_of_scene
 from harness.studies.digest import scene_digest
 from meshes import footprint
 
-ORDER: Final = ("pybullet", "mujoco", "pymunk", "analytic")
+ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""
 KEPT_NAME: Final = "searches.jsonl"
 LONG_SIDE: Final = 0.05

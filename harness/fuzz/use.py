@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from harness.errors import InputError
+from harness.history import history_file
 from harness.scene import Scene
 
 RUN_S: Final = 0.3
@@ -123,7 +124,7 @@ def unfinished(folder: Path, accepted: bool) -> str | None:
         try:
             if path.suffix == ".json":
                 found = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-                wanted = {f"history_{name}.csv" for name in found.get("histories", ())}
+                wanted = {history_file(name) for name in found.get("histories", ())}
                 if not wanted <= names:
                     return f"{path.name} names {', '.join(sorted(wanted - names))}, which is not there"
             elif path.suffix == ".csv":

@@ -9,7 +9,11 @@ from harness.scene import Scene
 from harness.studies.asking import COARSEST, REFERENCE, map_axes
 from harness.studies.file import StudyFile
 
-SECONDS: Final = {"analytic": (6e-5, 6e-5), "pymunk": (0.08, 0.08), "pybullet": (0.06, 0.5), "mujoco": (0.5, 1.0)}
+SECONDS: Final = {"analytic": (6e-5, 6e-5), "pymunk": (0.08, 0.08), "pybullet": (0.06, 0.5), "mujoco": (0.5, 1.0)} | {
+    "pymunk:plain": (0.3, 1.0),
+    "pybullet:plain": (0.5, 1.0),
+    "mujoco:plain": (0.5, 1.0),
+}
 """Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""
 WITH_HISTORY: Final = 10.0
 """By how much a history makes an analytic run dearer; to contact engines it makes no difference."""
