@@ -27,7 +27,7 @@ PARTED: Final = 1e-3
 ROUNDING: Final = 2.0**-52
 """Relative rounding of one operation."""
 ROUNDED: Final = 4.0
-"""Roundings that a step adds to the state, as if all pointed one way: of the first terms of its series, which make the sum, and"""
+"""Roundings that a step adds to the state, as if all pointed one way: of the first terms of its series, and"""
 ROUNDED_ONCE: Final = 64.0
 """those of what is computed once: angles of the corners, inertias, the motion's own constants."""
 
@@ -74,7 +74,7 @@ def certify(
     if scene.get("dt_s", 0.0) is None:
         scene, checks = {"events": False} | scene, ((base * FINER, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
-    # What all runs share shows in no difference between them: the check is given a gravity that differs by the rounding of its steps.
+    # What all runs share shows in no difference between them: the checks' gravity differs by what the steps may have rounded.
     rounding = ROUNDING * (ROUNDED * first.work.steps + ROUNDED_ONCE)
     quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding)}
     others = tuple(

@@ -236,10 +236,13 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     lines = [result.scene.title]
-    outcomes = {run.outcome for run in result.runs.values() if not run.outcome.failed}
+    outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
-        agree = len(outcomes) == 1
-        lines.append(f"  outcome: {'all models agree: ' + outcomes.pop().sentence if agree else 'the models differ'}")
+        ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
+        if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
+            ended = "all models agree that the statue overturns; the side differs"
+        given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
+        lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
     width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
     for name, run in result.runs.items():
         lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")

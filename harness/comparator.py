@@ -43,8 +43,8 @@ def compare(
 
     `scene` gives the energies in J; `horizons_s` are the horizons of prediction of
     each model where they were computed (`harness.horizon`). Scores of instants reach to the nearer horizon of the two, or to
-    the time up to which a side's numerical error is stated; beyond it distributions are compared. `uncertainties_rad` and
-    `slip_uncertainties_m` are the numerical errors of bare histories, where they are known. Raises `InputError` naming the answer when there is nothing to
+    the time up to which a side's numerical error is stated; beyond it distributions are compared.
+    `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known. Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
     names = names or (_name(a, "a"), _name(b, "b"))
@@ -190,11 +190,16 @@ def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -
 def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
     outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
     times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
-    known = outcomes[0] is not None and outcomes[1] is not None
+    first, second = outcomes
+    agree = side = None
+    if first is not None and second is not None:
+        agree = first.same_as(second)
+        side = first is second if first.overturned and second.overturned else None
     return {
-        "outcome_a": outcomes[0],
-        "outcome_b": outcomes[1],
-        "outcome_agrees": outcomes[0] is outcomes[1] if known else None,
+        "outcome_a": first,
+        "outcome_b": second,
+        "outcome_agrees": agree,
+        "side_agrees": side,
         "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
     }
 

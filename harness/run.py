@@ -9,7 +9,7 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -88,6 +88,11 @@ def simulate(
     return _simulate(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
 
 
+def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    run = _computed(engine, scene, accuracy_rad, dt_s, want)
+    return replace(run, motion_axes=scene.shake.axes(engine.capabilities.dimensions))
+
+
 def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
     """Raise `InputError` unless at most one of the two is given and it is in its range."""
     if accuracy_rad is not None and dt_s is not None:
@@ -98,7 +103,7 @@ def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
         raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
 
 
-def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
     reason = engine.missing()
     if reason is not None:
         return failed(engine.name, Outcome.UNAVAILABLE, reason)

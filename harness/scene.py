@@ -110,6 +110,11 @@ class Shake:
         """Whether the floor never moves."""
         return all(isinstance(item, Rest) for item in (self.x, self.y, self.z))
 
+    def axes(self, dimensions: int = 3) -> tuple[str, ...]:
+        """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""
+        given = "xyz" if dimensions == 3 else "xz"
+        return tuple(axis for axis in given if getattr(self, axis).peak_m_s2 > 0.0)
+
 
 @dataclass(frozen=True)
 class Wall:

@@ -1,11 +1,14 @@
-"""Why two runs differ, computed from the record: numerical error, model, horizon, or a model outside its domain."""
+"""Why two runs differ, computed from the record.
+
+Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its domain.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final
 
@@ -33,15 +36,21 @@ class Verdict(StrEnum):
     MODEL = "differ: model"
     HORIZON = "differ: beyond the horizon"
     DOMAIN = "differ: the model left its domain"
+    PLANE = "differ: the plane left out"
+    UNBOUNDED = "differ: numerical error not bounded"
+
+
+OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
+"""Verdicts with which outcomes that differ decide nothing between the two."""
 
 
 @dataclass(frozen=True)
 class Side:
     """What the verdict needs to know of one run; None: not stated.
 
-    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the model's own
-    perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions, `left_domain_by`
-    which.
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
     """
 
     name: str
@@ -52,6 +61,8 @@ class Side:
     horizon_s: float | None = None
     left_domain_s: float | None = None
     left_domain_by: str = ""
+    axes: tuple[str, ...] | None = None
+    no_return_s: float | None = None
 
     @property
     def until_s(self) -> float:
@@ -89,6 +100,8 @@ def side_of(
         horizon_s,
         left_s,
         by,
+        None if answer.motion_axes is None else tuple(answer.motion_axes),
+        answer.no_return_time_s,
     )
 
 
@@ -115,32 +128,32 @@ class _Difference:
     largest: float = 0.0
     largest_reliable: float = 0.0
 
-    def beyond(self, time_s: float | None) -> bool:
-        """Whether it is this quantity that first exceeds its limit, at that time."""
-        return self.exceeded_s is not None and self.exceeded_s == time_s
-
 
 @dataclass(frozen=True)
 class _Facts:
-    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared."""
+    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared.
+
+    `fallen_s`: when a fall across the plane parts the two, which the planar rotation does not tell.
+    """
 
     rotation: _Difference
     slip: _Difference
     until_s: float
     end_s: float
+    fallen_s: float | None = None
 
     @property
     def exceeded_s(self) -> float | None:
-        """When the first of the two exceeds its limit."""
-        known = [each.exceeded_s for each in (self.rotation, self.slip) if each.exceeded_s is not None]
+        """When the two answers part: the first of both quantities exceeds its limit, or one falls across the plane."""
+        known = [t for t in (self.rotation.exceeded_s, self.slip.exceeded_s, self.fallen_s) if t is not None]
         return min(known, default=None)
 
     @property
     def differs_in(self) -> str:
-        """Which of the two that is; empty: neither."""
+        """In what they then differ; empty: in nothing."""
         if self.exceeded_s is None:
             return ""
-        return "rotation" if self.rotation.beyond(self.exceeded_s) else "slip"
+        return "slip" if self.slip.exceeded_s == self.exceeded_s != self.rotation.exceeded_s else "rotation"
 
 
 def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
@@ -152,7 +165,11 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
     until = min(a.until_s, b.until_s)
     facts = _from_peaks(peaks, turned, slid, until) if both is None else _from_histories(both, turned, slid, until)
-    flips = a.outcome is not None and b.outcome is not None and a.outcome is not b.outcome
+    known = a.outcome is not None and b.outcome is not None
+    flips = known and a.outcome is not b.outcome
+    sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
+    if flips:
+        facts = _with_falls_across(facts, a, b)
     verdict, left = _decide(a, b, facts, flips)
     evidence = {
         "uncertainty_a_rad": a.uncertainty_rad,
@@ -172,9 +189,11 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
         "compared_until_s": facts.end_s,
         "left_domain_s": None if left is None else left.left_domain_s,
         "left_domain_by": "" if left is None else f"{left.name}: {left.left_domain_by}",
-        "outcome_flips_within_uncertainty": flips and verdict in (Verdict.AGREE, Verdict.HORIZON),
+        "outcome_flips_within_uncertainty": flips and not sided and verdict in OPEN,
+        "side_flips_within_uncertainty": sided and verdict in OPEN,
+        "motion_not_given": _not_given(a, b),
     }
-    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips), evidence)
+    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
 
 
 def _from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> _Facts:
@@ -207,13 +226,37 @@ def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side
             return Verdict.AGREE, None
         if left_s < math.inf:
             return Verdict.DOMAIN, first
-        return (Verdict.HORIZON if facts.until_s < facts.end_s else Verdict.AGREE), None
+        return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
     if facts.exceeded_s <= min(left_s, facts.until_s):
-        return Verdict.MODEL, None
-    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (Verdict.HORIZON, None)
+        return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
+    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
 
 
-def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool) -> str:
+def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
+    """What a difference at a time past what is known rests on: the problem's own measured sensitivity, or an engine's error."""
+    return Verdict.HORIZON if at_s > _horizon_s(a, b) else Verdict.UNBOUNDED
+
+
+def _horizon_s(a: Side, b: Side) -> float:
+    return min((side.horizon_s for side in (a, b) if side.horizon_s is not None), default=math.inf)
+
+
+def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
+    """The axes of the floor's motion that one side was given and the other, by its name, was not."""
+    if a.axes is None or b.axes is None:
+        return {}
+    missing = {a.name: sorted(set(b.axes) - set(a.axes)), b.name: sorted(set(a.axes) - set(b.axes))}
+    return {name: axes for name, axes in missing.items() if axes}
+
+
+def _with_falls_across(facts: _Facts, a: Side, b: Side) -> _Facts:
+    """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
+    across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+    times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
+    return replace(facts, fallen_s=min(times, default=None))
+
+
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool, sided: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
     joint = "twice their joint numerical error"
@@ -221,20 +264,28 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | No
         text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
         text += f"({_rad(facts.rotation.limit)})"
         if facts.slip.largest > ROUNDING:
-            text += f", and in slip {_mm(facts.slip.largest)} apart ({_mm(facts.slip.limit)})"
-    elif verdict is Verdict.MODEL:
+            text += f", their slips {_mm(facts.slip.largest)} ({_mm(facts.slip.limit)})"
+    elif verdict in (Verdict.MODEL, Verdict.PLANE):
         slips = facts.differs_in == "slip"
         limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
-        text = f"{names} differ by their models: more than {joint} ({limit}{' of slip' if slips else ''}) apart{when}"
-        text += f", before the horizon at {facts.until_s:.4g} s" if math.isfinite(facts.until_s) else ""
+        apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
+        cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
+        text = f"{names} differ by {cause}: {apart}{when}{_before(a, b, facts.until_s)}"
+    elif verdict is Verdict.UNBOUNDED:
+        text = f"{names} agree up to {facts.until_s:.4g} s and differ{when}, where the numerical error of "
+        text += " and ".join(side.name for side in (a, b) if side.reliable_until_s == facts.until_s)
+        text += " is not bounded any more"
     elif verdict is Verdict.HORIZON:
         text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
     else:
         side = left or a
         text = f"{names} differ{when}, after {side.name} left its domain at {side.left_domain_s or 0.0:.4g} s"
         text += f" ({side.left_domain_by})"
-    if flips and verdict in (Verdict.AGREE, Verdict.HORIZON):
-        text += "; the outcome flips within the stated uncertainty"
+    if flips and (sided or verdict in OPEN):
+        within = " within the stated uncertainty" if verdict in OPEN else ""
+        text += f"; both overturn, to different sides{within}" if sided else f"; the outcome flips{within}"
+    for name, axes in _not_given(a, b).items():
+        text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
     if unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
@@ -242,6 +293,15 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | No
     if slipless and facts.slip.largest > ROUNDING:
         text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
     return text + "."
+
+
+def _before(a: Side, b: Side, until_s: float) -> str:
+    """What a robust difference came before."""
+    if math.isinf(until_s):
+        return ""
+    if until_s == _horizon_s(a, b):
+        return f", before the horizon at {until_s:.4g} s"
+    return f", while both numerical errors are bounded (until {until_s:.4g} s)"
 
 
 def _rad(value: float) -> str:
@@ -253,7 +313,7 @@ def _mm(value_m: float) -> str:
 
 
 def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
-    """The share of each of the four verdicts over a set; all zero for an empty one."""
+    """The share of each verdict over a set; all zero for an empty one."""
     counts = Counter(verdicts)
     total = sum(counts.values())
     return {verdict.value: counts[verdict] / total if total else 0.0 for verdict in Verdict}

@@ -251,7 +251,7 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
         texts.append(
             {
                 "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "bottom", "showarrow": False, "text": f" horizon {until:.3g} s", "font": small,
+                "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

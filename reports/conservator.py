@@ -17,7 +17,7 @@ from reports.numbers import count_word, digits, length, listed, short
 from reports.posing import Array, section
 from reports.silhouette import silhouette_m
 from reports.source import RunSource, run_source
-from reports.words import AT_REST_RAD, horizon_s
+from reports.words import AT_REST_RAD, horizon_s, motion_given, prediction_s
 
 LIMITS: Final = (
     "The statue, its pedestal and the floor are taken as perfectly hard. A chipped or worn base, wax, putty, pins, mounts and "
@@ -91,10 +91,22 @@ def _who(answered: Mapping[str, Any]) -> list[str]:
     for name, run in answered.items():
         groups.setdefault(_end(run["outcome"]), []).append(name)
     if len(groups) == 1 and len(answered) > 1:
-        return [f"{count_word(len(answered)).capitalize()} computer models were asked, and all say so."]
+        said = f"{count_word(len(answered)).capitalize()} computer models were asked, and all say so"
+        return [f"{said}{_sides(answered)}.", *motion_given(answered)]
     if len(answered) == 1:
         return [f"Only one computer model was asked ({next(iter(answered))})."]
-    return [f"It {listed(f'{end} in {listed(names)}' for end, names in groups.items())}."] if groups else []
+    ends = [f"It {listed(f'{end} in {listed(names)}' for end, names in groups.items())}."] if groups else []
+    return [*ends, *motion_given(answered)]
+
+
+def _sides(answered: Mapping[str, Any]) -> str:
+    """To which sides it falls, where the models differ in that alone."""
+    sides: dict[str, list[str]] = {}
+    for name, run in answered.items():
+        sides.setdefault(run["outcome"].removeprefix("overturned_"), []).append(name)
+    if len(sides) == 1 or not all(Outcome(run["outcome"]).overturned for run in answered.values()):
+        return ""
+    return "; only the side differs: " + "; ".join(f"{side} in {listed(names)}" for side, names in sides.items())
 
 
 def _standing(source: RunSource) -> list[str]:
@@ -133,13 +145,17 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
 
 
 def _trust(source: RunSource) -> list[str]:
-    until = horizon_s(source)
-    if until is None or until >= float(source.scene["duration_s"]):
-        return []
-    return [
-        f"Rocking is like a tossed coin: from second {short(until, 2)} on nobody can follow it swing by swing. Read the "
-        "distances on this page as typical, not as exact."
-    ]
+    end_s = float(source.scene["duration_s"])
+    until, predictable_s = horizon_s(source), prediction_s(source)
+    typical = "Read the distances on this page as typical, not as exact."
+    if predictable_s is not None and predictable_s < end_s:
+        on = f"from second {short(predictable_s, 2)} on nobody can follow it swing by swing"
+        return [f"Rocking is like a tossed coin: {on}. {typical}"]
+    if until is not None and until < end_s:
+        return [
+            f"From second {short(until, 2)} on the computed swings are not exact enough to be trusted one by one. {typical}"
+        ]
+    return []
 
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:

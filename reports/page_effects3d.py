@@ -254,10 +254,10 @@ def departure_rows(record: Row) -> list[tuple[str, list[str]]]:
     rows = []
     for row in record["departures"]:
         if row["engine"] == engine:
-            overturned = Outcome(row["outcome"]).overturned
+            ended = {True: "overturns", False: "stands", None: "undecided"}[Outcome(row["outcome"]).fell]
             values = [digits(row["peak_g"]), digits(row["peak_theta_rad"], 2), digits(row["out_of_plane_rad"], 2)]
             values += [digits(row["yaw_rad"], 2), digits(row["yaw_left_rad"], 2), digits(1000.0 * row["walked_m"], 2)]
-            values += [f"{100.0 * row['corner_share']:.0f} %", "overturns" if overturned else "stands"]
+            values += [f"{100.0 * row['corner_share']:.0f} %", ended]
             rows.append((f"{row['azimuth_deg']:g}°", values))
     return rows
 

@@ -178,14 +178,17 @@ def claim_rows(verdicts: Sequence[Mapping[str, Any]] | None) -> list[dict[str, A
 
 
 def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
-    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree."""
+    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
+    different sides do)."""
     rows = []
     for item in found:
         cells = [cell(item.answers.get(model)) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):
             if shown.family != "none":
-                by_variant.setdefault(model.partition(" (")[2], set()).add(shown.words)
+                by_variant.setdefault(model.partition(" (")[2], set()).add(
+                    shown.family if shown.family == "overturns" else shown.words
+                )
         differs = any(len(words) > 1 for words in by_variant.values())
         rows.append({"keys": [_shown(item.varied[key]) for key in keys], "cells": cells, "differs": differs})
     return rows

@@ -112,12 +112,12 @@ def score_rows(record: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
 
 
 def pair_sentences(pairs: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """For each two models, how often they give the same outcome and the shares of the four verdicts."""
+    """For each two models, how often they give the same outcome and the shares of the verdicts."""
     found = []
     for pair in pairs:
         same = pair["outcomes"]["side_accuracy"]
         text = f"the same outcome in {_share(same)} of {pair['cases']} tests; " if same else ""
-        text += "; ".join(f"{each.value}: {100 * pair['verdicts'][each]:.0f} %" for each in Verdicts) + "."
+        text += "; ".join(f"{each.value}: {100 * pair['verdicts'].get(each, 0.0):.0f} %" for each in Verdicts) + "."
         if pair["flips"]:
             text += f" In {pair['flips']} the outcome flips within the numerical error."
         found.append((f"{pair['a']} and {pair['b']}", text))

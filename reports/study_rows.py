@@ -111,11 +111,11 @@ def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (a["run"]["outcome"], b["run"]["outcome"])
+                (Outcome(a["run"]["outcome"]), Outcome(b["run"]["outcome"]))
                 for item in found
                 for a, b in [(item.answers.get(first), item.answers.get(second))]
                 if a is not None and b is not None and a["run"] is not None and b["run"] is not None
             ]
             if both:
-                pairs.append((first, second, sum(a == b for a, b in both), len(both)))
+                pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))
     return pairs

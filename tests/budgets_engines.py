@@ -103,3 +103,7 @@ PLAIN_RAD: Final = 6e-4
 6e-5 rad (pymunk) and 2e-4 rad (pybullet) measured, three times the larger."""
 PLAIN_SLIP_M: Final = 2.2e-4
 """The same for the pedestal's slip: 7e-5 m measured, three times that."""
+TOPPLED_S: Final = 1.5e-2
+"""Times of no return of one fall at 1 ms: up to 2e-5 s between two planar models; 9e-3 s in space, on a round base's polygon."""
+LYING_RAD: Final = 2e-3
+"""Rotation between two samples of 1 ms at the speed, below 2 rad/s, with which a body meets its flank."""

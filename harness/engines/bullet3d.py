@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from harness.contact.friction import floor_friction
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across
 from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.bullet.settings import BulletSettings
 from harness.record import Run
@@ -104,7 +103,6 @@ class Bullet3D(Engine):
         setup = course.prepare(scene)
         found = course.run(scene, rung, setup, want)
         path = trajectory(scene, found.record, setup.axes, rung.dt_s)
-        fall = fall_across(path.extra, path.theta_rad)
         report = Report(
             engine=self.name,
             settings=rung.as_dict(),
@@ -112,7 +110,6 @@ class Bullet3D(Engine):
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
-            outcome=fall,
             rested=found.record.rested,
             with_history=want.history or not want.may_skip("no_history"),
             validity=_validity(path.extra, setup, found),
@@ -121,8 +118,7 @@ class Bullet3D(Engine):
             warnings=_warnings(scene, setup, found, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
-        run = reduce_trajectory(scene, path, report)
-        return run if fall is None else replace(run, overturn_time_s=run.end_s)
+        return reduce_trajectory(scene, path, report)
 
 
 def _rungs(scene: Scene) -> tuple[BulletSettings, ...]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from harness.contact import frame
 from harness.contact.friction import FloorFriction, floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across, fallen
+from harness.contact.spatial import fallen
 from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
 from harness.engines.mujoco.samples import trajectory
@@ -131,20 +131,17 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: Want, *, repe
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
-    fall = fall_across(seen.extra, seen.theta_rad)
     report = Report(
         engine=name,
         settings=own.as_dict(),
         steps=marched,
         wall_s=0.0,
-        outcome=fall,
         resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
         stuck_below_m_s=1e-4,
         with_history=want.history or not want.may_skip("no_history"),
         work=work,
     )
-    run = replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
-    return run if fall is None else replace(run, overturn_time_s=run.end_s)
+    return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
 
 
 def _own(settings: Settings) -> MujocoSettings:

@@ -43,6 +43,7 @@ SHOWN: Final = (
     "labels",
     "warnings",
     "validity",
+    "motion_axes",
 )
 
 
@@ -144,7 +145,7 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     run = row["run"]
     kept = None
     if run is not None:
-        kept = {name: run[name] for name in SHOWN} | {"impacts": record.impacts(run)}
+        kept = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
         kept["validity"] = _shared(run["validity"])
         kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {

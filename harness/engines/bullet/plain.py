@@ -19,7 +19,7 @@ import numpy as np
 from harness.contact.frame import greatest_pull_m_s2, step_count
 from harness.contact.friction import FloorFriction, floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across, fallen
+from harness.contact.spatial import fallen
 from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.bullet.settings import BulletSettings
 from harness.record import Run
@@ -106,7 +106,6 @@ class PlainBullet3D(Engine):
         setup = course.prepare(scene)
         record, full = _integrate(scene, own, setup, want)
         path = trajectory(scene, record, setup.axes, own.dt_s)
-        fall = fall_across(path.extra, path.theta_rad)
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
@@ -114,7 +113,6 @@ class PlainBullet3D(Engine):
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
-            outcome=fall,
             with_history=want.history or not want.may_skip("no_history"),
             validity={
                 "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
@@ -124,8 +122,7 @@ class PlainBullet3D(Engine):
                 "full_shape": full,
             },
         )
-        run = reduce_trajectory(scene, path, report)
-        return run if fall is None else replace(run, overturn_time_s=run.end_s)
+        return reduce_trajectory(scene, path, report)
 
 
 def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
