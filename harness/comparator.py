@@ -44,7 +44,8 @@ def compare(
     `scene` gives the energies in J; `horizons_s` are the horizons of prediction of
     each model where they were computed (`harness.horizon`). Scores of instants reach to the nearer horizon of the two, or to
     the time up to which a side's numerical error is stated; beyond it distributions are compared.
-    `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known. Raises `InputError` naming the answer when there is nothing to
+    `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known.
+    Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
     names = names or (_name(a, "a"), _name(b, "b"))
