@@ -46,7 +46,8 @@ class Run:
     and `slip_uncertainty_m` bound the numerical errors of rotation and slip up to `reliable_until_s` (None: not estimated).
     `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
     (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
-    sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
+    sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
+    given (None: not stated).
     """
 
     engine: str

@@ -69,6 +69,8 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "statue_across_m": "movement across the rocking plane",
     "rest_lean_rad": "lean at rest on the scanned base",
     "touching_vertices": "vertices of the base that can touch",
+    "plain_from_s": "no event located from",
+    "plain_s": "time without located events",
     "full_shape_from_s": "whole shape in contact from",
     "full_shape": "whole shape in contact",
 }

@@ -131,3 +131,9 @@ SCAN_WALL_RAD = 1e-4
 
 OVERHANG_RAD = 2e-3
 """A base turning about the pedestal's edge at 1 ms: drawn 0.1 mm inside, points sought anew; hull 1.4e-3, parts 5e-4."""
+
+TIPS_RAD = 1e-2
+"""A pedestal that leans by this much tips: five hundred times what one that stands is taken to lean at most."""
+
+TIPPING_RAD = 1e-5
+"""Events on and off where a pedestal tips from rest: until it leans by 2e-5 rad one short step may lie in another place."""

@@ -168,6 +168,8 @@ def _joined(before: Record, after: Record) -> Record:
         before.repeated + after.repeated,
         before.imposed + after.imposed,
         after.rested,
+        after.plain_from_s if before.plain_from_s is None else before.plain_from_s,
+        before.plain_s + after.plain_s,
     )
 
 

@@ -44,7 +44,8 @@ HALTED: Final = 0.3
 class Record:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
-    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before. `plain_from_s` is when the layer that
+    locates events first left the engine to plain steps (None: never), `plain_s` for how long in all.
     """
 
     width: int
@@ -54,6 +55,8 @@ class Record:
     repeated: int = 0
     imposed: int = 0
     rested: bool = False
+    plain_from_s: float | None = None
+    plain_s: float = 0.0
 
     @property
     def rows(self) -> Array:
