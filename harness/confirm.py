@@ -28,4 +28,3 @@ def _close(scores: Scores) -> bool:
     if seen["differs_in"] == "slip":
         return bool(seen["largest_reliable_slip_difference_m"] < SURE * seen["slip_limit_m"])
     return bool(seen["largest_reliable_difference_rad"] < SURE * seen["limit_rad"])
-
