@@ -63,7 +63,8 @@ def certify(
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
     scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
     the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
-    own time only. Raises AnalyticInputError as ``simulate`` does.
+    own time only; the slip's uncertainty is then that of its peak over the whole run.
+    Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else Rest()
     base = min(accuracy_rad, base_accuracy_rad)
@@ -94,7 +95,7 @@ def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float
         turned = SAFETY * max(abs(other.peak_theta_rad - first.peak_theta_rad) for other in others)
         slid = SAFETY * max(abs(other.peak_slip_m - first.peak_slip_m) for other in others)
         until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
-        return turned, slid, (until if turned <= accuracy[0] and slid <= accuracy[1] else 0.0)
+        return turned, slid, (until if turned <= accuracy[0] else 0.0)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
     turned_at, slid_at = np.zeros(size), np.zeros(size)
     for other in others:

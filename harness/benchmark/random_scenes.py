@@ -1,4 +1,4 @@
-"""Random scenes of three generators: how often stated uncertainties hold, and whether any "differ: model" is refuted by finer runs.
+"""Random scenes of three generators: how often stated uncertainties hold, and whether finer runs refute any "differ: model".
 
 `python -m harness.benchmark.random_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of each generator on one core, keeps a
 line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
@@ -126,7 +126,7 @@ def measured(path: Path, seeds: Sequence[int]) -> list[Row]:
 def tables(rows: Sequence[Row]) -> str:
     """Both tables in Markdown: statements by generator and engine, verdicts by generator."""
     lines = [
-        "| scenes | engine | scenes counted | rotation held | slip held | both held for, of the run's length | runs for a scene |",
+        "| scenes | engine | scenes counted | rotation held | slip held | held for, of the run's length | runs for a scene |",
         "|---|---|---|---|---|---|---|",
     ]
     for generator in GENERATORS:
