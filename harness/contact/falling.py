@@ -61,10 +61,10 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
 
     `overturn_s` is when the rotation in the plane reached `OVERTURN_RAD`, None when it did not.
     """
-    up = _up(motion)
     body = _Body.of(scene.statue, motion)
-    if overturn_s is None and not body.excess_rad(up[-1:])[0] > 0.0:
+    if overturn_s is None and not body.excess_rad(_up(motion, -1))[0] > 0.0:
         return None
+    up = _up(motion)
     first, no_return_s = last_outward(motion.t_s, body.excess_rad(up))
     if overturn_s is not None or up[-1, 2] <= OVERTURN_COS:
         return Fall(_side(motion), no_return_s, overturn_s or float(motion.t_s[-1]), whole=True)
@@ -202,12 +202,12 @@ def _kinetic_j(statue: Statue, motion: Trajectory) -> float:
     return 0.5 * (statue.mass_kg * speed2 + float(np.linalg.eigvalsh(statue.inertia_tensor_kg_m2)[-1]) * spin**2)
 
 
-def _up(motion: Trajectory) -> Array:
-    """The vertical (n, 3) in the statue's frame."""
+def _up(motion: Trajectory, first: int = 0) -> Array:
+    """The vertical (n, 3) in the statue's frame, from one sample on."""
     if "roll_rad" not in motion.extra:
-        theta = motion.theta_rad
+        theta = motion.theta_rad[first:]
         return np.column_stack([-np.sin(theta), np.zeros_like(theta), np.cos(theta)])
-    roll, pitch = motion.extra["roll_rad"], motion.extra["pitch_rad"]
+    roll, pitch = motion.extra["roll_rad"][first:], motion.extra["pitch_rad"][first:]
     level = np.cos(pitch)
     return np.column_stack([-np.sin(pitch), level * np.sin(roll), level * np.cos(roll)])
 

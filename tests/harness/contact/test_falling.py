@@ -14,7 +14,7 @@ from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.trajectory import Trajectory
 from harness.history import Outcome
 from harness.record import Run
-from harness.scene import Scene, Shake, Statue, Wall
+from harness.scene import Pedestal, Scene, Shake, Statue, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 
@@ -133,3 +133,23 @@ def test_a_wall_that_it_leans_on_is_touched() -> None:
     found = reduce_trajectory(walled, motion(TAPERED, np.minimum(T_S, 0.9)), REPORT)
     assert found.outcome is Outcome.TOUCHES_WALL
     assert found.no_return_time_s is None
+
+
+@pytest.mark.parametrize(
+    ("slid_m", "outcome"), [(0.0, Outcome.OVERTURNED_RIGHT), (0.6, Outcome.LEFT_PEDESTAL)], ids=["toppled", "slid off"]
+)
+def test_what_came_first_at_the_pedestal_s_edge_counts(slid_m: float, outcome: Outcome) -> None:
+    """It ends lying on its flank either way; slid off its support before, it has left that first."""
+    below = Pedestal(mass_kg=400.0, width_m=0.6, depth_m=0.6, height_m=0.4)
+    lying = motion(TAPERED, np.minimum(T_S, FLANK_RAD))
+    shift = np.column_stack([slid_m * np.minimum(T_S / 0.2, 1.0), np.full_like(T_S, below.height_m)])
+    still = np.zeros((T_S.size, 2))
+    moved = replace(
+        lying,
+        statue_xz_m=lying.statue_xz_m + shift,
+        pedestal_xz_m=still + np.array([0.0, below.centroid_height_m]),
+        pedestal_rate_m_s=still,
+    )
+    found = reduce_trajectory(on(TAPERED).but(pedestal=below), moved, REPORT)
+    assert found.outcome is outcome
+    assert (found.no_return_time_s is not None) is outcome.overturned
