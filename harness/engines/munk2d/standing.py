@@ -244,10 +244,16 @@ class Standing:
         ahead_x, ahead_z = 0.0, 0.0
         if lags_s is not None:
             arm_x, arm_z = x * cos - z * sin, x * sin + z * cos
-            owed_x, owed_z = self.owed_m_s = self._owed(spin, turn, lags_s, arm_x, arm_z)
+            owed_x, owed_z = self._owed(spin, turn, lags_s, arm_x, arm_z)
+            slides = rate_x - spin * (arm_z - turn * arm_x) - (0.0 if below is None else below[3])
+            if abs(slides) <= HELD_SHARE * abs(spin) * self.height_m:
+                # Along the support, too, the arc from the tangent: else the statue would walk over it.
+                ahead_x = 0.5 * turn * turn * arm_x + owed_x * length_s
+            else:
+                # A vertex that slides along its support is tied to it in height alone.
+                owed_x = 0.0
+            self.owed_m_s, ahead_z = (owed_x, owed_z), owed_z * length_s
             native.set_velocity(self.statue, (rate_x - owed_x, rate_z - owed_z))
-            # Along the support, too, the arc from the tangent: else the statue would walk over it.
-            ahead_x, ahead_z = 0.5 * turn * turn * arm_x + owed_x * length_s, owed_z * length_s
         native.set_place(self.statue, (place_x + ahead_x, place_z - excess + ahead_z))
 
     def _owed(self, spin: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:
