@@ -157,7 +157,7 @@ class Stepper:
         self.plain = not (schedule.moving or self.switches)
         self.stuck = True
         self.grip_limit, self.grips = contact.statue, False
-        self._anchor(held=not world.edges)
+        self._anchor(held=world.feet_over)
         self.least_reach = world.reach
         self.repeated = 0
         self.just_released = False
@@ -207,7 +207,7 @@ class Stepper:
         needed = STEPS_OFF * turning * self.schedule.step_s**2
         if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:
             self.world.set_reach(max(WIDER * needed, self.least_reach))
-        if not self.world.edges:
+        if self.world.feet_over:
             self._look_at_grip(pulls, before, after)
 
     def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
@@ -222,7 +222,8 @@ class Stepper:
 
     def _anchor(self, *, held: bool) -> None:
         self.grips = held
-        self.world.anchor(held=held)
+        if self.world.feet_over:
+            self.world.anchor(held=held)
 
     def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
         """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
