@@ -14,11 +14,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.engine import Engine, Settings, Want
+from harness.engine import FINER, Engine, Settings, Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.sensitivity import PARTED, response
-from harness.spread import CLEAR, NONE, Error, Spread, factor, spread, target_of
+from harness.spread import CLEAR, NONE, Error, Spread, factor, layer_left_s, plain_share, spread, target_of
 
 START_SHARE: Final = 1.5
 """The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
@@ -114,9 +114,13 @@ class _Climb:
     @property
     def agreements(self) -> int:
         """Comparisons that must hold in a row: those of the engine, more where the finest run leaves its events standing."""
-        left_s = _layer_left_s(self.whole[-1][1])
-        left = left_s < math.inf and left_s < (self.whole[-1][1].no_return_time_s or math.inf)
+        left = self._leaves(self.whole[-1][1])
         return max(self.engine.agreements, LEFT_AGREEMENTS) if left else self.engine.agreements
+
+    def _leaves(self, run: Run) -> bool:
+        """Whether a run leaves what its events are located for, other than in a fall."""
+        left_s = layer_left_s(run)
+        return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
 
     def _responds_little(self, until_s: float) -> bool:
         """Whether a slightly stronger motion moves less than the target until then, or finer steps would change little."""
@@ -158,7 +162,7 @@ class _Climb:
         held_s = [until_s] if found is None or found.whole else [until_s, found.until_s]
         if best.no_return_time_s is not None:
             # In a fall errors of plain steps grow, and no second comparison is asked for.
-            held_s.append(max(_layer_left_s(best), best.no_return_time_s))
+            held_s.append(max(layer_left_s(best), best.no_return_time_s))
         told, until_s = [], min(held_s)
         if until_s < best.end_s:
             told.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
@@ -167,15 +171,12 @@ class _Climb:
         return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *told)
 
     def _expected(self, run: Run) -> Error:
-        """What a run's settings are expected to err by; without a pedestal nothing slips."""
+        """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
         rotation = FLOOR_SHARE * float(run.settings.get("expected_error_rad", 0.0))
+        if self._leaves(run):
+            rotation *= plain_share(1.0, FINER)
         height_m = 0.0 if self.scene.pedestal is None else self.scene.statue.centroid_height_m
         return Error(rotation, rotation * height_m)
-
-
-def _layer_left_s(run: Run) -> float:
-    """When a run left what its events are located for, infinite: it never did."""
-    return float(run.validity.get("layer_left_s", math.inf))
 
 
 class _Check:

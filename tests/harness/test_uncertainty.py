@@ -202,6 +202,19 @@ def test_beyond_what_events_are_located_for_two_comparisons_must_hold() -> None:
     assert left.reliable_until_s == 1.0
 
 
+def test_errors_of_plain_steps_may_fall_with_the_step_s_root() -> None:
+    def answer(step_s: float, left_s: float | None) -> Run:
+        run = Fake(left_s=left_s).simulate(paestum(), Settings(step_s, step_s), Want())
+        assert run.history is not None
+        return replace(run, history=replace(run.history, theta_rad=TRUTH + 0.1 * np.sqrt(step_s)))
+
+    target = Error(1.0, 1.0)
+    coarse, fine = answer(2.2e-3, 0.0), answer(1e-3, 0.0)
+    stated = spread(coarse, fine, target).stated.rotation_rad
+    assert stated == pytest.approx(SAFETY * error_of(fine), rel=1e-6)
+    assert spread(answer(2.2e-3, None), answer(1e-3, None), target).stated.rotation_rad < 0.5 * stated
+
+
 def test_in_a_fall_nothing_is_stated_once_the_events_are_left() -> None:
     run = run_to_accuracy(Fake(no_return_s=0.15, left_s=0.6), paestum(), 1e-3, Want())
     assert run.reliable_until_s == 0.6
