@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final
 
-import numpy as np
-
-from harness.history import Array, History, Outcome
+from harness.differences import ROUNDING, Facts, from_histories, from_peaks
+from harness.history import History, Outcome
 from harness.record import Run
 from harness.scores.grid import Pair
-from harness.scores.pointwise import Peak, first_beyond_s
+from harness.scores.pointwise import Peak
 
 COVERAGE: Final = 2.0
 """A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
@@ -25,8 +24,6 @@ COVERAGE: Final = 2.0
 Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
 number that calls no pair of equal models different and misses no effect above three times the uncertainty.
 """
-ROUNDING: Final = 1e-12
-"""Differences below this, rad or m, are rounding of numbers of order one through some thousand operations."""
 
 
 class Verdict(StrEnum):
@@ -119,43 +116,6 @@ def left_domain(run: Run) -> tuple[float | None, str]:
     return None, ""
 
 
-@dataclass(frozen=True)
-class _Difference:
-    """Of one quantity: the limit, when it is first exceeded, the largest difference, and the largest before the horizon."""
-
-    limit: float
-    exceeded_s: float | None = None
-    largest: float = 0.0
-    largest_reliable: float = 0.0
-
-
-@dataclass(frozen=True)
-class _Facts:
-    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared.
-
-    `fallen_s`: when a fall across the plane parts the two, which the planar rotation does not tell.
-    """
-
-    rotation: _Difference
-    slip: _Difference
-    until_s: float
-    end_s: float
-    fallen_s: float | None = None
-
-    @property
-    def exceeded_s(self) -> float | None:
-        """When the two answers part: the first of both quantities exceeds its limit, or one falls across the plane."""
-        known = [t for t in (self.rotation.exceeded_s, self.slip.exceeded_s, self.fallen_s) if t is not None]
-        return min(known, default=None)
-
-    @property
-    def differs_in(self) -> str:
-        """In what they then differ; empty: in nothing."""
-        if self.exceeded_s is None:
-            return ""
-        return "slip" if self.slip.exceeded_s == self.exceeded_s != self.rotation.exceeded_s else "rotation"
-
-
 def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
     """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing.
 
@@ -164,7 +124,7 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     turned = max(COVERAGE * ((a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)), ROUNDING)
     slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
     until = min(a.until_s, b.until_s)
-    facts = _from_peaks(peaks, turned, slid, until) if both is None else _from_histories(both, turned, slid, until)
+    facts = from_peaks(peaks, turned, slid, until) if both is None else from_histories(both, turned, slid, until)
     known = a.outcome is not None and b.outcome is not None
     flips = known and a.outcome is not b.outcome
     sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
@@ -196,27 +156,7 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
 
 
-def _from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> _Facts:
-    def of(apart: Array, limit: float) -> _Difference:
-        inside = both.t_s <= until
-        reliable = float(np.max(apart[inside])) if inside.any() else 0.0
-        return _Difference(limit, first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
-
-    rotation = of(np.abs(both.difference_rad), turned_rad)
-    return _Facts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
-
-
-def _from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, slid_m: float, until: float) -> _Facts:
-    """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
-    # A run without a history may state its peak without a sign.
-    smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
-    apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
-    exceeded = larger.time_s if apart > turned_rad else None
-    rotation = _Difference(turned_rad, exceeded, apart, apart if larger.time_s <= until else 0.0)
-    return _Facts(rotation, _Difference(slid_m), until, math.inf)
-
-
-def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side | None]:
+def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
@@ -249,14 +189,14 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
     return {name: axes for name, axes in missing.items() if axes}
 
 
-def _with_falls_across(facts: _Facts, a: Side, b: Side) -> _Facts:
+def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
     """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
     across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
     times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
     return replace(facts, fallen_s=min(times, default=None))
 
 
-def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool, sided: bool) -> str:
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
     joint = "twice their joint numerical error"
