@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from harness.errors import InputError, Mistake
 
@@ -34,3 +36,25 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
         )
         raise InputError(Mistake(where, key, "an existing file", str(path), advice))
     return path.resolve()
+
+
+def read_files(content: Mapping[str, Any], source: Path | None) -> list[Path]:
+    """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
+    if source is None:
+        return []
+    found = [source]
+    for text in _texts(content):
+        path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else source.parent / text
+        try:
+            found += [path] if path.is_file() else []
+        except (OSError, ValueError):  # a title is no path
+            continue
+    return found
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (Mapping, list)):
+        for item in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(item)

@@ -156,7 +156,8 @@ def write_text(path: Path, text: str) -> None:
     """Replace a text file in one step, whole or not at all."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        # A file's name may be no UTF-8: its odd bytes stand in the text as escapes.
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
             stream.write(text)
         os.chmod(name, 0o644)
         os.replace(name, path)

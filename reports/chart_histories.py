@@ -165,7 +165,10 @@ def _views(source: RunSource) -> Json:
     least = min((float(item.theta_rad.min()) for item in source.histories.values()), default=0.0)
     most = max((float(item.theta_rad.max()) for item in source.histories.values()), default=0.0)
     whole = _padded(min(least, 0.0), max(most, 0.0))
-    near = _padded(max(least, 1.35 * low), min(most, 1.35 * high))
+    near = [max(min(least, 0.0), 1.35 * low), min(max(most, 0.0), 1.35 * high)]
+    # Let go beyond its balance points, a body that falls never comes near them.
+    seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
+    near = _padded(*near) if seen else whole
     return {"whole": whole, "near": near, "duration_s": float(source.scene["duration_s"])}
 
 

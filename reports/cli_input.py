@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -10,6 +9,7 @@ import typer
 
 from harness.cli import Json, Quiet, say
 from harness.telling import Telling
+from harness.terminal import json_text, printable
 
 OUT: Final = Path("out")
 
@@ -132,25 +132,28 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.record import write_json
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, check_listed, listing, named_after, writing
     from reports.motion_figure import figure
 
-    folder = out or OUT / file.name.split(".")[0]
+    folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
+    picture, account = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
+    check_listed(picture, account)
     found = _inspected(file, unit, axis)
     folder.mkdir(parents=True, exist_ok=True)
-    figure(found).savefig(folder / "motion.png", dpi=150)
-    write_json(folder / "motion.json", found.record())
+    with writing(picture) as fresh:
+        figure(found).savefig(fresh, dpi=150)
+    write_json(account, found.record() | {"files": listing([picture], pages=False)})
     if as_json:
-        typer.echo(json.dumps(found.record(), indent=1, ensure_ascii=False))
+        typer.echo(json_text(found.record()))
     elif not quiet:
-        rows = found.table()
+        rows = [[printable(cell) for cell in row] for row in found.table()]
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         for row in rows:
             typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
         for text in found.warnings:
-            typer.echo(f"warning: {text}")
-        typer.echo(f"picture: {folder / 'motion.png'}")
+            typer.echo(printable(f"warning: {text}"))
+        typer.echo(printable(f"picture: {folder / 'motion.png'}"))
 
 
 def _inspected(file: Path, unit: str | None, axis: str) -> Any:

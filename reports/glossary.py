@@ -69,8 +69,10 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "statue_across_m": "movement across the rocking plane",
     "rest_lean_rad": "lean at rest on the scanned base",
     "touching_vertices": "vertices of the base that can touch",
-    "plain_from_s": "no event located from",
     "plain_s": "time without located events",
+    "plain_from_s": "events first left to whole steps at",
+    "plain_for_s": "time in which events were left to whole steps",
+    "plain_because": "events were left to whole steps because",
     "full_shape_from_s": "whole shape in contact from",
     "full_shape": "whole shape in contact",
 }

@@ -8,6 +8,7 @@ The record (`kind` "effects3d"): `rows` (each `condition`, `azimuth_deg`, `engin
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -69,7 +70,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "notes": record["notes"],
         "resolution": f"{100.0 * record['study']['search']['resolution']:g}",
         "most": f"{record['study']['search']['most_g']:g}",
-        "command": f"rockcheck study {record['file']}",
+        "command": f"rockcheck study {shlex.quote(record['file'])}",
         "replay_command": (record["replay"] or {}).get("command", ""),
         "versions": record["versions"],
         "machine": record["machine"],

@@ -14,6 +14,7 @@ from harness.verdict import Verdict as Difference
 from reports.numbers import angle, count_word, length, listed, spread, unit
 from reports.posing import section
 from reports.source import RunSource
+from reports.study_rows import family, tone
 
 SIDES = {1: "right", -1: "left"}
 FELL: Final = "overturns"
@@ -47,12 +48,16 @@ def run_verdict(source: RunSource) -> Verdict:
         *_slip(source, answered),
     ]
     points += [*_scores(source.record), *_trust(source, answered), *silent]
-    headline = _headline(groups, len(answered)) + (", given unlike motions" if motion_given(answered) else "")
+    headline = _headline(groups, len(answered), len(source.runs))
+    headline += ", given unlike motions" if motion_given(answered) else ""
     agree = len({_class(outcome) for outcome in groups}) == 1
     robust = (Difference.MODEL, Difference.PLANE)
     apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") in robust]
     if agree and apart:
         return Verdict(f"{headline}; their motions differ", "differ", points)
+    if len(answered) == 1:
+        # One model alone agrees with nobody: the colour is that of what it says.
+        return Verdict(headline, tone(family(run["outcome"]) for run in answered.values()), points)
     return Verdict(headline, "agree" if agree else "differ", points)
 
 
@@ -61,11 +66,12 @@ def _class(outcome: str) -> str:
     return FELL if Outcome(outcome).overturned else outcome
 
 
-def _headline(groups: Mapping[str, list[str]], count: int) -> str:
+def _headline(groups: Mapping[str, list[str]], count: int, asked: int) -> str:
     if len(groups) == 1:
         sentence = Outcome(next(iter(groups))).sentence
         if count == 1:
-            return f"One model was run ({next(iter(groups.values()))[0]}): {sentence}"
+            did = "was run" if asked == 1 else "answered"
+            return f"One model {did} ({next(iter(groups.values()))[0]}): {sentence}"
         models = "Both models" if count == 2 else f"All {count_word(count)} models"
         return f"{models} agree on the outcome: {sentence}"
     if {_class(outcome) for outcome in groups} == {FELL}:
@@ -112,7 +118,10 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
         found.append((float(np.abs(theta).max()), side, name))
     if not found:
-        return ["The statue does not rock."] if standing else []
+        if not standing:
+            return []
+        where = "The" if len(standing) == len(answered) else f"In {listed(standing)} the"
+        return [f"{where} statue does not rock."]
     sides = {side for _, side, _ in found}
     if len(sides) > 1:
         each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
@@ -139,7 +148,8 @@ def _reach(source: RunSource) -> list[str]:
     }
     if tops and max(tops.values()) > 1e-5:
         name = max(tops, key=lambda item: tops[item])
-        sentences.append(f"The top of the statue moves at most {length(tops[name])} ({name}).")
+        where = "" if len(tops) == len(source.histories) else ", where it stands,"
+        sentences.append(f"The top of the statue{where} moves at most {length(tops[name])} ({name}).")
     if wall is not None:
         touching = [name for name, run in source.runs.items() if run["outcome"] == Outcome.TOUCHES_WALL]
         where = f"the wall on the {wall['side']}, {length(wall['distance_m'])} from the base"
@@ -147,10 +157,15 @@ def _reach(source: RunSource) -> list[str]:
             sentences.append(f"The statue touches {where}, in {listed(touching)}.")
         elif source.histories:
             side = 1 if wall["side"] == "right" else -1
-            most = max(
-                float(shape.overhang_m(item.theta_rad, item.slip_m, side).max()) for item in source.histories.values()
+            left = min(
+                float(wall["distance_m"]) - float(shape.overhang_m(item.theta_rad, item.slip_m, side).max())
+                for item in source.histories.values()
             )
-            sentences.append(f"It comes within {length(wall['distance_m'] - most)} of {where}.")
+            sentences.append(
+                f"It comes within {length(left)} of {where}."
+                if left > 0.0
+                else f"Its slip carries it {length(-left)} past {where}: no model followed what the wall does then."
+            )
     return sentences
 
 

@@ -115,3 +115,7 @@ STATUE_WALK_M: Final = 1e-6
 """Slip of a statue on a support that holds it in 1.5 s at 1 ms: 3e-7 measured; moved along tangents it walks 5e-5 m."""
 THROWN_SLIP_M: Final = 1e-6
 """Slip of a pedestal whose statue starts with a rate, at 0.25 ms: 2.1e-7 measured; 3.1e-6 with the tangent of half a step on."""
+TWO_STEPS_S: Final = 2.5e-3
+"""What is told by samples of 1 ms comes within two of them and an event's own part."""
+BOUNCES_RATIO: Final = 2e-3
+"""A ratio at impact from the swings' peaks in a bare loop of 0.1 ms, of first order: measured within 5e-4 on 5 widths."""

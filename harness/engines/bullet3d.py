@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import util
 from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 
 import numpy as np
@@ -66,8 +65,10 @@ class Bullet3D(Engine):
 
     def missing(self) -> str | None:
         """Why pybullet cannot run here, or None."""
-        if util.find_spec("pybullet") is None:
-            return "pybullet is not installed (it has wheels for CPython up to 3.11 on Linux x86-64 only)"
+        try:
+            import pybullet  # noqa: F401
+        except ImportError as error:
+            return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
         return None
 
     def ladder(self, scene: Scene) -> tuple[Settings, ...]:

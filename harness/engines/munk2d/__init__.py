@@ -104,7 +104,8 @@ class Munk2D(Engine):
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.munk2d import drive as driving
-        from harness.engines.munk2d import loop, world
+        from harness.engines.munk2d import loop, plain_spells, world
+        from harness.engines.munk2d.standing import Standing
 
         own = _own(settings)
         begin = time.perf_counter()
@@ -113,7 +114,8 @@ class Munk2D(Engine):
             grid = loop.grid_of(scene, own.dt_s)
             first, skipped = _first_step(scene, own, want, len(grid.gravity))
             drive = driving.start(scene, own, built, first * own.dt_s)
-            rested = loop.run(drive, grid, first, want)
+            standing = Standing(drive)
+            rested = loop.run(drive, standing, grid, first, want)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
         states, t_s = np.concatenate(drive.states), np.array(drive.times_s)
@@ -129,6 +131,7 @@ class Munk2D(Engine):
             stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
             rested=rested,
             with_history=want.history or not want.may_skip("no_history"),
+            validity=plain_spells.plain_spells(drive, standing),
             work=drive.work,
             skipped=skipped,
             warnings=_warnings(scene, drive),

@@ -66,12 +66,12 @@ def _pairs(rows: Array) -> list[Pair]:
     return list(zip(rows[:, 0].tolist(), rows[:, 2].tolist(), strict=True))
 
 
-def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
+def run(drive: Drive, standing: Standing, grid: Grid, first: int, want: Want) -> bool:
     """Compute from step `first` to the end; returns whether the run was ended early at rest."""
     total, k = len(grid.gravity), first
     quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
-    standing, drive.whole_from, split_from = Standing(drive), first, first + LEAST_BETWEEN
+    drive.whole_from, split_from = first, first + LEAST_BETWEEN
     drive.spin_before_rad_s = native.get_spin(standing.statue)
     while k < total:
         k, event, share = _plain_steps(drive, standing, grid, k, look, split_from)

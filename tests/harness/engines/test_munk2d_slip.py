@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analytic.excitation import Pulse
+from analytic.excitation import Harmonic, Pulse
 from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.twoblock import TwoBlock
@@ -56,3 +57,27 @@ def test_a_start_with_a_rate_has_its_momentum() -> None:
     pedestal = Pedestal(300.0, 0.6, 0.5, 0.1)
     on = scene(rectangle(0.4, 1.0), theta_rate_rad_s=-1.0, pedestal=pedestal, mu=0.1, mu_statue=2.0, duration_s=1.2)
     assert slip_error_m(on, run(on, 2.5e-4)) <= budget.THROWN_SLIP_M
+
+
+def test_a_run_in_the_layers_domain_says_that_no_step_was_plain() -> None:
+    validity = run(squat(), 1e-3).validity
+    assert (validity["plain_from_s"], validity["plain_for_s"], validity["plain_because"]) == (None, 0.0, [])
+
+
+def test_a_statue_that_slips_at_its_impact_says_so() -> None:
+    # Thrown to one side, it meets its support where friction does not bear the impact, not before.
+    on = scene(rectangle(0.7, 1.0), theta_rad=0.1, mu_statue=0.45, duration_s=0.6)
+    found = run(on, 1e-3)
+    assert found.validity["plain_because"] == ["the statue slides on its support"]
+    assert found.validity["plain_from_s"] == pytest.approx(found.impact_times_s[0], abs=budget.TWO_STEPS_S)
+    assert 0.0 < found.validity["plain_for_s"] < 0.5 * found.end_s
+
+
+def test_a_pedestal_that_tips_and_a_plain_loop_say_so() -> None:
+    narrow = Pedestal(100.0, 0.3, 0.5, 0.6)
+    on = scene(rectangle(0.25, 1.0), Harmonic(0.6 * GRAVITY_M_S2, 2.0), pedestal=narrow, mu=1.0, mu_statue=2.0)
+    assert "the pedestal tips" in run(on, 1e-3).validity["plain_because"]
+    settings = replace(ENGINE.settings_for_dt(squat(), 1e-3), align=False)
+    validity = ENGINE.simulate(squat(), settings, Want()).validity
+    assert validity["plain_because"] == ["asked for"]
+    assert validity["plain_for_s"] == pytest.approx(squat().duration_s, abs=budget.TWO_STEPS_S)
