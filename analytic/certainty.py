@@ -24,20 +24,25 @@ SAFETY: Final = 3.0
 PARTED: Final = 1e-3
 """Two runs whose losses of energy at impacts differ by more than this share took different paths: where rotations stay within
 1e-4 rad of each other they differ by less."""
-ROUNDING_RAD: Final = 1e-15
-"""No uncertainty below rounding is stated."""
+ROUNDING: Final = 2.0**-52
+"""Relative rounding of one operation."""
+ROUNDED: Final = 4.0
+"""Roundings that a step adds to the state, as if all pointed one way: of the first terms of its series, and"""
+ROUNDED_ONCE: Final = 64.0
+"""those of what is computed once: angles of the corners, inertias, the motion's own constants."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Certified:
-    """A solution with the uncertainty of its rotation, rad, valid up to reliable_until_s, and what else to know.
+    """A solution with the uncertainties of its rotation, rad, and slip, m, valid up to reliable_until_s, and what else to know.
 
     outcome_is_sure says whether all runs ended in the same way; warnings are sentences.
     """
 
     solution: Solution
     uncertainty_rad: float
+    slip_uncertainty_m: float
     reliable_until_s: float
     outcome_is_sure: bool
     warnings: tuple[str, ...]
@@ -58,7 +63,8 @@ def certify(
     accuracy_rad: error up to which the history counts as reliable; base_accuracy_rad, step_cap_s: of the run that is given back;
     scene: the other keywords of ``simulate``. Without a history (dt_s None) no list of events is kept and one further run, with
     the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
-    own time only. Raises AnalyticInputError as ``simulate`` does.
+    own time only; the slip's uncertainty is then that of its peak over the whole run.
+    Raises AnalyticInputError as ``simulate`` does.
     """
     motion_z = motion_z if motion_z is not None else Rest()
     base = min(accuracy_rad, base_accuracy_rad)
@@ -69,31 +75,37 @@ def certify(
     if scene.get("dt_s", 0.0) is None:
         scene, checks = {"events": False} | scene, ((base * FINER, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
+    # What all runs share shows in no difference between them: the checks' gravity differs by what the steps may have rounded.
+    rounding = ROUNDING * (ROUNDED * first.work.steps + ROUNDED_ONCE)
+    quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding)}
     others = tuple(
         simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
         for finer, shorter in checks
     )
-    uncertainty, until = _spread(first, others, accuracy_rad)
+    # An error of the slip moves the centroid by itself, one of the rotation by the height times it: so neither counts for more.
+    accuracy = accuracy_rad, accuracy_rad * block.centroid_height_m
+    uncertainty, slip, until = _spread(first, others, accuracy)
     sure = all(other.outcome is first.outcome for other in others)
-    return Certified(first, uncertainty, until, sure, _warnings(first, others, uncertainty, until))
+    return Certified(first, uncertainty, slip, until, sure, _warnings(first, others, uncertainty, until))
 
 
-def _spread(first: Solution, others: tuple[Solution, ...], accuracy_rad: float) -> tuple[float, float]:
-    """Uncertainty, rad, and the time until which it holds, s."""
+def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> tuple[float, float, float]:
+    """Uncertainties of rotation, rad, and slip, m, and the time until which they hold, s; `accuracy` is asked of the two."""
     if first.t_s.size == 0:
-        peaks = [abs(other.peak_theta_rad - first.peak_theta_rad) for other in others]
-        spread = SAFETY * max(peaks)
+        turned = SAFETY * max(abs(other.peak_theta_rad - first.peak_theta_rad) for other in others)
+        slid = SAFETY * max(abs(other.peak_slip_m - first.peak_slip_m) for other in others)
         until = min(s.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
-        return max(spread, ROUNDING_RAD), (until if spread <= accuracy_rad else 0.0)
+        return turned, slid, (until if turned <= accuracy[0] else 0.0)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
-    spread_at = np.zeros(size)
+    turned_at, slid_at = np.zeros(size), np.zeros(size)
     for other in others:
-        spread_at = np.maximum(spread_at, np.abs(first.theta_rad[:size] - other.theta_rad[:size]))
-    spread_at *= SAFETY
-    bad = np.flatnonzero(spread_at > accuracy_rad)
+        turned_at = np.maximum(turned_at, np.abs(first.theta_rad[:size] - other.theta_rad[:size]))
+        slid_at = np.maximum(slid_at, np.abs(first.slip_m[:size] - other.slip_m[:size]))
+    turned_at, slid_at = SAFETY * turned_at, SAFETY * slid_at
+    bad = np.flatnonzero((turned_at > accuracy[0]) | (slid_at > accuracy[1]))
     reliable = int(bad[0]) if bad.size else size
     until = float(first.t_s[max(reliable - 1, 0)]) if bad.size else min(s.end_s for s in (first, *others))
-    return max(float(spread_at[:reliable].max(initial=0.0)), ROUNDING_RAD), until
+    return float(turned_at[:reliable].max(initial=0.0)), float(slid_at[:reliable].max(initial=0.0)), until
 
 
 def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:

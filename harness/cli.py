@@ -98,6 +98,10 @@ def compare(
         float | None,
         typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
     ] = None,
+    slip_uncertainty: Annotated[
+        float | None,
+        typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -112,10 +116,11 @@ def compare(
             raise InputError(Mistake("compare", "", no_run, "one of them"))
         from harness.comparator import compare_files
 
-        scores = compare_files(*files, uncertainty_rad=uncertainty, iso=iso)
+        scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
         found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": scores}
-    elif uncertainty is not None:
-        raise InputError(Mistake("--uncertainty", "", "two .csv histories: runs state their own", "scenes"))
+    elif uncertainty is not None or slip_uncertainty is not None:
+        named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
+        raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
     else:
         found = {}
         for path in files:
@@ -275,8 +280,9 @@ def _details(run: Any) -> str:
         parts = [f"peak {run.peak_theta_rad:+.4f} rad at {run.peak_time_s:.3f} s"]
     if run.numerical_uncertainty_rad is not None:
         until = run.reliable_until_s
+        slip = f" and {1e3 * run.slip_uncertainty_m:.1e} mm of slip" if run.slip_uncertainty_m else ""
         parts.append(
-            f"± {run.numerical_uncertainty_rad:.1e} rad" + (f" until {until:.2f} s" if until is not None else "")
+            f"± {run.numerical_uncertainty_rad:.1e} rad{slip}" + (f" until {until:.2f} s" if until is not None else "")
         )
     return " (" + ", ".join(parts) + f"; {run.wall_s:.2f} s)"
 

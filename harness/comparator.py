@@ -19,7 +19,7 @@ from harness.scores.beyond import after_horizon
 from harness.scores.grid import Pair, pair
 from harness.scores.matched import event_scores, numerical_uncertainty
 from harness.scores.result import Scores
-from harness.verdict import LEVER_M, Judgement, Side, judge, side_of
+from harness.verdict import Judgement, Side, judge, side_of
 
 __all__ = ["Scores", "compare", "compare_files"]
 
@@ -35,28 +35,29 @@ def compare(
     names: tuple[str, str] | None = None,
     horizons_s: tuple[float | None, float | None] = (None, None),
     uncertainties_rad: tuple[float | None, float | None] = (None, None),
+    slip_uncertainties_m: tuple[float | None, float | None] = (None, None),
     together_rad: float = TOGETHER_RAD,
     iso: bool = False,
 ) -> Scores:
     """Score answer a against answer b, which is the reference.
 
-    `scene` gives the energies in J and the lever between rotation and slip; `horizons_s` are the horizons of prediction of
+    `scene` gives the energies in J; `horizons_s` are the horizons of prediction of
     each model where they were computed (`harness.horizon`). Scores of instants reach to the nearer horizon of the two, or to
-    the time up to which a side's numerical error is stated; beyond it distributions are compared. `uncertainties_rad` are the
-    numerical errors of bare histories, where they are known. Raises `InputError` naming the answer when there is nothing to
+    the time up to which a side's numerical error is stated; beyond it distributions are compared.
+    `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known.
+    Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
     names = names or (_name(a, "a"), _name(b, "b"))
     _check(a, names[0])
     _check(b, names[1])
     sides = (
-        side_of(a, names[0], horizons_s[0], uncertainties_rad[0]),
-        side_of(b, names[1], horizons_s[1], uncertainties_rad[1]),
+        side_of(a, names[0], horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
+        side_of(b, names[1], horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
     )
-    lever = LEVER_M if scene is None else scene.statue.centroid_height_m
     history_a, history_b = _history(a), _history(b)
     if history_a is None or history_b is None:
-        return _without_histories(a, b, sides, lever, together_rad)
+        return _without_histories(a, b, sides, together_rad)
     both = _paired(history_a, history_b, a, b, names)
     until = min(side.until_s for side in sides)
     within = both.until(until)
@@ -79,22 +80,36 @@ def compare(
         **_residuals(a, b, both, until),
         **_outcomes(a, b),
         after_horizon=after_horizon(found, both, until),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, lever, until),
-        **_judged(judge(*sides, both, peaks, lever)),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, until),
+        **_judged(judge(*sides, both, peaks)),
         iso=_iso(within) if iso else None,
     )
 
 
-def compare_files(a: Path, b: Path, *, uncertainty_rad: float | None = None, iso: bool = False) -> dict[str, Any]:
+def compare_files(
+    a: Path,
+    b: Path,
+    *,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+    iso: bool = False,
+) -> dict[str, Any]:
     """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
 
-    `uncertainty_rad` is the numerical error of either rotation, where the software states one.
+    `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
     """
+    if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
+        raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
     if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
         raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
     histories = read_history(a), read_history(b)
-    known = uncertainty_rad, uncertainty_rad
-    scores = compare(*histories, names=(a.name, b.name), uncertainties_rad=known, iso=iso)
+    scores = compare(
+        *histories,
+        names=(a.name, b.name),
+        uncertainties_rad=(uncertainty_rad, uncertainty_rad),
+        slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
+        iso=iso,
+    )
     begin_s, end_s = scores.compared_from_s, scores.compared_until_s
     if begin_s is not None and end_s is not None and end_s <= begin_s:
         wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
@@ -204,9 +219,7 @@ def _iso(both: Pair) -> dict[str, Any]:
     return iso.rate(both)
 
 
-def _without_histories(
-    a: Run | History, b: Run | History, sides: tuple[Side, Side], lever_m: float, together_rad: float
-) -> Scores:
+def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Side], together_rad: float) -> Scores:
     """What can be said when a run kept only its outcome."""
     peaks = _peak_alone(a), _peak_alone(b)
     none = events.NO_EXCURSIONS
@@ -227,8 +240,8 @@ def _without_histories(
         **_peaks(*peaks),
         **event_scores(none, none, None),
         **_outcomes(a, b),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none), lever_m),
-        **_judged(judge(*sides, None, peaks, lever_m)),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none)),
+        **_judged(judge(*sides, None, peaks)),
     )
 
 

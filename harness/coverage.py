@@ -36,7 +36,7 @@ _WIDE: Final = 17
 
 @dataclass(frozen=True)
 class Row:
-    """One scene: what was stated and what was found, rad; `covered`: the error stays within the statement while it holds."""
+    """One scene: what was stated and what was found; `covered`: both errors stay within the statement while it holds."""
 
     seed: int
     engine: str
@@ -45,6 +45,8 @@ class Row:
     stated_rad: float
     reliable_until_s: float
     error_rad: float
+    stated_m: float
+    error_m: float
     covered: bool
     met_whole: bool
     dt_s: float
@@ -207,7 +209,8 @@ def row_of(case: Case, engine: str, accuracy_rad: float) -> Row:
         raise ValueError("both runs must have kept their histories")
     times = run.history.t_s[run.history.t_s <= min(until, truth.end_s)]
     error = float(np.max(np.abs(run.history.at(times) - truth.history.at(times)), initial=0.0))
-    stated = run.numerical_uncertainty_rad or 0.0
+    slip = float(np.max(np.abs(run.history.slip_at(times) - truth.history.slip_at(times)), initial=0.0))
+    stated, stated_m = run.numerical_uncertainty_rad or 0.0, run.slip_uncertainty_m or 0.0
     return Row(
         seed=case.seed,
         engine=engine,
@@ -216,7 +219,9 @@ def row_of(case: Case, engine: str, accuracy_rad: float) -> Row:
         stated_rad=stated,
         reliable_until_s=until,
         error_rad=error,
-        covered=error <= stated,
+        stated_m=stated_m,
+        error_m=slip,
+        covered=error <= stated and slip <= stated_m,
         met_whole=until >= run.end_s and stated <= accuracy_rad,
         dt_s=float(run.settings["dt_s"]),
         runs=int(run.work.get("runs", 1)),

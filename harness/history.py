@@ -142,6 +142,10 @@ class History:
         """Rotation in rad at the given times, by cubic Hermite between samples (held beyond the ends)."""
         return hermite(np.asarray(t_s, dtype=np.float64), self.t_s, self.theta_rad, self.theta_rate_rad_s)
 
+    def slip_at(self, t_s: ArrayLike) -> Array:
+        """Slip in m at the given times, in the same way."""
+        return hermite(np.asarray(t_s, dtype=np.float64), self.t_s, self.slip_m, self.slip_rate_m_s)
+
     def write_csv(self, path: Path) -> None:
         """Write the history with 17 significant digits, so that it reads back bit for bit."""
         columns = self.columns()

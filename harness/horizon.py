@@ -82,12 +82,14 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
     leaning = scene.but(initial=replace(start, theta_rad=start.theta_rad + side * size))
     thrown = scene.but(initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s + size * p))
-    if all(isinstance(item, Rest) for item in (scene.shake.x, scene.shake.y, scene.shake.z)):
+    if scene.shake.still:
         return leaning, thrown
-    return leaning, thrown, _shaken(scene, 1.0 + size), _shaken(scene, 1.0 - size)
+    return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)
 
 
-def _shaken(scene: Scene, factor: float) -> Scene:
+def shaken(scene: Scene, factor: float) -> Scene:
+    """The scene with all its motion multiplied by a factor."""
+
     def scaled(item: Excitation) -> Excitation:
         return item if isinstance(item, Rest) else item.scaled(factor)
 

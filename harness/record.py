@@ -43,10 +43,11 @@ class Run:
     """One engine's answer to one scene.
 
     `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
-    bounds the rotation's own numerical error up to `reliable_until_s` (None: not estimated). `history` is None when only the
-    outcome was asked. `steps` counts integration steps; `work` further counts by name (evaluations, iterations, ...).
-    `skipped` are sentences on what was left out and why the result is the same; `warnings` are sentences for the user.
-    `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
+    and `slip_uncertainty_m` bound the numerical errors of rotation and slip up to `reliable_until_s` (None: not estimated).
+    `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
+    (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
+    sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
+    given (None: not stated).
     """
 
     engine: str
@@ -67,6 +68,7 @@ class Run:
     patterns: Sequence[Pattern] = ()
     validity: Mapping[str, Any] = field(default_factory=dict)
     numerical_uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
     work: Mapping[str, int] = field(default_factory=dict)
     skipped: Sequence[str] = ()
@@ -75,12 +77,13 @@ class Run:
     message: str = ""
     motion_axes: Sequence[str] | None = None
 
-    def with_uncertainty(self, uncertainty_rad: float, reliable_until_s: float, *warnings: str) -> Run:
+    def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""
         return replace(
             self,
-            numerical_uncertainty_rad=uncertainty_rad,
-            reliable_until_s=reliable_until_s,
+            numerical_uncertainty_rad=of_rotation_rad,
+            slip_uncertainty_m=of_slip_m,
+            reliable_until_s=until_s,
             warnings=(*self.warnings, *warnings),
         )
 

@@ -164,8 +164,6 @@ def run_scene(
     `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
     from what the scene does not know. `stored` are runs of this very scene and target that are there already.
     """
-    from harness.comparator import compare
-
     check_target(accuracy_rad, dt_s)
     want = want or Want()
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
@@ -189,12 +187,21 @@ def run_scene(
     answers = [run for run in runs.values() if not run.outcome.failed]
     horizons = _horizons(scene, answers, told, every=horizon) if len(answers) > 1 or horizon else {}
     known = {name: found.intrinsic_s for name, found in horizons.items()}
-    scores = {
-        f"{a.engine}_vs_{b.engine}": compare(
-            a, b, scene=scene, horizons_s=(known.get(a.engine), known.get(b.engine)), iso=iso
-        )
-        for a, b in itertools.combinations(answers, 2)
-    }
+    scores = _scores(scene, answers, known, iso)
+    own = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
+    if dt_s is None and len(answers) > 1:
+        from harness.confirm import FINER, doubted
+
+        finer_rad = (accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+        for name in sorted(own & doubted(scores)):
+            told(f"{name}, again and finer")
+            again = _simulate(engines.load(name), scene, finer_rad, None, want)
+            if not again.outcome.failed:
+                runs[name] = again
+                note = f"{name} was run to {finer_rad:g} rad, before its difference from another model was judged"
+                scene = scene.but(notes=(*scene.notes, note))
+        answers = [run for run in runs.values() if not run.outcome.failed]
+        scores = _scores(scene, answers, known, iso)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
@@ -213,6 +220,18 @@ def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment
     except AnalyticInputError:  # the model refuses this scene; its own run says why
         return {}
     return {} if answer is None else {MODEL: answer}
+
+
+def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], iso: bool) -> dict[str, Scores]:
+    """The scores of each pair; `known` are the horizons, s."""
+    from harness.comparator import compare
+
+    return {
+        f"{a.engine}_vs_{b.engine}": compare(
+            a, b, scene=scene, horizons_s=(known.get(a.engine), known.get(b.engine)), iso=iso
+        )
+        for a, b in itertools.combinations(answers, 2)
+    }
 
 
 def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:

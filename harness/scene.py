@@ -105,6 +105,11 @@ class Shake:
         """After this time all components are exactly zero."""
         return max(self.x.end_s, self.y.end_s, self.z.end_s)
 
+    @property
+    def still(self) -> bool:
+        """Whether the floor never moves."""
+        return all(isinstance(item, Rest) for item in (self.x, self.y, self.z))
+
     def axes(self, dimensions: int = 3) -> tuple[str, ...]:
         """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""
         given = "xyz" if dimensions == 3 else "xz"

@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final
 
-import numpy as np
-
+from harness.differences import ROUNDING, Facts, from_histories, from_peaks
 from harness.history import History, Outcome
 from harness.record import Run
 from harness.scores.grid import Pair
-from harness.scores.pointwise import Peak, first_beyond_s
+from harness.scores.pointwise import Peak
 
 COVERAGE: Final = 2.0
 """A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
@@ -25,10 +24,6 @@ COVERAGE: Final = 2.0
 Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
 number that calls no pair of equal models different and misses no effect above three times the uncertainty.
 """
-ROUNDING_RAD: Final = 1e-12
-"""Differences below this are rounding of numbers of order one through some thousand operations."""
-LEVER_M: Final = 1.0
-"""Lever by which an uncertainty in rotation becomes one in slip where no scene is given (see `slip_lever_m`)."""
 
 
 class Verdict(StrEnum):
@@ -50,14 +45,15 @@ OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 class Side:
     """What the verdict needs to know of one run; None: not stated.
 
-    `uncertainty_rad` bounds the rotation's numerical error up to `reliable_until_s`; `horizon_s` is how far the model's own
-    perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions, `left_domain_by`
-    which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
     """
 
     name: str
     outcome: Outcome | None = None
     uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
     horizon_s: float | None = None
     left_domain_s: float | None = None
@@ -82,16 +78,21 @@ class Judgement:
 
 
 def side_of(
-    answer: Run | History, name: str, horizon_s: float | None = None, uncertainty_rad: float | None = None
+    answer: Run | History,
+    name: str,
+    horizon_s: float | None = None,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
 ) -> Side:
-    """What is known of one answer; a bare history states no outcome, and of its uncertainty only what is given here."""
+    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
     if isinstance(answer, History):
-        return Side(name, uncertainty_rad=uncertainty_rad, horizon_s=horizon_s)
+        return Side(name, uncertainty_rad=uncertainty_rad, slip_uncertainty_m=slip_uncertainty_m, horizon_s=horizon_s)
     left_s, by = left_domain(answer)
     return Side(
         name,
         answer.outcome,
         answer.numerical_uncertainty_rad,
+        answer.slip_uncertainty_m,
         answer.reliable_until_s,
         horizon_s,
         left_s,
@@ -115,24 +116,15 @@ def left_domain(run: Run) -> tuple[float | None, str]:
     return None, ""
 
 
-@dataclass(frozen=True)
-class _Facts:
-    """The quantities that decide: the limit, when it is first exceeded, by how much at most before the horizon."""
+def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
+    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing.
 
-    limit_rad: float
-    exceeded_s: float | None
-    largest_rad: float
-    largest_reliable_rad: float
-    until_s: float
-    end_s: float
-
-
-def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m: float = LEVER_M) -> Judgement:
-    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing."""
-    joint = (a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)
-    limit = max(COVERAGE * joint, ROUNDING_RAD)
+    Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
+    """
+    turned = max(COVERAGE * ((a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)), ROUNDING)
+    slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
     until = min(a.until_s, b.until_s)
-    facts = _from_peaks(peaks, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
+    facts = from_peaks(peaks, turned, slid, until) if both is None else from_histories(both, turned, slid, until)
     known = a.outcome is not None and b.outcome is not None
     flips = known and a.outcome is not b.outcome
     sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
@@ -142,11 +134,17 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m
     evidence = {
         "uncertainty_a_rad": a.uncertainty_rad,
         "uncertainty_b_rad": b.uncertainty_rad,
-        "limit_rad": limit,
+        "slip_uncertainty_a_m": a.slip_uncertainty_m,
+        "slip_uncertainty_b_m": b.slip_uncertainty_m,
+        "limit_rad": turned,
+        "slip_limit_m": slid,
         "coverage": COVERAGE,
+        "differs_in": facts.differs_in,
         "exceeded_s": facts.exceeded_s,
-        "largest_difference_rad": facts.largest_rad,
-        "largest_reliable_difference_rad": facts.largest_reliable_rad,
+        "largest_difference_rad": facts.rotation.largest,
+        "largest_reliable_difference_rad": facts.rotation.largest_reliable,
+        "largest_slip_difference_m": facts.slip.largest,
+        "largest_reliable_slip_difference_m": facts.slip.largest_reliable,
         "horizon_s": until if math.isfinite(until) else None,
         "compared_until_s": facts.end_s,
         "left_domain_s": None if left is None else left.left_domain_s,
@@ -158,25 +156,7 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m
     return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
 
 
-def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _Facts:
-    apart = np.abs(both.difference_rad)
-    # Without floor friction M du + m h dθ = 0, so an error in rotation moves the pedestal by at most h times it.
-    worst = np.maximum(apart, np.abs(both.slip_a_m - both.slip_b_m) / lever_m)
-    inside = both.t_s <= until
-    reliable = float(np.max(apart[inside])) if inside.any() else 0.0
-    return _Facts(limit, first_beyond_s(both.t_s, worst, limit), float(np.max(apart)), reliable, until, both.end_s)
-
-
-def _from_peaks(peaks: tuple[Peak, Peak], limit: float, until: float) -> _Facts:
-    """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
-    # A run without a history may state its peak without a sign.
-    smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
-    apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
-    exceeded = larger.time_s if apart > limit else None
-    return _Facts(limit, exceeded, apart, apart if larger.time_s <= until else 0.0, until, math.inf)
-
-
-def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side | None]:
+def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
@@ -209,25 +189,28 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
     return {name: axes for name, axes in missing.items() if axes}
 
 
-def _with_falls_across(facts: _Facts, a: Side, b: Side) -> _Facts:
+def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
     """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
     across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
     times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
-    exceeded_s = min([*times, math.inf if facts.exceeded_s is None else facts.exceeded_s])
-    return replace(facts, exceeded_s=exceeded_s) if math.isfinite(exceeded_s) else facts
+    return replace(facts, fallen_s=min(times, default=None))
 
 
-def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool, sided: bool) -> str:
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
-    bound = f"twice their joint numerical error ({facts.limit_rad:.2g} rad)"
+    joint = "twice their joint numerical error"
     if verdict is Verdict.AGREE:
-        text = (
-            f"{names} agree within their numerical error: at most {facts.largest_rad:.2g} rad apart, less than {bound}"
-        )
+        text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
+        text += f"({_rad(facts.rotation.limit)})"
+        if facts.slip.largest > ROUNDING:
+            text += f", their slips {_mm(facts.slip.largest)} ({_mm(facts.slip.limit)})"
     elif verdict in (Verdict.MODEL, Verdict.PLANE):
+        slips = facts.differs_in == "slip"
+        limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+        apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
         cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
-        text = f"{names} differ by {cause}: more than {bound} apart{when}{_before(a, b, facts.until_s)}"
+        text = f"{names} differ by {cause}: {apart}{when}{_before(a, b, facts.until_s)}"
     elif verdict is Verdict.UNBOUNDED:
         text = f"{names} agree up to {facts.until_s:.4g} s and differ{when}, where the numerical error of "
         text += " and ".join(side.name for side in (a, b) if side.reliable_until_s == facts.until_s)
@@ -246,6 +229,9 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | No
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
     if unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
+    slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
+    if slipless and facts.slip.largest > ROUNDING:
+        text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
     return text + "."
 
 
@@ -256,6 +242,14 @@ def _before(a: Side, b: Side, until_s: float) -> str:
     if until_s == _horizon_s(a, b):
         return f", before the horizon at {until_s:.4g} s"
     return f", while both numerical errors are bounded (until {until_s:.4g} s)"
+
+
+def _rad(value: float) -> str:
+    return f"{value:.2g} rad"
+
+
+def _mm(value_m: float) -> str:
+    return f"{1e3 * value_m:.2g} mm"
 
 
 def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:

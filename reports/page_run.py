@@ -30,6 +30,7 @@ OUTCOME_ROWS: Final = (
     ("residual_slip_m", "slip that remains", "m"),
     ("end_s", "computed until", "s"),
     ("numerical_uncertainty_rad", "numerical error of the rotation ±", "rad"),
+    ("slip_uncertainty_m", "numerical error of the slip ±", "m"),
     ("reliable_until_s", "stated until", "s"),
     ("steps", "integration steps", ""),
     ("wall_s", "time to compute", "s"),

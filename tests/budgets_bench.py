@@ -10,16 +10,16 @@ ANALYTIC_STEPS: Final = 21
 """Taylor steps of 1 s of the paper's statue on its pedestal: 20 counted, two for each of ten events."""
 ANALYTIC_TERMS: Final = 396
 """Taylor coefficients of the same run: 377 counted, some nineteen for each step at 1e-12."""
-ACCURACY_STEPS: Final = 430
-"""Steps of all runs together that 1e-3 rad may take on an easy scene of half a second: pymunk 405, pybullet 409 counted."""
+ACCURACY_STEPS: Final = 564
+"""Steps of all runs together that 1e-3 rad may take on an easy scene of half a second: pymunk 531, pybullet 537 counted."""
 SPARE: Final = 1.05
 """Steps of a contact engine over duration/dt: splitting impacts and halts adds 6 and 10 to 4000."""
 REPEATED: Final = {"pymunk": 8, "pybullet": 16}
 """Steps of these that are tried again: 7 and 14 counted, at two impacts and four halts."""
-SWEEPS: Final = {"pymunk": 38_300, "pybullet": 257_700}
-"""Solver iterations that 1e-3 rad may take there, at most so many a step: 405 × 90 and 409 × 600 counted."""
-ACCURACY_RUNS: Final = 2
-"""Runs that 1e-3 rad may take on an easy scene: a rung and a finer one to check it."""
+SWEEPS: Final = {"pymunk": 50_200, "pybullet": 338_300}
+"""Solver iterations that 1e-3 rad may take there, at most so many a step: 531 × 90 and 537 × 600 counted."""
+ACCURACY_RUNS: Final = 3
+"""Runs that 1e-3 rad may take on an easy scene: a rung, a finer one to check it, and one under a stronger motion."""
 MODULES_OF_HELP: Final = 164
 """Modules imported to answer --help: 156 counted, 743 with scipy's integrators, which a run needs and --help does not."""
 MODULES_OF_RUN: Final = {"pymunk": 456, "pybullet": 718, "analytic": 921}

@@ -36,3 +36,14 @@ STEADY_SLIP_RELATIVE = 1e-6
 
 DIFFERENCE_RELATIVE = 1e-6
 """Central differences with a step of 1e-4 turns err by (2π·1e-4)²/6 ≈ 7e-8 of the differentiated term, a few of which add."""
+
+FINEST_RTOL = 3e-14
+"""Just above the least tolerance that DOP853 takes (100 roundings): reference A is then within 1e-14 of the kernel where motions
+do not grow."""
+
+CERTIFIED_SEEDS = (504, 505, 508, 519, 525, 526, 542)
+"""Of 68 random cases those on which what three runs differ by, without the rounding that they share, was exceeded by most: by up
+to sixteen times (519: 2.8e-13 rad against 1.7e-14)."""
+
+CERTIFIED_RAD = 1e-10
+"""What may be stated there: growth of a thousand on some 5e-14 of rounding; 1.7e-11 rad measured at the most."""

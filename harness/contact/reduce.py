@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.contact import forces, support
 from harness.contact.falling import Fall, fall
+from harness.contact.layer import layer_left
 from harness.contact.rocking import patterns, rocking
 from harness.contact.trajectory import Trajectory
 from harness.history import History, Outcome, hermites, output_grid
@@ -67,6 +68,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     if not outcome.overturned and overturn_s is None:
         fallen = None
     validity = _validity(scene, motion, derived)
+    validity |= layer_left(motion, derived.slip_m, derived.gap_m)
     validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
     if wall is not None:
         validity["wall_touch_time_s"] = float(motion.t_s[wall])

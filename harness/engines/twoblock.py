@@ -232,6 +232,7 @@ def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s:
         patterns=tuple(Pattern(item.start_s, item.end_s, item.pattern) for item in solution.patterns),
         validity=_validity(scene, solution),
         numerical_uncertainty_rad=certified.uncertainty_rad,
+        slip_uncertainty_m=certified.slip_uncertainty_m,
         reliable_until_s=certified.reliable_until_s,
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
         skipped=_skipped(solution, keep),

@@ -48,15 +48,16 @@ def numerical_uncertainty(
     sides: tuple[Side, Side],
     peak_b_rad: float,
     found: tuple[events.Excursions, events.Excursions],
-    lever_m: float,
     until_s: float = math.inf,
 ) -> dict[str, Any]:
     """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
 
-    A rotation known to u moves a root mean square and a difference of peaks by at most u_a + u_b, an impact by u/|θ̇⁻|.
+    A rotation known to u moves a root mean square and a difference of peaks by at most u_a + u_b, an impact by u/|θ̇⁻|; a slip
+    known to u moves its root mean square by as much.
     """
     u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
     joint = None if u_a is None or u_b is None else u_a + u_b
+    slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
     rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in found]
     slowest = [float(each.min()) if each.size else None for each in rates]
     times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
@@ -66,7 +67,7 @@ def numerical_uncertainty(
         "peak_theta_a_rad": u_a,
         "peak_theta_b_rad": u_b,
         "peak_ratio": joint / abs(peak_b_rad) if joint is not None and peak_b_rad else None,
-        "rms_slip_m": None if joint is None else joint * lever_m,
+        "rms_slip_m": None if slips[0] is None or slips[1] is None else slips[0] + slips[1],
         "impact_times_a_s": times[0],
         "impact_times_b_s": times[1],
     }

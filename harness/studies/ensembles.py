@@ -95,6 +95,7 @@ def _side(row: Row) -> Side:
         row["engine"],
         outcome,
         run["numerical_uncertainty_rad"],
+        run.get("slip_uncertainty_m"),
         run["reliable_until_s"],
         left_domain_s=left_s,
         left_domain_by=by,

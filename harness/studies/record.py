@@ -39,6 +39,7 @@ SHOWN: Final = (
     "peak_slip_m",
     "residual_slip_m",
     "numerical_uncertainty_rad",
+    "slip_uncertainty_m",
     "reliable_until_s",
     "steps",
     "labels",

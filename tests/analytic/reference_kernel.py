@@ -6,6 +6,7 @@ import numpy as np
 
 from analytic import Excitation, Harmonic, Pulse, Record, Rest
 from analytic.block import Block, Form, Pedestal, Wall
+from analytic.certainty import Certified, certify
 from analytic.solver import simulate
 from tests.analytic.reference_case import Case, Motion, Path
 
@@ -27,27 +28,34 @@ def excitation(motion: Motion) -> Excitation:
     raise ValueError(f"no excitation for the recipe {name!r}")
 
 
-def solve(case: Case, end: float, grid: float, **options: object) -> Path:
-    """Path of the compiled model, every `grid` seconds and at its end."""
+def certified(case: Case, end: float, grid: float) -> Certified:
+    """The compiled model's own certificate of a case."""
+    return certify(*_given(case), duration_s=end, dt_s=grid, accuracy_rad=1e-6, **_keywords(case))  # type: ignore[arg-type]
+
+
+def _given(case: Case) -> tuple[Block, Excitation, Excitation]:
     corners = ((-case.b_left, 0.0), (case.b_right, 0.0))
     block = Block(case.m2, case.h, case.inertia, case.profile if case.profile is not None else corners)
-    result = simulate(
-        block,
-        excitation(case.accel_x),
-        excitation(case.accel_z),
-        pedestal=None if case.pedestal_kg is None else Pedestal(case.pedestal_kg, *PEDESTAL_SIZE_M),
-        floor_static=case.mu_static,
-        floor_kinetic=case.mu_kinetic,
-        form=Form(case.normal, case.ratio, case.pedestal_at_impact),  # type: ignore[arg-type]
-        theta0_rad=case.theta0,
-        theta_rate0_rad_s=case.rate0,
-        duration_s=end,
-        gravity_m_s2=case.gravity,
-        overturn_rad=case.overturn,
-        wall=None if case.wall is None else Wall("right" if case.wall[0] > 0 else "left", case.wall[1]),
-        dt_s=grid,
-        **options,  # type: ignore[arg-type]
-    )
+    return block, excitation(case.accel_x), excitation(case.accel_z)
+
+
+def _keywords(case: Case) -> dict[str, object]:
+    return {
+        "pedestal": None if case.pedestal_kg is None else Pedestal(case.pedestal_kg, *PEDESTAL_SIZE_M),
+        "floor_static": case.mu_static,
+        "floor_kinetic": case.mu_kinetic,
+        "form": Form(case.normal, case.ratio, case.pedestal_at_impact),  # type: ignore[arg-type]
+        "theta0_rad": case.theta0,
+        "theta_rate0_rad_s": case.rate0,
+        "gravity_m_s2": case.gravity,
+        "overturn_rad": case.overturn,
+        "wall": None if case.wall is None else Wall("right" if case.wall[0] > 0 else "left", case.wall[1]),
+    }
+
+
+def solve(case: Case, end: float, grid: float, **options: object) -> Path:
+    """Path of the compiled model, every `grid` seconds and at its end."""
+    result = simulate(*_given(case), duration_s=end, dt_s=grid, **_keywords(case), **options)  # type: ignore[arg-type]
     names = {("slip", 1): "slip_forward", ("slip", -1): "slip_backward"}
     events = tuple((e.time_s, names.get((str(e.kind), e.slide), str(e.kind))) for e in result.events)
     if result.no_return_time_s is not None:

@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 
 from analytic import AnalyticInputError, Block, Harmonic, Pedestal, Pulse, Rest, certify, simulate
+from tests import budgets_reference as budget
+from tests.analytic import reference_lagrange
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE
+from tests.analytic.reference_cases import random_case
+from tests.analytic.reference_kernel import certified
 
+END_S, GRID_S = 2.0, 0.02
 ON_PEDESTAL = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15, "gravity_m_s2": GRAVITY}
 
 
@@ -30,8 +35,24 @@ def test_the_stated_uncertainty_covers_the_error(amplitude_g: float, frequency_h
     n = min(n, exact.t_s.size - 1, stated.solution.t_s.size - 1)
     error = float(np.abs(stated.solution.theta_rad[:n] - exact.theta_rad[:n]).max())
     assert n > 1000
-    assert error <= stated.uncertainty_rad + 1e-12
+    assert error <= stated.uncertainty_rad
     assert stated.uncertainty_rad <= 1e-4
+    slip = float(np.abs(stated.solution.slip_m[:n] - exact.slip_m[:n]).max())
+    assert 0.0 < slip <= stated.slip_uncertainty_m <= 1e-4 * STATUE.centroid_height_m
+
+
+@pytest.mark.parametrize("seed", budget.CERTIFIED_SEEDS)
+def test_no_less_is_stated_than_rounding_makes(seed: int) -> None:
+    """Against an independent solver at its finest: all runs of the certificate share the rounding of what they are given."""
+    case = random_case(seed)
+    stated = certified(case, END_S, GRID_S)
+    exact = reference_lagrange.solve(case, END_S, GRID_S, rtol=budget.FINEST_RTOL).samples
+    run = stated.solution
+    n = min(int(np.searchsorted(run.t_s, stated.reliable_until_s, side="right")), len(exact), run.t_s.size) - 1
+    assert n > 5
+    assert np.abs(run.theta_rad[:n] - exact[:n, 1]).max() <= stated.uncertainty_rad
+    assert np.abs(run.slip_m[:n] - exact[:n, 3]).max() <= stated.slip_uncertainty_m
+    assert stated.uncertainty_rad <= budget.CERTIFIED_RAD
 
 
 def test_a_chaotic_run_says_until_when_it_holds() -> None:

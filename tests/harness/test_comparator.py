@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -204,6 +205,11 @@ def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
     verdicts = {u: compare_files(*files, uncertainty_rad=u)["verdict"] for u in (None, 1e-5, 1e-4)}
     assert verdicts == {None: Verdict.MODEL, 1e-5: Verdict.MODEL, 1e-4: Verdict.AGREE}
     assert compare_files(*files, uncertainty_rad=1e-4)["numerical_uncertainty"]["rms_theta_rad"] == 2e-4
+    doubles.rocking(slip_m=0.0101).write_csv(tmp_path / "theirs.csv")
+    of_slip = {u: compare_files(*files, uncertainty_rad=1e-4, slip_uncertainty_m=u)["verdict"] for u in (1e-5, 1e-4)}
+    assert of_slip == {1e-5: Verdict.MODEL, 1e-4: Verdict.AGREE}
+    with pytest.raises(InputError, match="--slip-uncertainty"):
+        compare_files(*files, slip_uncertainty_m=math.nan)
     with pytest.raises(InputError, match="--uncertainty"):
         compare_files(*files, uncertainty_rad=-1.0)
 

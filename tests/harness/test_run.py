@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness import engines, run
+from harness import confirm, engines, run
 from harness.cli import summary
+from harness.engine import Engine, Want
 from harness.errors import InputError
 from harness.history import Outcome
 from harness.record import Run
 from harness.run import check_target, run_scene, simulate, write_result
+from harness.scene import Scene
+from harness.verdict import Verdict
+from tests import doubles
 from tests.scenes_for_tests import paestum
 
 
@@ -88,3 +92,29 @@ def test_a_target_out_of_range_is_a_mistake(accuracy: float | None, dt: float | 
 def test_an_unknown_engine_names_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean pymunk"):
         simulate(paestum(0.1, 2.0), "pymonk")
+
+
+@pytest.mark.parametrize(("off", "again"), [(3e-3, True), (0.5, False), (1e-4, False)])
+def test_a_difference_of_models_is_confirmed_by_a_finer_run(
+    monkeypatch: pytest.MonkeyPatch, off: float, again: bool
+) -> None:
+    """Two runs of an engine that agreed by chance are not a difference of models; one far beyond all chance is not run again."""
+    history = doubles.rocking()
+    asked: list[tuple[str, float | None]] = []
+
+    def answer(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+        asked.append((engine.name, accuracy_rad))
+        wrong = engine.name == "pymunk" and accuracy_rad is None
+        path = doubles.raised(history, off) if wrong else history
+        known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
+        return doubles.run_of(path, engine.name, **known)
+
+    monkeypatch.setattr(run, "_simulate", answer)
+    monkeypatch.setattr(run, "_horizons", lambda *args, **options: {})
+    result = run_scene(paestum(), ["analytic", "pymunk"])
+    finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.FINER)
+    assert (finer in asked) is again
+    assert ("analytic", finer[1]) not in asked, "a model that certifies its own error is sure of it"
+    verdict = result.scores["analytic_vs_pymunk"].verdict
+    assert verdict is (Verdict.MODEL if off > 0.1 else Verdict.AGREE)
+    assert any("before its difference" in note for note in result.scene.notes) is again

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
@@ -14,10 +15,12 @@ from harness.verdict import COVERAGE, Verdict, left_domain, shares
 from tests import doubles
 
 U_RAD = 1e-4
+U_M = 5e-5
 
 
 def certain(history: History, name: str, until_s: float = 10.0, **fields: Any) -> Run:
-    return doubles.run_of(history, name, **{"numerical_uncertainty_rad": U_RAD, "reliable_until_s": until_s} | fields)
+    known = {"numerical_uncertainty_rad": U_RAD, "slip_uncertainty_m": U_M, "reliable_until_s": until_s}
+    return doubles.run_of(history, name, **known | fields)
 
 
 @pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
@@ -154,10 +157,36 @@ def test_an_outcome_that_flips_within_the_uncertainty_is_flagged() -> None:
     assert apart.evidence["outcome_flips_within_uncertainty"] is False
 
 
-def test_slip_counts_through_its_lever() -> None:
-    history = doubles.rocking()
-    slid = doubles.rocking(slip_m=0.02)
-    assert compare(certain(slid, "a"), certain(history, "b")).verdict is Verdict.MODEL
+@pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
+def test_slip_is_held_against_its_own_uncertainty(apart: float, verdict: Verdict) -> None:
+    """Whatever the rotation's is: here a thousand times the slip's in rad, and a tenth of it."""
+    limit_m = COVERAGE * 2.0 * U_M
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=apart * limit_m)
+    for u_rad in (1e3 * U_M, 0.1 * U_M):
+        known = {"numerical_uncertainty_rad": u_rad, "slip_uncertainty_m": U_M}
+        scores = compare(certain(slid, "a", **known), certain(history, "b", **known))
+        assert scores.verdict is verdict
+        assert scores.evidence["slip_limit_m"] == pytest.approx(limit_m)
+        assert scores.evidence["largest_slip_difference_m"] == pytest.approx(float(np.max(slid.slip_m)))
+        assert scores.numerical_uncertainty["rms_slip_m"] == pytest.approx(2.0 * U_M)
+
+
+def test_a_difference_of_slip_is_told_in_millimetres() -> None:
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
+    scores = compare(certain(slid, "a"), certain(history, "b"))
+    assert scores.verdict is Verdict.MODEL
+    assert scores.evidence["differs_in"] == "slip"
+    assert "their slips more than twice their joint numerical error (0.2 mm) apart" in scores.verdict_sentence
+    assert "rad" not in scores.verdict_sentence
+    turned = compare(certain(doubles.raised(history, 0.01), "a"), certain(history, "b"))
+    assert turned.evidence["differs_in"] == "rotation"
+    assert "(0.0004 rad) apart" in turned.verdict_sentence
+
+
+def test_a_slip_s_error_that_is_not_stated_is_said() -> None:
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
+    scores = compare(certain(slid, "a", slip_uncertainty_m=None), certain(history, "b"))
+    assert "numerical error of the slip of a not stated: taken as zero" in scores.verdict_sentence
 
 
 def test_an_unstated_error_is_said() -> None:
