@@ -28,7 +28,7 @@ class Excitation(ABC):
     """A floor acceleration a(t) in m/s², zero before t = 0.
 
     To add a motion: give the members below; if the compiled kernel is to follow it exactly, give it a code in
-    ``analytic.forcing``; otherwise sample it into a ``Record``.
+    ``analytic.kernel.forcing``; otherwise sample it into a ``Record``.
     """
 
     @abstractmethod

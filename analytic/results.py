@@ -8,7 +8,7 @@ from typing import Final, NamedTuple, final
 
 import numpy as np
 
-from analytic import layout as at
+from analytic.kernel import layout as at
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")

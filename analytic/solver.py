@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
-from analytic import layout as at
 from analytic.block import Block, Form, Friction, Pedestal, Wall, positive
+from analytic.encode import encode
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Rest
-from analytic.forcing import encode
-from analytic.kernel import run
+from analytic.kernel import layout as at
+from analytic.kernel.integrator import run
 from analytic.results import Finished, read
 from analytic.solution import Solution
 

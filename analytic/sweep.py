@@ -13,12 +13,12 @@ from typing import Any, Final, NamedTuple, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic import layout as at
-from analytic.batch import run_rows
 from analytic.block import Block, Form, Friction
+from analytic.encode import encode
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Rest
-from analytic.forcing import encode
+from analytic.kernel import layout as at
+from analytic.kernel.batch import run_rows
 from analytic.solution import OUTCOMES, Outcome
 from analytic.solver import OVERTURN_RAD, parameters
 

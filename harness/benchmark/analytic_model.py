@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Block, Excitation, Form, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
-from analytic import layout as at
-from analytic.kernel import run
+from analytic.kernel import layout as at
+from analytic.kernel.integrator import run
 from analytic.solver import OVERTURN_RAD, parameters, prepare
 from harness.benchmark.rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
 from harness.benchmark.turns import Answer, Entry, take_turns

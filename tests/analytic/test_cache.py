@@ -20,8 +20,7 @@ def sources(tmp_path: Path) -> Path:
     """A folder with one compiled source."""
     here = tmp_path / "package"
     here.mkdir()
-    (here / "kernel.py").write_text("from analytic._jit import jit\n")
-    (here / "page.py").write_text("nothing compiled\n")
+    (here / "integrator.py").write_text("one = 1\n")
     return here
 
 
@@ -29,11 +28,11 @@ def folders(home: Path) -> list[str]:
     return sorted(each.name for each in home.glob("compiled-*"))
 
 
-def test_only_compiled_sources_name_the_folder(sources: Path) -> None:
+def test_every_source_of_the_folder_names_its_cache(sources: Path) -> None:
     before = _cache.digest(sources)
-    (sources / "page.py").write_text("something else\n")
+    (sources.parent / "page.py").write_text("not of the folder\n")
     assert _cache.digest(sources) == before
-    (sources / "kernel.py").write_text("from analytic._jit import jit  # changed\n")
+    (sources / "integrator.py").write_text("one = 2\n")
     assert _cache.digest(sources) != before
 
 
@@ -104,18 +103,15 @@ def test_where_nothing_can_be_written_nothing_is_cached(sources: Path, monkeypat
 def test_a_cache_removed_under_a_running_process_does_no_harm(tmp_path: Path) -> None:
     """The compiler of one process finds its folder gone between import and first call."""
     code = """
-import shutil, analytic._jit as j, analytic.solver
-shutil.rmtree(j._home())
-print(analytic.solver.twice(2.0))
-assert any(j._home().iterdir()), "it was written again"
+import shutil, analytic.kernel.compiler as c, analytic.kernel.small
+shutil.rmtree(c._home())
+print(analytic.kernel.small.twice(2.0))
+assert any(c._home().iterdir()), "it was written again"
 """
     package = tmp_path / "analytic"
     shutil.copytree(ROOT / "analytic", package, ignore=shutil.ignore_patterns("__pycache__"))
-    for source in package.glob("*.py"):  # one small compiled function instead of a kernel that takes a minute
-        if source.stem not in ("_jit", "_cache"):
-            source.unlink()
-    (package / "__init__.py").write_text("")
-    (package / "solver.py").write_text("from analytic._jit import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n")
+    small = "from analytic.kernel.compiler import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n"
+    (package / "kernel" / "small.py").write_text(small)  # instead of a kernel that takes half a minute
     told = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stderr
     assert told.stdout.strip() == "4.0"

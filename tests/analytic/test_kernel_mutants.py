@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from analytic import Record, solver
-from analytic import layout as at
+from analytic.kernel import layout as at
 from tests import budgets_reference as budget
 from tests.analytic import reference_kernel, reference_newton
 from tests.analytic.reference_case import Case, Path, full_period, record

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic.polynomial import NO_ROOT, TANGENT_LEVEL, first_root, leading
+from analytic.kernel.polynomial import NO_ROOT, TANGENT_LEVEL, first_root, leading
 from tests.budgets_analytic import ROOT_REL
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from analytic import Friction, Harmonic, Pedestal
-from analytic.kernel import run
-from analytic.layout import S_TH
+from analytic.kernel.integrator import run
+from analytic.kernel.layout import S_TH
 from harness.benchmark import analytic_model as bench
 from harness.benchmark import start
 from harness.benchmark.rivals import Model, heyoka_solver, scipy_run

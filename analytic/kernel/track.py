@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import poke, set_term, term
-from analytic.layout import (
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.joint_state import choose
+from analytic.kernel.layout import (
     BREAK,
     E_ENERGY,
     E_FACET,
@@ -57,8 +57,8 @@ from analytic.layout import (
     T,
     Task,
 )
-from analytic.polynomial import first_root, value
-from analytic.states import choose
+from analytic.kernel.memory import poke, set_term, term
+from analytic.kernel.polynomial import first_root, value
 
 SAME_INSTANT: Final = 1e-9
 """Share of the output step below which the last instant counts as the sample before it."""

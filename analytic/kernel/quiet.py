@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic._jit import jit
-from analytic.borrowed import peek
-from analytic.forcing import break_at, is_jump, is_over, sampled_at
-from analytic.layout import (
+from analytic.kernel.compiler import jit
+from analytic.kernel.forcing import break_at, is_jump, is_over, sampled_at
+from analytic.kernel.joint_state import corner
+from analytic.kernel.layout import (
     ALONG_X,
     ALONG_Z,
     AMPLITUDE,
@@ -40,9 +40,9 @@ from analytic.layout import (
     T,
     Task,
 )
-from analytic.states import corner
-from analytic.track import sample
-from analytic.validity import note_rest
+from analytic.kernel.memory import peek
+from analytic.kernel.track import sample
+from analytic.kernel.validity import note_rest
 
 CLEAR: Final = 1e-9
 """Relative distance to a limit below which nothing is skipped."""

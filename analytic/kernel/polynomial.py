@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import set_term, term
-from analytic.layout import Floats
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.layout import Floats
+from analytic.kernel.memory import set_term, term
 
 NO_ROOT: Final = 2.0
 """Returned where the polynomial keeps its sign on [0, 1]."""

@@ -10,7 +10,7 @@ from typing import Any
 from numba import types
 from numba.extending import intrinsic
 
-from analytic.layout import Floats
+from analytic.kernel.layout import Floats
 
 
 def _item(context: Any, builder: Any, address: Any, i: Any) -> Any:

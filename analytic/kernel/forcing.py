@@ -1,22 +1,16 @@
 """Floor motions as the compiled kernel sees them: one row of numbers, and exact Taylor coefficients of any order.
 
 A motion is smooth between its breaks; ``seg`` counts the breaks already passed. To add a motion: a code in
-``analytic.layout``, a branch in ``encode``, ``break_at`` and ``coefficients``.
+``analytic.kernel.layout``, a branch in ``encode``, ``break_at`` and ``coefficients``.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
 
-import numpy as np
-
-from analytic._jit import inlined, jit
-from analytic.borrowed import peek, set_term, term
-from analytic.elementary import sine_cosine
-from analytic.errors import AnalyticInputError
-from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
-from analytic.layout import (
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.elementary import sine_cosine
+from analytic.kernel.layout import (
     ALONG_X,
     ALONG_Z,
     AMPLITUDE,
@@ -28,7 +22,6 @@ from analytic.layout import (
     KIND,
     LIMIT,
     MAX_ORDER,
-    N_FORCING,
     NONE,
     OMEGA,
     ORDER,
@@ -41,39 +34,13 @@ from analytic.layout import (
     SAMPLES,
     SCALE,
     SEG,
-    SINE,
     START,
     TIMES,
     Floats,
     T,
     Task,
 )
-
-_PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
-
-
-def encode(motion: Excitation) -> tuple[Floats, Floats, Floats]:
-    """The motion's row of numbers (8,), and its samples' times (n,) and accelerations (n,), empty unless it is a record.
-
-    Raises AnalyticInputError for a motion that the kernel does not know.
-    """
-    row, empty = np.zeros(N_FORCING), np.empty(0)
-    if isinstance(motion, Rest) or motion.peak_m_s2 == 0.0:
-        return row, empty, empty
-    row[AMPLITUDE], row[SCALE] = motion.peak_m_s2, 1.0
-    if isinstance(motion, Harmonic):
-        row[:5] = HARMONIC, motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
-    elif isinstance(motion, Pulse):
-        row[:4] = _PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s, 0.0
-        row[START], row[END] = motion.start_s, motion.end_s
-    elif isinstance(motion, Record):
-        row[KIND] = SAMPLED
-        # Copies: a read-only array is another type, for which the whole kernel would be compiled again.
-        return row, np.array(motion.t_s), np.array(motion.samples_m_s2)
-    else:
-        known = "Rest, Harmonic, Pulse or Record"
-        raise AnalyticInputError(f"motion: {known} is wanted, {type(motion).__name__} came: sample it into a Record.")
-    return row, empty, empty
+from analytic.kernel.memory import peek, set_term, term
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analytic._jit import jit
+from analytic.kernel.compiler import jit
 
 
 @jit

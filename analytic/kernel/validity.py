@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import jit
-from analytic.borrowed import peek
-from analytic.dynamics import complete
-from analytic.layout import (
+from analytic.kernel.compiler import jit
+from analytic.kernel.dynamics import complete
+from analytic.kernel.layout import (
     ABS,
     BASE_CENTRE,
     BASE_HEIGHT,
@@ -39,7 +38,8 @@ from analytic.layout import (
     T,
     Task,
 )
-from analytic.polynomial import value
+from analytic.kernel.memory import peek
+from analytic.kernel.polynomial import value
 
 SAMPLES: Final = 8
 """Instants at which a step's forces are looked at, its ends included."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import entry, inlined, jit
-from analytic.borrowed import peek
-from analytic.collision import land
-from analytic.dynamics import expand
-from analytic.elementary import coarse_root
-from analytic.energy import decide
-from analytic.events import first_event
-from analytic.forcing import break_at, is_jump, look_ahead
-from analytic.layout import (
+from analytic.kernel.compiler import entry, inlined, jit
+from analytic.kernel.dynamics import expand
+from analytic.kernel.elementary import coarse_root
+from analytic.kernel.energy import decide
+from analytic.kernel.events import first_event
+from analytic.kernel.forcing import break_at, is_jump, look_ahead
+from analytic.kernel.joint_state import load
+from analytic.kernel.landing import land
+from analytic.kernel.layout import (
     ALONG_X,
     ALONG_Z,
     AT_LIMIT,
@@ -84,12 +84,12 @@ from analytic.layout import (
     T,
     Task,
 )
-from analytic.polynomial import TANGENT_LEVEL
-from analytic.quiet import quiet
-from analytic.start import begin
-from analytic.states import load
-from analytic.track import close, follow, record, settle
-from analytic.validity import note_step
+from analytic.kernel.memory import peek
+from analytic.kernel.polynomial import TANGENT_LEVEL
+from analytic.kernel.quiet import quiet
+from analytic.kernel.start import begin
+from analytic.kernel.track import close, follow, record, settle
+from analytic.kernel.validity import note_step
 
 MAX_STALL: Final = 50
 """Events in a row without the clock moving, after which a run is given up as undecided."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from analytic._jit import jit
-from analytic.borrowed import peek
-from analytic.forcing import prepare
-from analytic.layout import (
+from analytic.kernel.compiler import jit
+from analytic.kernel.forcing import prepare
+from analytic.kernel.layout import (
     ALONG_X,
     ALONG_Z,
     AX,
@@ -30,6 +29,7 @@ from analytic.layout import (
     TIP_MARGIN_IMPACT,
     Task,
 )
+from analytic.kernel.memory import peek
 
 
 @jit

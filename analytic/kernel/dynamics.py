@@ -18,10 +18,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import inlined
-from analytic.borrowed import peek, set_term, term
-from analytic.elementary import sine_cosine
-from analytic.layout import (
+from analytic.kernel.compiler import inlined
+from analytic.kernel.elementary import sine_cosine
+from analytic.kernel.layout import (
     ABS,
     AX,
     BASE_MASS,
@@ -57,6 +56,7 @@ from analytic.layout import (
     Floats,
     Task,
 )
+from analytic.kernel.memory import peek, set_term, term
 
 AIM: Final = 1.25
 """Steps towards an event end beyond its first guess by this factor, so that the event lies inside."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import peek, set_term, term
-from analytic.layout import (
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.joint_state import falling, lift_margin, omega_zeros, rate_zeros, stick_margin
+from analytic.kernel.layout import (
     AT_LIMIT,
     AT_WALL,
     BASE_MASS,
@@ -44,8 +44,8 @@ from analytic.layout import (
     WALL_SIDE,
     Task,
 )
-from analytic.polynomial import NO_ROOT, first_root, leading, remainder
-from analytic.states import falling, lift_margin, omega_zeros, rate_zeros, stick_margin
+from analytic.kernel.memory import peek, set_term, term
+from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
 
 Found = tuple[float, int, int, int, float]
 """Fraction of the step, kind, side, depth of the search, and the residual relative to the function's terms; of an impact or a

@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import peek, set_term, term
-from analytic.dynamics import expand, vertex
-from analytic.forcing import coefficients
-from analytic.layout import (
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.dynamics import expand, vertex
+from analytic.kernel.forcing import coefficients
+from analytic.kernel.layout import (
     ABS,
     ALONG_X,
     ALONG_Z,
@@ -54,7 +53,8 @@ from analytic.layout import (
     TIME_SCALE,
     Task,
 )
-from analytic.polynomial import leading
+from analytic.kernel.memory import peek, set_term, term
+from analytic.kernel.polynomial import leading
 
 WEIGHTLESS: Final = 1e-9
 """Share of gravity below which nothing is held down: both uplift conditions are then met at once."""

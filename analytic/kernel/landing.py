@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import peek
-from analytic.impact import both_corners, impact, kinetic
-from analytic.layout import (
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.impact import both_corners, impact, kinetic
+from analytic.kernel.joint_state import corner, load
+from analytic.kernel.layout import (
     AX,
     BASE_MASS,
     ENERGY_GAINED,
@@ -36,9 +36,9 @@ from analytic.layout import (
     ZENO,
     Task,
 )
-from analytic.states import corner, load
-from analytic.track import settle
-from analytic.validity import note_impact
+from analytic.kernel.memory import peek
+from analytic.kernel.track import settle
+from analytic.kernel.validity import note_impact
 
 Lever = tuple[int, float, float]
 """Side of a corner, X of the centroid from it, and the statue's inertia about it."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from analytic._jit import entry
-from analytic.kernel import run_one
-from analytic.layout import N_MEMORY, OUTCOME, Floats, Ints, Runs, T
+from analytic.kernel.compiler import entry
+from analytic.kernel.integrator import run_one
+from analytic.kernel.layout import N_MEMORY, OUTCOME, Floats, Ints, Runs, T
 
 
 @entry

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import jit
-from analytic.borrowed import peek
-from analytic.dynamics import place, vertex
-from analytic.impact import impact
-from analytic.layout import (
+from analytic.kernel.compiler import jit
+from analytic.kernel.dynamics import place, vertex
+from analytic.kernel.impact import impact
+from analytic.kernel.joint_state import corner
+from analytic.kernel.layout import (
     BASE_MASS,
     BY_ENERGY,
     DYNAMIC,
@@ -42,7 +42,7 @@ from analytic.layout import (
     T,
     Task,
 )
-from analytic.states import corner
+from analytic.kernel.memory import peek
 
 UNKNOWN: Final = 0
 """Energy alone does not decide here."""
