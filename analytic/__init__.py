@@ -72,6 +72,10 @@ if TYPE_CHECKING:
     from analytic.excitation import Pulse as Pulse
     from analytic.excitation import Record as Record
     from analytic.excitation import Rest as Rest
+    from analytic.problem import CommonKeywords as CommonKeywords
+    from analytic.problem import Keywords as Keywords
+    from analytic.problem import Options as Options
+    from analytic.problem import Problem as Problem
     from analytic.solution import Event as Event
     from analytic.solution import EventKind as EventKind
     from analytic.solution import Interval as Interval
@@ -79,6 +83,7 @@ if TYPE_CHECKING:
     from analytic.solution import Solution as Solution
     from analytic.solution import Validity as Validity
     from analytic.solver import simulate as simulate
+    from analytic.solver import solve as solve
     from analytic.sweep import Ensemble as Ensemble
     from analytic.sweep import ensemble as ensemble
 
@@ -86,6 +91,7 @@ _HOME: Final = {
     "AnalyticInputError": "analytic.errors",
     "Block": "analytic.block",
     "Certified": "analytic.certainty",
+    "CommonKeywords": "analytic.problem",
     "Ensemble": "analytic.sweep",
     "Event": "analytic.solution",
     "EventKind": "analytic.solution",
@@ -94,8 +100,11 @@ _HOME: Final = {
     "Friction": "analytic.block",
     "Harmonic": "analytic.excitation",
     "Interval": "analytic.solution",
+    "Keywords": "analytic.problem",
+    "Options": "analytic.problem",
     "Outcome": "analytic.solution",
     "Pedestal": "analytic.block",
+    "Problem": "analytic.problem",
     "Pulse": "analytic.excitation",
     "Record": "analytic.excitation",
     "Rest": "analytic.excitation",
@@ -105,6 +114,7 @@ _HOME: Final = {
     "certify": "analytic.certainty",
     "ensemble": "analytic.sweep",
     "simulate": "analytic.solver",
+    "solve": "analytic.solver",
 }
 __all__ = sorted(_HOME)
 
@@ -113,7 +123,8 @@ def __getattr__(name: str) -> object:
     """Load a public name from its module."""
     if name not in _HOME:
         raise AttributeError(f"module 'analytic' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    globals()[name] = value = getattr(import_module(_HOME[name]), name)
+    return value
 
 
 def __dir__() -> list[str]:

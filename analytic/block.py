@@ -103,9 +103,13 @@ class Block:
         x, z = self.profile_m[-1 if side > 0 else 0]
         return abs(x), self.centroid_height_m - z
 
+    @cached_property
+    def _radii_m(self) -> tuple[float, float]:
+        return math.hypot(*self._outer(1)), math.hypot(*self._outer(-1))
+
     def radius_m(self, side: int) -> float:
         """R of the outer corner on that side (1 right, −1 left), m."""
-        return math.hypot(*self._outer(side))
+        return self._radii_m[0 if side > 0 else 1]
 
     def alpha_rad(self, side: int) -> float:
         """α of the outer corner on that side (1 right, −1 left), rad."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, final
+from typing import Final, Unpack, final
 
 import numpy as np
 
 from analytic.block import Block
 from analytic.excitation import Excitation, Rest
+from analytic.problem import CommonKeywords
 from analytic.solution import Solution
 from analytic.solver import simulate
 
@@ -51,7 +52,7 @@ def certify(
     accuracy_rad: float = 1e-9,
     base_accuracy_rad: float = BASE_ACCURACY_RAD,
     step_cap_s: float = math.inf,
-    **scene: Any,
+    **scene: Unpack[CommonKeywords],
 ) -> Certified:
     """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
 

@@ -20,43 +20,8 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined
 from analytic.kernel.elementary import sine_cosine
-from analytic.kernel.layout import (
-    ABS,
-    AX,
-    BASE_MASS,
-    BASE_X,
-    BASE_Z,
-    CENTROID,
-    COSINE_OF,
-    DEGREE,
-    DET,
-    DYNAMIC,
-    FACET_RAD,
-    FLOOR,
-    GE,
-    INERTIA,
-    INVERSE,
-    MASS,
-    MU_KINETIC,
-    NORMAL,
-    OM,
-    PIVOT,
-    PIVOT_H,
-    PIVOT_V,
-    PX,
-    PZ,
-    RATE,
-    SINE_OF,
-    SLIDE,
-    SLIP,
-    TH,
-    TIME_SCALE,
-    TOLERANCE,
-    TURNED,
-    Floats,
-    Task,
-)
-from analytic.kernel.memory import peek, set_term, term
+from analytic.kernel.memory import load_double, set_term, term
+from analytic.kernel.records import INVERSE, Floats, Series, Task
 
 AIM: Final = 1.25
 """Steps towards an event end beyond its first guess by this factor, so that the event lies inside."""
@@ -65,23 +30,23 @@ AIM: Final = 1.25
 @inlined
 def vertex(task: Task, k: int) -> tuple[float, float]:
     """Where vertex k stands: x from below the centroid, and the centroid's height above it, m."""
-    return peek(task.address[BASE_X], k), task.p[CENTROID] - peek(task.address[BASE_Z], k)
+    return load_double(task.base.x, k), task.params.centroid_height_m - load_double(task.base.z, k)
 
 
 @inlined
 def place(task: Task, theta: float, pivot: int) -> float:
-    """Write X and Z of the pivot at rotation theta into the workspace; return the statue's inertia about it, kg m²."""
+    """Write X and Z of the pivot at rotation theta; return the statue's inertia about it, kg m²."""
     x, z = vertex(task, pivot)
     if theta == 0.0:
-        task.w[PX, 0], task.w[PZ, 0] = -x, z
+        task.series.pivot_x[0], task.series.pivot_z[0] = -x, z
     else:
-        s = task.s
-        if theta != s[TURNED]:
-            s[TURNED] = theta
-            s[SINE_OF], s[COSINE_OF] = sine_cosine(theta)
-        task.w[PX, 0] = z * s[SINE_OF] - x * s[COSINE_OF]
-        task.w[PZ, 0] = x * s[SINE_OF] + z * s[COSINE_OF]
-    return float(task.p[INERTIA] + task.p[MASS] * (x * x + z * z))
+        state = task.state
+        if theta != state.angle_rad:
+            state.angle_rad = theta
+            state.sine, state.cosine = sine_cosine(theta)
+        task.series.pivot_x[0] = z * state.sine - x * state.cosine
+        task.series.pivot_z[0] = x * state.sine + z * state.cosine
+    return float(task.params.inertia_kg_m2 + task.params.mass_kg * (x * x + z * z))
 
 
 @inlined
@@ -98,42 +63,42 @@ def _fall(gap: float, speed: float, pull: float) -> float:
 @inlined
 def _aim(task: Task, h: float) -> float:
     """The step, at most h, that ends a little after the landing foreseen from the first terms."""
-    w, pivot = task.w, task.q[PIVOT]
+    series, pivot = task.series, task.state.pivot
     if pivot > 0:
-        gap = w[TH, 0] - peek(task.address[FACET_RAD], pivot - 1)
-        h = min(h, AIM * _fall(gap, w[OM, 0], w[OM, 1]))
-    if pivot < task.length[FACET_RAD]:
-        gap = peek(task.address[FACET_RAD], pivot) - w[TH, 0]
-        h = min(h, AIM * _fall(gap, -w[OM, 0], -w[OM, 1]))
+        gap = series.theta[0] - load_double(task.base.facets, pivot - 1)
+        h = min(h, AIM * _fall(gap, series.theta_rate[0], series.theta_rate[1]))
+    if pivot < task.base.n_facets:
+        gap = load_double(task.base.facets, pivot) - series.theta[0]
+        h = min(h, AIM * _fall(gap, -series.theta_rate[0], -series.theta_rate[1]))
     return h
 
 
 @inlined
 def _aim_at_halt(task: Task, h: float) -> float:
     """The step, at most h, that ends a little after the halt foreseen from the first terms."""
-    rate, accel = task.w[RATE, 0], task.w[RATE, 1]
+    rate, accel = task.series.slip_rate[0], task.series.slip_rate[1]
     return min(h, AIM * abs(rate / accel)) if rate * accel < 0.0 else h
 
 
 @inlined
-def _older(w: Floats, row: int, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
-    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z, A being in the row, owe to coefficients older than the newest of
+def _older(series: Series, accel: Floats, i: int, deg_z: int, moment: float) -> tuple[float, float, float]:
+    """What term i + 1 of Xθ̇ and of Zθ̇ and term i of g_e X − A Z, A being accel, owe to coefficients older than the newest of
     θ̇ and A; moment: what the last owes to the first term of g_e."""
     sx, sz, sx1, sz1, moment1, k = 0.0, 0.0, 0.0, 0.0, 0.0, 2
     if i > 0 and i % 2 == 0:  # pairs of terms are left
-        omega, depth, k = term(w, OM, i - 1), term(w, PZ, 2), 3
-        sx, sz = term(w, PX, 2) * omega, depth * omega
-        moment -= term(w, row, i - 2) * depth
+        omega, depth, k = term(series.theta_rate, i - 1), term(series.pivot_z, 2), 3
+        sx, sz = term(series.pivot_x, 2) * omega, depth * omega
+        moment -= term(accel, i - 2) * depth
     while k < i:
-        omega, depth = term(w, OM, i + 1 - k), term(w, PZ, k)
-        omega1, depth1 = term(w, OM, i - k), term(w, PZ, k + 1)
-        sx, sx1 = sx + term(w, PX, k) * omega, sx1 + term(w, PX, k + 1) * omega1
+        omega, depth = term(series.theta_rate, i + 1 - k), term(series.pivot_z, k)
+        omega1, depth1 = term(series.theta_rate, i - k), term(series.pivot_z, k + 1)
+        sx, sx1 = sx + term(series.pivot_x, k) * omega, sx1 + term(series.pivot_x, k + 1) * omega1
         sz, sz1 = sz + depth * omega, sz1 + depth1 * omega1
-        moment, moment1 = moment - term(w, row, i - k) * depth, moment1 - term(w, row, i - k - 1) * depth1
+        moment, moment1 = moment - term(accel, i - k) * depth, moment1 - term(accel, i - k - 1) * depth1
         k += 2
     sx, sz, moment = sx + sx1, sz + sz1, moment + moment1
     for k in range(1, min(i, deg_z) + 1):
-        moment += term(w, GE, k) * term(w, PX, i - k)
+        moment += term(series.gravity, k) * term(series.pivot_x, i - k)
     return sx, sz, moment
 
 
@@ -149,33 +114,35 @@ def rock_stuck(task: Task, n: int, j: float, h: float, tol: float) -> tuple[int,
 
     Returns the order reached, n or less where the step needs less, and the step. X and Z are written to one order more.
     """
-    w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
-    m, base, per_j = p[MASS], p[BASE_MASS], p[MASS] / j
-    x, z, om, first = w[PX, 0], w[PZ, 0], w[OM, 0], w[OM, 0]
+    series, params, deg_z = task.series, task.params, task.motion_z.degree
+    m, base, per_j = params.mass_kg, params.pedestal_mass_kg, params.mass_kg / j
+    x, z, om = series.pivot_x[0], series.pivot_z[0], series.theta_rate[0]
+    first = om
     px1, pz1 = z * om, -(x * om)
     px, next_px, next_pz = x, px1, pz1
-    w[DET, 0], w[PX, 1], w[PZ, 1], w[ABS, 0] = j, px1, pz1, w[AX, 0]
+    series.determinant, series.support_accel[0] = j, series.floor_accel[0]
+    series.pivot_x[1], series.pivot_z[1] = px1, pz1
     power, small, order = 1.0, 0, 1.0
     for i in range(n):
         inverse = INVERSE[i + 1]
-        sx, sz, moment = _older(w, AX, i, deg_z, term(w, GE, 0) * px)
-        pull, weight = term(w, AX, i), term(w, GE, i)
+        sx, sz, moment = _older(series, series.floor_accel, i, deg_z, term(series.gravity, 0) * px)
+        pull, weight = term(series.floor_accel, i), term(series.gravity, i)
         if i > 0:
-            moment -= pz1 * term(w, AX, i - 1)
+            moment -= pz1 * term(series.floor_accel, i - 1)
             sx += px1 * om
             sz += pz1 * om
         px = next_px
-        set_term(w, TH, i + 1, om * inverse)
+        set_term(series.theta, i + 1, om * inverse)
         om = per_j * (moment - z * pull) * inverse
         xw, zw = x * om + (sx + px * first), z * om + (sz + next_pz * first)
         next_px, next_pz = zw * INVERSE[i + 2], -(xw * INVERSE[i + 2])
-        set_term(w, OM, i + 1, om)
-        set_term(w, PX, i + 2, next_px)
-        set_term(w, PZ, i + 2, next_pz)
+        set_term(series.theta_rate, i + 1, om)
+        set_term(series.pivot_x, i + 2, next_px)
+        set_term(series.pivot_z, i + 2, next_pz)
         v = m * (weight - order * xw)
-        set_term(w, PIVOT_V, i, v)
-        set_term(w, NORMAL, i, v + base * weight)
-        set_term(w, FLOOR, i, m * (pull + order * zw) + base * pull)
+        set_term(series.pivot_normal, i, v)
+        set_term(series.floor_normal, i, v + base * weight)
+        set_term(series.floor_force, i, m * (pull + order * zw) + base * pull)
         if i == 0 and tol > 0.0:
             h = _aim(task, h)
         power *= h
@@ -191,25 +158,26 @@ def rock_stuck(task: Task, n: int, j: float, h: float, tol: float) -> tuple[int,
 @inlined
 def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float) -> tuple[int, float]:
     """Rocking on a sliding support, and its forces V and N; arguments and answer as of `rock_stuck`."""
-    w, p, deg_z = task.w, task.p, task.q[DEGREE + 1]
-    m, base, kappa = p[MASS], p[BASE_MASS], slide * p[MU_KINETIC]
+    series, params, deg_z = task.series, task.params, task.motion_z.degree
+    m, base, kappa = params.mass_kg, params.pedestal_mass_kg, slide * params.floor_kinetic
     ratio = m / (m + base)
-    kappa_n, per_length = kappa * p[DYNAMIC], 1.0 / p[CENTROID]
-    x, z, om, first, rate = w[PX, 0], w[PZ, 0], w[OM, 0], w[OM, 0], w[RATE, 0]
+    kappa_n, per_length = (kappa if params.dynamic_normal else 0.0), 1.0 / params.centroid_height_m
+    x, z, om, rate = series.pivot_x[0], series.pivot_z[0], series.theta_rate[0], series.slip_rate[0]
+    first = om
     lever = z - kappa_n * x
-    w[DET, 0] = j - m * ratio * z * lever
-    per_det, power, small, order = m / w[DET, 0], 1.0, 0, 1.0
+    series.determinant = j - m * ratio * z * lever
+    per_det, power, small, order = m / series.determinant, 1.0, 0, 1.0
     px1, pz1, a, lean = z * om, -(x * om), 0.0, x + kappa_n * z
     px, next_px, next_pz = x, px1, pz1
-    w[PX, 1], w[PZ, 1] = px1, pz1
+    series.pivot_x[1], series.pivot_z[1] = px1, pz1
     drawing, drawn_by_acc = per_det * z * ratio, ratio * lever
     turn = lean * om
     # what θ̈'s next term owes to (X + κ'Z)θ̇ and A of the order before, and to its θ̇
     by_turn, by_accel, by_rate = drawing * first, -(per_det * pz1), -(drawing * turn)
     for i in range(n):
         inverse = INVERSE[i + 1]
-        sx, sz, moment = _older(w, ABS, i, deg_z, term(w, GE, 0) * px)
-        pull, weight = term(w, AX, i), term(w, GE, i)
+        sx, sz, moment = _older(series, series.support_accel, i, deg_z, term(series.gravity, 0) * px)
+        pull, weight = term(series.floor_accel, i), term(series.gravity, i)
         held = -(kappa * weight)
         known = per_det * (moment - z * held) + drawing * order * (sz - kappa_n * sx)
         # what the order before has just given (θ̇, A and, through them, the next X and Z) comes in on the shortest way
@@ -219,22 +187,22 @@ def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float)
             sz += pz1 * om
         px = next_px
         acc = known - by_turn * turn
-        set_term(w, TH, i + 1, om * inverse)
-        set_term(w, SLIP, i + 1, rate * inverse)
+        set_term(series.theta, i + 1, om * inverse)
+        set_term(series.slip, i + 1, rate * inverse)
         sx += px * first
         sz += next_pz * first
         a = held - ratio * order * (sz - kappa_n * sx) - drawn_by_acc * acc
         om, rate = acc * inverse, (a - pull) * inverse
         xw, zw, turn = x * om + sx, z * om + sz, lean * om + (sx + kappa_n * sz)
-        set_term(w, ABS, i, a)
-        set_term(w, OM, i + 1, om)
-        set_term(w, RATE, i + 1, rate)
+        set_term(series.support_accel, i, a)
+        set_term(series.theta_rate, i + 1, om)
+        set_term(series.slip_rate, i + 1, rate)
         next_px, next_pz = zw * INVERSE[i + 2], -(xw * INVERSE[i + 2])
-        set_term(w, PX, i + 2, next_px)
-        set_term(w, PZ, i + 2, next_pz)
+        set_term(series.pivot_x, i + 2, next_px)
+        set_term(series.pivot_z, i + 2, next_pz)
         v = m * (weight - order * xw)
-        set_term(w, PIVOT_V, i, v)
-        set_term(w, NORMAL, i, v + base * weight)
+        set_term(series.pivot_normal, i, v)
+        set_term(series.floor_normal, i, v + base * weight)
         if i == 0 and tol > 0.0:
             h = _aim_at_halt(task, _aim(task, h))
         power *= h
@@ -252,46 +220,46 @@ def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float)
 def complete(task: Task, n: int) -> None:
     """Write what only the model's limits need of a rocking step: terms 0..n of H = m (A + X''), and of A while the support is
     stuck."""
-    w, m = task.w, task.p[MASS]
+    series, m = task.series, task.params.mass_kg
     for k in range(n + 1):
-        if task.q[SLIDE] == 0:
-            w[ABS, k] = w[AX, k]
-        w[PIVOT_H, k] = m * (w[ABS, k] + (k + 1) * (k + 2) * w[PX, k + 2])
+        if task.state.slide == 0:
+            series.support_accel[k] = series.floor_accel[k]
+        series.pivot_force[k] = m * (series.support_accel[k] + (k + 1) * (k + 2) * series.pivot_x[k + 2])
 
 
 @inlined
-def at_rest(w: Floats, n: int, slide: int, kappa: float) -> None:
+def at_rest(series: Series, n: int, slide: int, kappa: float) -> None:
     """The statue standing on its support, which is stuck (slide 0) or slides with A = −κ g_e."""
     for k in range(n + 1):
         if k > 0:
-            w[TH, k], w[SLIP, k] = 0.0, 0.0
-        w[OM, k] = 0.0
+            series.theta[k], series.slip[k] = 0.0, 0.0
+        series.theta_rate[k] = 0.0
         if slide == 0:
-            w[RATE, k], w[ABS, k] = 0.0, w[AX, k]
+            series.slip_rate[k], series.support_accel[k] = 0.0, series.floor_accel[k]
         else:
-            w[ABS, k] = -(kappa * w[GE, k])
+            series.support_accel[k] = -(kappa * series.gravity[k])
             if k > 0:
-                w[RATE, k] = -(kappa * w[GE, k - 1] + w[AX, k - 1]) / k
-                w[SLIP, k] = w[RATE, k - 1] / k
+                series.slip_rate[k] = -(kappa * series.gravity[k - 1] + series.floor_accel[k - 1]) / k
+                series.slip[k] = series.slip_rate[k - 1] / k
 
 
 @inlined
 def expand(task: Task, pivot: int, slide: int, n: int, h: float) -> tuple[int, float]:
-    """Taylor coefficients of the motion and the forces in one joint state from the first column of the workspace.
+    """Taylor coefficients of the motion and the forces in one joint state from their first terms, a_x and g_e.
 
-    AX and GE must be loaded. Returns the order reached (forces: one less) and the step, h or less, that was aimed at an event.
+    Returns the order reached (forces: one less) and the step, h or less, that was aimed at an event.
     """
-    p, w = task.p, task.w
-    tol = p[TOLERANCE] / p[TIME_SCALE] if h < math.inf else 0.0
+    params, series = task.params, task.series
+    tol = params.tolerance_rad / params.time_scale_s if h < math.inf else 0.0
     if pivot < 0:
-        at_rest(w, n, slide, slide * p[MU_KINETIC])
-        total = p[MASS] + p[BASE_MASS]
+        at_rest(series, n, slide, slide * params.floor_kinetic)
+        total = params.mass_kg + params.pedestal_mass_kg
         for i in range(n):
-            set_term(w, PIVOT_V, i, p[MASS] * term(w, GE, i))
-            set_term(w, NORMAL, i, total * term(w, GE, i))
-            set_term(w, FLOOR, i, total * term(w, ABS, i))
+            set_term(series.pivot_normal, i, params.mass_kg * term(series.gravity, i))
+            set_term(series.floor_normal, i, total * term(series.gravity, i))
+            set_term(series.floor_force, i, total * term(series.support_accel, i))
     elif slide == 0:
-        n, h = rock_stuck(task, n, place(task, w[TH, 0], pivot), h, tol)
+        n, h = rock_stuck(task, n, place(task, series.theta[0], pivot), h, tol)
     else:
-        n, h = rock_sliding(task, slide, n, place(task, w[TH, 0], pivot), h, tol)
+        n, h = rock_sliding(task, slide, n, place(task, series.theta[0], pivot), h, tol)
     return n, h

@@ -4,129 +4,106 @@ from __future__ import annotations
 
 import math
 
-from analytic.kernel.compiler import inlined, jit
-from analytic.kernel.joint_state import falling, lift_margin, omega_zeros, rate_zeros, stick_margin
-from analytic.kernel.layout import (
+from analytic.kernel.codes import (
     AT_LIMIT,
     AT_WALL,
-    BASE_MASS,
-    DEGREE,
-    DET,
-    DYNAMIC,
-    EVENT,
-    FACET_RAD,
-    FLIGHT,
-    FLOOR,
-    FRESH,
-    GE,
-    HALT,
-    HAS_BASE,
     IMPACT,
-    MASS,
-    MU_KINETIC,
-    MU_STATIC,
+    LOST_CONTACT,
     NO_EVENT,
     NO_SOLUTION,
-    NORMAL,
-    OM,
-    OVERTURN,
-    PIVOT,
-    PIVOT_V,
-    PX,
-    PZ,
-    RATE,
-    SLIDE,
-    SLIP_EVENT,
-    TH,
-    TIME_SCALE,
+    SLIP_ONSET,
+    STICK_ONSET,
     UPLIFT,
-    WALL_ROTATION,
-    WALL_SIDE,
-    Task,
 )
-from analytic.kernel.memory import peek, set_term, term
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.joint_state import falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
+from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
+from analytic.kernel.records import Floats, Task
 
-Found = tuple[float, int, int, int, float]
+FirstEvent = tuple[float, int, int, int, float]
 """Fraction of the step, kind, side, depth of the search, and the residual relative to the function's terms; of an impact or a
-halt these terms themselves: its residual is what the state has left that is moved there anyway."""
+stick onset these terms themselves: its residual is what the state has left that is moved there anyway."""
 
-Rests = tuple[float, float, float, float]
+Bounds = tuple[float, float, float, float]
 """How far the terms from the second on can carry θ, V, N, and F (stuck) or u̇ (sliding)."""
 
 
 @inlined
-def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: Found) -> Found:
+def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: FirstEvent) -> FirstEvent:
     """The earlier of best and the first root of the function in the EVENT row, of which lo leading terms are zero."""
-    x, level, terms = first_root(task.w, EVENT, lo, n, h)
+    x, level, terms = first_root(task.series.event, lo, n, h)
     if x >= best[0]:
         return best[0], best[1], best[2], max(best[3], level), best[4]
     residual = terms
-    if kind != IMPACT and kind != HALT:
-        residual = remainder(task.w, EVENT, n, x) / terms if terms > 0.0 else 0.0
+    if kind != IMPACT and kind != STICK_ONSET:
+        residual = remainder(task.series.event, n, x) / terms if terms > 0.0 else 0.0
     return x, kind, side, max(best[3], level), residual
 
 
 @inlined
-def _level(task: Task, row: int, n: int, sign: float, level: float) -> None:
-    """EVENT = sign (row − level)."""
-    w = task.w
-    w[EVENT, 0] = sign * (w[row, 0] - level)
+def _level(task: Task, row: Floats, n: int, sign: float, level: float) -> None:
+    """Make sign (row − level) the event function."""
+    event = task.series.event
+    event[0] = sign * (row[0] - level)
     for k in range(1, n + 1):
-        set_term(w, EVENT, k, sign * term(w, row, k))
+        set_term(event, k, sign * term(row, k))
 
 
 @inlined
-def _clear(task: Task, row: int, h: float, sign: float, level: float, rest: float) -> bool:
+def _clear(row: Floats, h: float, sign: float, level: float, rest: float) -> bool:
     """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
-    start, first = sign * (task.w[row, 0] - level), sign * task.w[row, 1] * h
+    start, first = sign * (row[0] - level), sign * row[1] * h
     return bool(start + min(first, 0.0) > rest)
 
 
 @inlined
-def _rests(task: Task, n: int, h: float) -> Rests:
-    w = task.w
-    row = FLOOR if task.q[SLIDE] == 0 else RATE
+def _bounds(task: Task, n: int, h: float) -> Bounds:
+    series = task.series
+    row = series.floor_force if task.state.slide == 0 else series.slip_rate
     theta, pivot, third, theta1, pivot1, third1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for column in (n, n + 1):  # pairs of terms, without an odd one out
-        set_term(w, PIVOT_V, column, 0.0)
-        set_term(w, FLOOR, column, 0.0)
-    set_term(w, TH, n + 1, 0.0)
-    set_term(w, RATE, n + 1, 0.0)
+        set_term(series.pivot_normal, column, 0.0)
+        set_term(series.floor_force, column, 0.0)
+    set_term(series.theta, n + 1, 0.0)
+    set_term(series.slip_rate, n + 1, 0.0)
     k, power, square = 2, h * h, h * h
     while k <= n:
         power1 = power * h
-        theta, theta1 = theta + abs(term(w, TH, k)) * power, theta1 + abs(term(w, TH, k + 1)) * power1
-        pivot, pivot1 = pivot + abs(term(w, PIVOT_V, k)) * power, pivot1 + abs(term(w, PIVOT_V, k + 1)) * power1
-        third, third1 = third + abs(term(w, row, k)) * power, third1 + abs(term(w, row, k + 1)) * power1
+        theta, theta1 = theta + abs(term(series.theta, k)) * power, theta1 + abs(term(series.theta, k + 1)) * power1
+        pivot, pivot1 = (
+            pivot + abs(term(series.pivot_normal, k)) * power,
+            pivot1 + abs(term(series.pivot_normal, k + 1)) * power1,
+        )
+        third, third1 = third + abs(term(row, k)) * power, third1 + abs(term(row, k + 1)) * power1
         power *= square
         k += 2
     theta, pivot, third, normal = theta + theta1, pivot + pivot1, third + third1, pivot + pivot1
-    if task.q[DEGREE + 1] > 1:  # else N has no other terms than V from the second on
+    if task.motion_z.degree > 1:  # else N has no other terms than V from the second on
         normal, power = 0.0, h
         for k in range(2, n):
             power *= h
-            normal += abs(term(w, NORMAL, k)) * power
+            normal += abs(term(series.floor_normal, k)) * power
     return theta, pivot, normal, third
 
 
 @inlined
-def _rotation(task: Task, n: int, h: float, rest: float, best: Found) -> Found:
+def _rotation(task: Task, n: int, h: float, rest: float, best: FirstEvent) -> FirstEvent:
     """Impact on the facets at either side of the pivot, and the overturning limit."""
-    pivot, w, last = task.q[PIVOT], task.w, task.length[FACET_RAD]
+    pivot, series, last = task.state.pivot, task.series, task.base.n_facets
     for side in (-1, 1):
         j = pivot if side > 0 else pivot - 1
         if 0 <= j < last:
-            angle = peek(task.address[FACET_RAD], j)
-            if _clear(task, TH, h, -side, angle, rest):
+            angle = load_double(task.base.facets, j)
+            if _clear(series.theta, h, -side, angle, rest):
                 continue
-            _level(task, TH, n, -side, angle)
+            _level(task, series.theta, n, -side, angle)
             lo = 0
-            if w[EVENT, 0] == 0.0:
-                lo = 1 if w[OM, 0] != 0.0 else 1 + omega_zeros(task, n)
+            if series.event[0] == 0.0:
+                lo = 1 if series.theta_rate[0] != 0.0 else 1 + theta_rate_zeros(task, n)
             best = _search(task, n, h, lo, IMPACT, j, best)
-        elif not _clear(task, TH, h, -side, side * task.p[OVERTURN], rest):
-            _level(task, TH, n, -side, side * task.p[OVERTURN])
+        elif not _clear(series.theta, h, -side, side * task.params.overturn_rad, rest):
+            _level(task, series.theta, n, -side, side * task.params.overturn_rad)
             best = _search(task, n, h, 0, AT_LIMIT, side, best)
     return best
 
@@ -134,90 +111,91 @@ def _rotation(task: Task, n: int, h: float, rest: float, best: Found) -> Found:
 @inlined
 def _solvable(task: Task, n: int) -> bool:
     """Whether the sliding system's determinant is positive at any rotation; if not, EVENT is written with its terms."""
-    w, p = task.w, task.p
-    kappa, pull = task.q[SLIDE] * p[MU_KINETIC] * p[DYNAMIC], p[MASS] * p[MASS] / (p[MASS] + p[BASE_MASS])
-    x, z = w[PX, 0], w[PZ, 0]
-    own = w[DET, 0] + pull * z * (z - kappa * x)
+    series, params = task.series, task.params
+    kappa = task.state.slide * params.floor_kinetic if params.dynamic_normal else 0.0
+    pull = params.mass_kg * params.mass_kg / (params.mass_kg + params.pedestal_mass_kg)
+    x, z = series.pivot_x[0], series.pivot_z[0]
+    own = series.determinant + pull * z * (z - kappa * x)
     if own > pull * (x * x + z * z) * math.sqrt(1.0 + kappa * kappa):
         return True
     for i in range(n):
         total = 0.0
         for k in range(i + 1):
-            total += w[PZ, k] * (w[PZ, i - k] - kappa * w[PX, i - k])
-        w[EVENT, i] = -(pull * total)
-    w[EVENT, 0] = w[DET, 0]
+            total += series.pivot_z[k] * (series.pivot_z[i - k] - kappa * series.pivot_x[i - k])
+        series.event[i] = -(pull * total)
+    series.event[0] = series.determinant
     return False
 
 
 @inlined
-def _contact(task: Task, n: int, h: float, rests: Rests, best: Found) -> Found:
+def _contact(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> FirstEvent:
     """Loss of contact and the friction paradox; a statue that already falls may leave its corner without ending the run."""
-    q = task.q
-    if q[PIVOT] < 0:
-        if task.q[DEGREE + 1] > 0 or task.w[GE, 0] <= 0.0:
-            _level(task, GE, n, 1.0, 0.0)
-            return _search(task, n, h, 0, FLIGHT, 0, best)
+    state, series = task.state, task.series
+    if state.pivot < 0:
+        if task.motion_z.degree > 0 or series.gravity[0] <= 0.0:
+            _level(task, series.gravity, n, 1.0, 0.0)
+            return _search(task, n, h, 0, LOST_CONTACT, 0, best)
         return best
-    if not _clear(task, PIVOT_V, h, 1.0, 0.0, rests[1]) and not falling(task):
-        _level(task, PIVOT_V, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, FLIGHT, 0, best)
-    if task.p[HAS_BASE] > 0.0 and not _clear(task, NORMAL, h, 1.0, 0.0, rests[2]):
-        _level(task, NORMAL, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, FLIGHT, 1, best)
-    if q[SLIDE] != 0 and not _solvable(task, n):
+    if not _clear(series.pivot_normal, h, 1.0, 0.0, bounds[1]) and not falling(task):
+        _level(task, series.pivot_normal, n - 1, 1.0, 0.0)
+        best = _search(task, n - 1, h, 0, LOST_CONTACT, 0, best)
+    if task.params.has_pedestal and not _clear(series.floor_normal, h, 1.0, 0.0, bounds[2]):
+        _level(task, series.floor_normal, n - 1, 1.0, 0.0)
+        best = _search(task, n - 1, h, 0, LOST_CONTACT, 1, best)
+    if state.slide != 0 and not _solvable(task, n):
         best = _search(task, n - 1, h, 0, NO_SOLUTION, 0, best)
     return best
 
 
 @inlined
-def _uplift(task: Task, n: int, h: float, best: Found) -> Found:
+def _uplift(task: Task, n: int, h: float, best: FirstEvent) -> FirstEvent:
     """Uplift of the resting statue to either side."""
     for side in (1, -1):
         scale = lift_margin(task, side, n - 1)
-        lo = leading(task.w, EVENT, n - 1, scale, task.p[TIME_SCALE]) if task.q[FRESH] == 1 else 0
+        lo = leading(task.series.event, n - 1, scale, task.params.time_scale_s) if task.state.fresh else 0
         best = _search(task, n - 1, h, lo, UPLIFT, side, best)
     return best
 
 
 @inlined
-def _friction(task: Task, n: int, h: float, rests: Rests, best: Found) -> Found:
+def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> FirstEvent:
     """Start of the stuck pedestal to either side, or halt of the sliding one."""
-    q, w, p = task.q, task.w, task.p
-    if q[SLIDE] != 0:
-        if not _clear(task, RATE, h, q[SLIDE], 0.0, rests[3]):
-            lo = rate_zeros(task, n) if w[RATE, 0] == 0.0 else 0
-            _level(task, RATE, n, q[SLIDE], 0.0)
-            best = _search(task, n, h, lo, HALT, q[SLIDE], best)
+    state, series, params = task.state, task.series, task.params
+    if state.slide != 0:
+        if not _clear(series.slip_rate, h, state.slide, 0.0, bounds[3]):
+            lo = slip_rate_zeros(task, n) if series.slip_rate[0] == 0.0 else 0
+            _level(task, series.slip_rate, n, state.slide, 0.0)
+            best = _search(task, n, h, lo, STICK_ONSET, state.slide, best)
         return best
-    rest = math.inf if p[DYNAMIC] == 0.0 or q[PIVOT] < 0 else p[MU_STATIC] * rests[2] + rests[3]
-    held, change = p[MU_STATIC] * w[NORMAL, 0], p[MU_STATIC] * w[NORMAL, 1]
+    rest = math.inf if not params.dynamic_normal or state.pivot < 0 else params.floor_static * bounds[2] + bounds[3]
+    held, change = params.floor_static * series.floor_normal[0], params.floor_static * series.floor_normal[1]
     for side in (1, -1):
-        if held + side * w[FLOOR, 0] + min(h * (change + side * w[FLOOR, 1]), 0.0) > rest:
+        if held + side * series.floor_force[0] + min(h * (change + side * series.floor_force[1]), 0.0) > rest:
             continue
         scale = stick_margin(task, side, n - 1)
-        lo = leading(w, EVENT, n - 1, scale, p[TIME_SCALE]) if q[FRESH] == 1 else 0
-        best = _search(task, n - 1, h, lo, SLIP_EVENT, side, best)
+        lo = leading(series.event, n - 1, scale, params.time_scale_s) if state.fresh else 0
+        best = _search(task, n - 1, h, lo, SLIP_ONSET, side, best)
     return best
 
 
 @jit
-def first_event(task: Task, n: int, h: float) -> Found:
+def first_event(task: Task, n: int, h: float) -> FirstEvent:
     """The first event within the step of length h whose coefficients stand in the workspace."""
-    q = task.q
+    state, series = task.state, task.series
     best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
-    rests = (0.0, 0.0, 0.0, 0.0)
-    if q[PIVOT] < 0:
+    bounds = (0.0, 0.0, 0.0, 0.0)
+    if state.pivot < 0:
         best = _uplift(task, n, h, best)
     else:
-        rests = _rests(task, n, h)
-        best = _rotation(task, n, h, rests[0], best)
-    if task.p[HAS_BASE] > 0.0:
-        if q[PIVOT] < 0 and q[SLIDE] != 0:
-            rests = (0.0, 0.0, 0.0, math.inf)
-        best = _friction(task, n, h, rests, best)
-    best = _contact(task, n, h, rests, best)
-    side = int(task.p[WALL_SIDE])
-    if side != 0 and q[PIVOT] >= 0 and not _clear(task, TH, h, -side, side * task.p[WALL_ROTATION], rests[0]):
-        _level(task, TH, n, -side, side * task.p[WALL_ROTATION])
+        bounds = _bounds(task, n, h)
+        best = _rotation(task, n, h, bounds[0], best)
+    if task.params.has_pedestal:
+        if state.pivot < 0 and state.slide != 0:
+            bounds = (0.0, 0.0, 0.0, math.inf)
+        best = _friction(task, n, h, bounds, best)
+    best = _contact(task, n, h, bounds, best)
+    side = task.params.wall_side
+    if side != 0 and state.pivot >= 0 and not _clear(series.theta, h, -side, side * task.params.wall_rad, bounds[0]):
+        _level(task, series.theta, n, -side, side * task.params.wall_rad)
         best = _search(task, n, h, 0, AT_WALL, side, best)
     return best

@@ -5,90 +5,41 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.compiler import entry, inlined, jit
+import numpy as np
+
+from analytic.kernel.codes import (
+    AT_LIMIT,
+    AT_WALL,
+    BEGIN,
+    BREAK,
+    FINISH,
+    FRICTION_PARADOX,
+    IMPACT,
+    LIFT_OFF,
+    LOST_CONTACT,
+    NO_EVENT,
+    NO_SOLUTION,
+    OVERTURNED_LEFT,
+    OVERTURNED_RIGHT,
+    RUNNING,
+    STANDS,
+    STICK_ONSET,
+    TOUCHES_WALL,
+    UNDECIDED,
+)
+from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.dynamics import expand
 from analytic.kernel.elementary import coarse_root
 from analytic.kernel.energy import decide
 from analytic.kernel.events import first_event
-from analytic.kernel.forcing import break_at, is_jump, look_ahead
-from analytic.kernel.joint_state import load
+from analytic.kernel.forcing import is_jump, look_ahead, next_break_s, prepare
+from analytic.kernel.joint_state import start_series
 from analytic.kernel.landing import land
-from analytic.kernel.layout import (
-    ALONG_X,
-    ALONG_Z,
-    AT_LIMIT,
-    AT_WALL,
-    AX,
-    BASE_X,
-    BASE_Z,
-    BEGIN,
-    BREAK,
-    CENTROID,
-    COEFFICIENTS,
-    DEGREE,
-    DURATION,
-    FACET_RAD,
-    FINISH,
-    FLIGHT,
-    FRESH,
-    GAVE_UP,
-    GE,
-    GRID_STEP,
-    HALT,
-    HISTORY,
-    IMPACT,
-    INVERSE,
-    LIFT_OFF,
-    LIMIT,
-    LOADED,
-    NO_EVENT,
-    NO_SOLUTION,
-    OM,
-    ORDER,
-    OUTCOME,
-    OVER,
-    OVERTURN_TIME,
-    OVERTURNED_LEFT,
-    OVERTURNED_RIGHT,
-    PARADOX,
-    PEAK,
-    PEAK_SLIP,
-    PIVOT,
-    PX,
-    RATE,
-    RESIDUAL,
-    RUNNING,
-    S_OM,
-    S_TH,
-    S_V,
-    SAMPLES,
-    SEG,
-    SKIP_ENERGY,
-    SKIP_REST,
-    SKIP_START,
-    SLIDE,
-    STALLED,
-    STANDS,
-    STEP_CAP,
-    STEPS,
-    TABLE,
-    TANGENTS,
-    TIME_SCALE,
-    TIMES,
-    TOLERANCE,
-    TOUCHES_WALL,
-    UNDECIDED,
-    WANT_VALIDITY,
-    Floats,
-    Runs,
-    T,
-    Task,
-)
-from analytic.kernel.memory import peek
+from analytic.kernel.memory import load_double
 from analytic.kernel.polynomial import TANGENT_LEVEL
-from analytic.kernel.quiet import quiet
-from analytic.kernel.start import begin
-from analytic.kernel.track import close, follow, record, settle
+from analytic.kernel.quiet import skip_quiet
+from analytic.kernel.records import INVERSE, TASK, Task
+from analytic.kernel.track import advance, change_state, note_event
 from analytic.kernel.validity import note_step
 
 MAX_STALL: Final = 50
@@ -98,22 +49,25 @@ SHORTER: Final = 0.9
 MAX_STEPS: Final = 5_000_000
 """Steps after which a run is given up as undecided."""
 
+BLANK: Final = np.zeros(1, TASK)
+"""A run before its start: the same memory serves many runs one after another."""
+
 
 @inlined
 def _size(task: Task, k: int) -> float:
     """Size of the step's term k, rad s^-k."""
-    w, p, time_s = task.w, task.p, task.p[TIME_SCALE]
-    if task.q[PIVOT] < 0:
-        return float(time_s * time_s * (abs(w[AX, k]) + abs(w[GE, k])) / p[CENTROID])
-    slip = abs(w[RATE, k]) / p[CENTROID] if task.q[SLIDE] != 0 else 0.0
-    return float(time_s * max(abs(w[OM, k]), slip))
+    series, params, time_s = task.series, task.params, task.params.time_scale_s
+    if task.state.pivot < 0:
+        return float(time_s * time_s * (abs(series.floor_accel[k]) + abs(series.gravity[k])) / params.centroid_height_m)
+    slip = abs(series.slip_rate[k]) / params.centroid_height_m if task.state.slide != 0 else 0.0
+    return float(time_s * max(abs(series.theta_rate[k]), slip))
 
 
 @inlined
 def _length(task: Task, n: int, h: float) -> float:
     """Step at which the last two terms fall below the tolerance, at most h (Jorba and Zou's rule)."""
     before, last = _size(task, n - 1), _size(task, n)
-    tol, step = task.p[TOLERANCE], h / SHORTER
+    tol, step = task.params.tolerance_rad, h / SHORTER
     if before > 0.0:
         step = min(step, coarse_root(tol / before, INVERSE[n - 1]))
     if last > 0.0 and last * step > before:  # else the last term is the smaller one there
@@ -124,16 +78,16 @@ def _length(task: Task, n: int, h: float) -> float:
 @inlined
 def _expand_step(task: Task, h: float) -> tuple[int, float]:
     """Coefficients of the step that starts now: their order, and the length for which they hold, at most h."""
-    q = task.q
-    n = int(task.p[ORDER])
-    load(task)
-    if q[PIVOT] < 0 and max(q[DEGREE], q[DEGREE + 1]) <= 1:
+    state = task.state
+    n = task.params.order
+    start_series(task)
+    if state.pivot < 0 and max(task.motion_x.degree, task.motion_z.degree) <= 1:
         n = 3
-    reached, h = expand(task, q[PIVOT], q[SLIDE], n, h)
-    if reached == int(task.p[ORDER]):
+    reached, h = expand(task, state.pivot, state.slide, n, h)
+    if reached == task.params.order:
         h = _length(task, reached, h)
-    task.c[STEPS] += 1
-    task.c[COEFFICIENTS] += reached
+    task.counts.steps += 1
+    task.counts.coefficients += reached
     return reached, h
 
 
@@ -146,43 +100,76 @@ def _share(left: float, terms: float) -> float:
 @jit
 def _handle(task: Task, kind: int, side: int, residual: float) -> None:
     """What happens at an event; residual: as first_event gives it."""
-    s, q, r = task.s, task.q, task.r
+    state, results = task.state, task.results
     if kind == IMPACT:
-        angle = peek(task.address[FACET_RAD], side)
-        residual = _share(s[S_TH] - angle, residual + abs(angle))
-    elif kind == HALT:
-        residual = _share(s[S_V], residual)
-    r[RESIDUAL] = max(r[RESIDUAL], residual)
+        angle = load_double(task.base.facets, side)
+        residual = _share(state.theta_rad - angle, residual + abs(angle))
+    elif kind == STICK_ONSET:
+        residual = _share(state.slip_rate_m_s, residual)
+    results.event_residual = max(results.event_residual, residual)
     if kind == IMPACT:
         land(task, side, residual)
-    elif kind == HALT:
-        before = s[S_V]
-        s[S_V] = 0.0
-        settle(task, kind, s[S_OM], before, q[PIVOT] < 0, 0.0, residual)
+    elif kind == STICK_ONSET:
+        before = state.slip_rate_m_s
+        state.slip_rate_m_s = 0.0
+        change_state(task, kind, state.theta_rate_rad_s, before, state.pivot < 0, 0.0, residual)
     elif kind == AT_LIMIT:
-        r[OVERTURN_TIME] = s[T]
-        q[OUTCOME] = OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT
+        results.overturn_time_s = state.time_s
+        state.outcome = OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT
     elif kind == AT_WALL:
-        q[OUTCOME] = TOUCHES_WALL
-    elif kind == FLIGHT:
-        q[OUTCOME] = LIFT_OFF
+        state.outcome = TOUCHES_WALL
+    elif kind == LOST_CONTACT:
+        state.outcome = LIFT_OFF
     elif kind == NO_SOLUTION:
-        q[OUTCOME] = PARADOX
+        state.outcome = FRICTION_PARADOX
     else:
-        settle(task, kind, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, residual)
-    if kind in (AT_LIMIT, AT_WALL, FLIGHT, NO_SOLUTION):
-        record(task, kind, s[S_OM], s[S_V], 0.0, 0, residual)
+        change_state(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, residual)
+    if kind in (AT_LIMIT, AT_WALL, LOST_CONTACT, NO_SOLUTION):
+        note_event(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, residual)
+
+
+@jit
+def _support(task: Task, theta: float, omega: float) -> tuple[int, int]:
+    """Pivot (−1 on a facet at rest) and facet of a statue that starts at theta with omega."""
+    last = task.base.n_facets
+    pivot = 0
+    for j in range(last):
+        angle = load_double(task.base.facets, j)
+        if theta == angle:
+            if omega == 0.0:
+                return -1, j
+            return (j + 1 if omega > 0.0 else j), j
+        if theta > angle:
+            pivot = j + 1
+    return pivot, min(pivot, last - 1)
+
+
+@jit
+def _begin(task: Task) -> None:
+    """Clear the results and set the initial state: u = u' = 0, side = sgn θ, else sgn θ'."""
+    task.state, task.results, task.counts = BLANK[0].state, BLANK[0].results, BLANK[0].counts
+    task.output.next_sample = 0
+    task.series.floor_accel[:], task.series.gravity[:] = 0.0, 0.0
+    prepare(task.motion_x)
+    prepare(task.motion_z)
+    state, results, params = task.state, task.results, task.params
+    state.theta_rad, state.theta_rate_rad_s = params.theta0_rad, params.theta_rate0_rad_s
+    state.pivot, state.facet = _support(task, params.theta0_rad, params.theta_rate0_rad_s)
+    results.peak_theta_rad = params.theta0_rad
+    results.least_pivot_normal_n, results.least_floor_normal_n, results.outcome_margin = math.inf, math.inf, math.inf
+    results.tipping_margin_m, results.tipping_margin_at_impact_m = math.inf, math.inf
+    results.overturn_time_s, results.no_return_time_s, results.left_domain_s = math.nan, math.nan, math.nan
 
 
 @inlined
 def _pass_breaks(task: Task) -> bool:
     """Count the breaks reached; whether an acceleration may have jumped at one of them."""
     jump = False
-    for axis in (ALONG_X, ALONG_Z):
-        while break_at(task, axis) <= task.s[T]:
-            task.q[SEG + axis] += 1
-            jump = jump or is_jump(task, axis)
-    task.q[LOADED] = 0
+    for motion in (task.motion_x, task.motion_z):
+        while next_break_s(motion) <= task.state.time_s:
+            motion.breaks_passed += 1
+            jump = jump or is_jump(motion)
+    task.state.floor_loaded = False
     look_ahead(task)
     return jump
 
@@ -190,101 +177,68 @@ def _pass_breaks(task: Task) -> bool:
 @jit
 def _finish(task: Task) -> None:
     """The ending of a run that reached its duration."""
-    q, w = task.q, task.w
-    q[OUTCOME] = STANDS
-    if q[PIVOT] < 0:
+    state, series = task.state, task.series
+    state.outcome = STANDS
+    if state.pivot < 0:
         return
-    if q[OVER] == 1 and decide(task):
+    if state.motions_over and decide(task):
         return
-    load(task)
-    expand(task, q[PIVOT], q[SLIDE], 1, math.inf)
-    leans_right = q[PIVOT] == task.length[FACET_RAD] and w[PX, 0] > 0.0
-    leans_left = q[PIVOT] == 0 and w[PX, 0] < 0.0
+    start_series(task)
+    expand(task, state.pivot, state.slide, 1, math.inf)
+    leans_right = state.pivot == task.base.n_facets and series.pivot_x[0] > 0.0
+    leans_left = state.pivot == 0 and series.pivot_x[0] < 0.0
     if leans_right or leans_left:
-        q[OUTCOME] = UNDECIDED
+        state.outcome = UNDECIDED
 
 
 @jit
 def _step(task: Task) -> None:
     """One step, cut at its first event."""
-    s, q, p, c = task.s, task.q, task.p, task.c
-    limit = s[LIMIT]
-    room = limit - s[T]
-    n, h = _expand_step(task, min(room, p[STEP_CAP]))
+    state, params, counts = task.state, task.params, task.counts
+    limit = state.limit_s
+    room = limit - state.time_s
+    n, h = _expand_step(task, min(room, params.step_cap_s))
     x, kind, side, level, residual = first_event(task, n, h)
     if level >= TANGENT_LEVEL:
-        c[TANGENTS] += 1
+        counts.tangents += 1
     tau = h if kind == NO_EVENT else x * h
-    until = limit if kind == NO_EVENT and h == room else s[T] + tau
-    follow(task, n, tau, until)
-    if p[WANT_VALIDITY] > 0.0:
+    until = limit if kind == NO_EVENT and h == room else state.time_s + tau
+    advance(task, n, tau, until)
+    if params.keep_validity:
         note_step(task, n, tau)
-    c[STALLED] = c[STALLED] + 1 if until <= s[T] else 0
-    s[T] = until
-    q[FRESH], q[LOADED] = 0, 0
+    counts.stalled = counts.stalled + 1 if until <= state.time_s else 0
+    state.time_s = until
+    state.fresh, state.floor_loaded = False, False
     if kind != NO_EVENT:
         _handle(task, kind, side, residual)
-    if q[OUTCOME] == RUNNING and s[T] >= limit and _pass_breaks(task):
-        settle(task, BREAK, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, 0.0)
-    if c[STALLED] > MAX_STALL or c[STEPS] > MAX_STEPS:
-        q[OUTCOME] = UNDECIDED
-        c[GAVE_UP] = 1
+    if state.outcome == RUNNING and state.time_s >= limit and _pass_breaks(task):
+        change_state(task, BREAK, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
+    if counts.stalled > MAX_STALL or counts.steps > MAX_STEPS:
+        state.outcome = UNDECIDED
+        counts.given_up = 1
 
 
 @jit
 def _has_moved(task: Task) -> bool:
     """Whether the statue has rocked or the pedestal slid before."""
-    return bool(task.r[PEAK] != 0.0 or task.r[PEAK_SLIP] > 0.0)
+    return task.results.peak_theta_rad != 0.0 or task.results.peak_slip_m > 0.0
 
 
 @jit
 def run_one(task: Task) -> None:
     """Run from the start to an ending; everything is written into the task and the arrays whose addresses it holds."""
-    s, q, p = task.s, task.q, task.p
-    begin(task)
+    state, params = task.state, task.params
+    _begin(task)
     _pass_breaks(task)
-    settle(task, BEGIN, s[S_OM], s[S_V], q[PIVOT] < 0, 0.0, 0.0)
-    while q[OUTCOME] == RUNNING:
-        if q[PIVOT] < 0 and q[SLIDE] == 0 and p[SKIP_REST if _has_moved(task) else SKIP_START] > 0.0:
-            quiet(task)
+    change_state(task, BEGIN, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
+    while state.outcome == RUNNING:
+        if state.pivot < 0 and state.slide == 0 and (params.skip_rest if _has_moved(task) else params.skip_start):
+            skip_quiet(task)
             look_ahead(task)
-        if p[SKIP_ENERGY] > 0.0 and p[GRID_STEP] == 0.0 and q[OVER] == 1 and decide(task):
+        if params.skip_energy and params.output_step_s == 0.0 and state.motions_over and decide(task):
             return
-        if s[T] < p[DURATION]:
+        if state.time_s < params.duration_s:
             _step(task)
-        if q[OUTCOME] == RUNNING and s[T] >= p[DURATION]:
+        if state.outcome == RUNNING and state.time_s >= params.duration_s:
             _finish(task)
-            record(task, FINISH, s[S_OM], s[S_V], 0.0, 0, 0.0)
-
-
-@entry
-def run(
-    runs: Runs,
-    p: Floats,
-    motion_x: Floats,
-    motion_z: Floats,
-    base_x: Floats,
-    base_z: Floats,
-    facets: Floats,
-    times_x: Floats,
-    times_z: Floats,
-    samples_x: Floats,
-    samples_z: Floats,
-    history: Floats,
-    events: Floats,
-) -> None:
-    """Pack the parameters, the two motions and where the caller's arrays stand into the one task of runs, and run it."""
-    task = runs[0]
-    task.p[:], task.f[ALONG_X, :], task.f[ALONG_Z, :] = p, motion_x, motion_z
-    task.address[BASE_X], task.length[BASE_X] = base_x.ctypes.data, base_x.size
-    task.address[BASE_Z], task.length[BASE_Z] = base_z.ctypes.data, base_z.size
-    task.address[FACET_RAD], task.length[FACET_RAD] = facets.ctypes.data, facets.size
-    task.address[TIMES], task.length[TIMES] = times_x.ctypes.data, times_x.size
-    task.address[TIMES + 1], task.length[TIMES + 1] = times_z.ctypes.data, times_z.size
-    task.address[SAMPLES], task.length[SAMPLES] = samples_x.ctypes.data, samples_x.size
-    task.address[SAMPLES + 1], task.length[SAMPLES + 1] = samples_z.ctypes.data, samples_z.size
-    task.address[HISTORY], task.length[HISTORY] = history.ctypes.data, max(history.shape[1] - 1, 0)
-    task.address[TABLE], task.length[TABLE] = events.ctypes.data, events.shape[0]
-    run_one(task)
-    if p[GRID_STEP] > 0.0:
-        close(task)
+            note_event(task, FINISH, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, 0.0)

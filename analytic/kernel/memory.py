@@ -1,5 +1,8 @@
-"""Reaching numbers without the checks of an index: arrays that the compiled code only borrows, by their address (the caller keeps
-them alive), and the rows of the workspace (an index from the end is not looked for, which would be asked at every term).
+"""Loads and stores without the checks of an index.
+
+The caller's arrays are known to the compiled code by their address only (the caller keeps them alive): an array inside a record
+would have a length fixed when the record is laid out. The terms of a series are reached without asking whether the index counts
+from the end, which would be asked at every term of every step.
 """
 
 from __future__ import annotations
@@ -7,71 +10,79 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
+from numba import from_dtype, types
 from numba.extending import intrinsic
 
-from analytic.kernel.layout import Floats
+from analytic.kernel.records import EVENT_ROW, EventRow, Floats
+
+_EVENT_ROW: Any = from_dtype(EVENT_ROW)
 
 
-def _item(context: Any, builder: Any, address: Any, i: Any) -> Any:
+def _pointer(context: Any, builder: Any, address: Any, i: Any) -> Any:
     pointer = builder.inttoptr(address, context.get_value_type(types.float64).as_pointer())
     return builder.gep(pointer, [i])
 
 
-def _peek(typing_context: Any, address: Any, i: Any) -> Any:
+def _load(typing_context: Any, address: Any, i: Any) -> Any:
     """Item i of the doubles at the address."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load(_item(context, builder, *arguments))
+        return builder.load(_pointer(context, builder, *arguments))
 
     return types.float64(types.int64, types.int64), code
 
 
-def _poke(typing_context: Any, address: Any, i: Any, value: Any) -> Any:
+def _store(typing_context: Any, address: Any, i: Any, value: Any) -> Any:
     """Write item i of the doubles at the address."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[2], _item(context, builder, *arguments[:2]))
+        builder.store(arguments[2], _pointer(context, builder, *arguments[:2]))
         return context.get_dummy_value()
 
     return types.none(types.int64, types.int64, types.float64), code
 
 
-def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Where item k of a row of the table w stands, whose rows follow each other."""
-    kind, (w, row, k) = signature.args[0], arguments[:3]
-    table = context.make_array(kind)(context, builder, w)
-    if isinstance(kind, types.NestedArray):
-        columns = context.get_constant(types.int64, kind.shape[1])
-    else:
-        columns = builder.extract_value(table.shape, 1)
-    return builder.gep(table.data, [builder.add(builder.mul(row, columns), k)])
-
-
-def _term(typing_context: Any, w: Any, row: Any, k: Any) -> Any:
-    """w[row, k], k from 0 on, of a table of doubles whose rows follow each other."""
+def _event_row(typing_context: Any, address: Any, i: Any) -> Any:
+    """Row i of the table of events at the address."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load(_place(context, builder, signature, arguments))
+        address, i = arguments
+        offset = builder.mul(i, context.get_constant(types.int64, EVENT_ROW.itemsize))
+        return builder.inttoptr(builder.add(address, offset), context.get_value_type(_EVENT_ROW))
 
-    return types.float64(w, types.int64, types.int64), code
+    return _EVENT_ROW(types.int64, types.int64), code
 
 
-def _set_term(typing_context: Any, w: Any, row: Any, k: Any, value: Any) -> Any:
-    """Write w[row, k], k from 0 on, of a table of doubles whose rows follow each other."""
+def _item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    row = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.gep(row.data, [arguments[1]])
+
+
+def _term(typing_context: Any, row: Any, k: Any) -> Any:
+    """row[k], k from 0 on, of doubles that follow each other."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[3], _place(context, builder, signature, arguments))
+        return builder.load(_item(context, builder, signature, arguments))
+
+    return types.float64(row, types.int64), code
+
+
+def _set_term(typing_context: Any, row: Any, k: Any, value: Any) -> Any:
+    """Write row[k], k from 0 on, of doubles that follow each other."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _item(context, builder, signature, arguments))
         return context.get_dummy_value()
 
-    return types.none(w, types.int64, types.int64, types.float64), code
+    return types.none(row, types.int64, types.float64), code
 
 
-_compiled_peek: Any = intrinsic(_peek)
-_compiled_poke: Any = intrinsic(_poke)
-_compiled_term: Any = intrinsic(_term)
-_compiled_set_term: Any = intrinsic(_set_term)
-peek: Callable[[int, int], float] = _compiled_peek
-poke: Callable[[int, int, float], None] = _compiled_poke
-term: Callable[[Floats, int, int], float] = _compiled_term
-set_term: Callable[[Floats, int, int, float], None] = _compiled_set_term
+def _intrinsic(function: Any) -> Any:
+    return intrinsic(function)
+
+
+load_double: Callable[[int, int], float] = _intrinsic(_load)
+store_double: Callable[[int, int, float], None] = _intrinsic(_store)
+event_row: Callable[[int, int], EventRow] = _intrinsic(_event_row)
+term: Callable[[Floats, int], float] = _intrinsic(_term)
+set_term: Callable[[Floats, int, float], None] = _intrinsic(_set_term)

@@ -4,62 +4,32 @@ from __future__ import annotations
 
 from typing import Final
 
+from analytic.kernel.codes import NONE, SAMPLED
 from analytic.kernel.compiler import jit
-from analytic.kernel.forcing import break_at, is_jump, is_over, sampled_at
+from analytic.kernel.forcing import is_jump, is_over, next_break_s, sampled_at
 from analytic.kernel.joint_state import corner
-from analytic.kernel.layout import (
-    ALONG_X,
-    ALONG_Z,
-    AMPLITUDE,
-    BASE_MASS,
-    DURATION,
-    FACET,
-    GRAVITY,
-    GRID,
-    GRID_STEP,
-    HAS_BASE,
-    HISTORY,
-    KIND,
-    LOADED,
-    MASS,
-    MU_STATIC,
-    NONE,
-    PEAK_SLIP,
-    QUIET_SAMPLES,
-    S_OM,
-    S_TH,
-    S_U,
-    S_V,
-    SAMPLED,
-    SAMPLES,
-    SCALE,
-    SEG,
-    SKIPPED_S,
-    TIMES,
-    WANT_VALIDITY,
-    T,
-    Task,
-)
-from analytic.kernel.memory import peek
-from analytic.kernel.track import sample
+from analytic.kernel.memory import load_double
+from analytic.kernel.records import Motion, Task
+from analytic.kernel.track import sample_state
 from analytic.kernel.validity import note_rest
 
 CLEAR: Final = 1e-9
-"""Relative distance to a limit below which nothing is skipped."""
+"""Relative distance to a limit below which nothing is skipped: a million times the rounding of the moments compared, so that
+what is skipped is at rest for the integrator too."""
 
 
 @jit
-def stays(task: Task, ax: float, gz: float, swing: float) -> bool:
-    """Whether a statue at rest on a stuck support stays so, clear of every limit, under |a_x − ax| ≤ swing and g_e ≥ gz."""
+def stays(task: Task, ax: float, gz: float, variation: float) -> bool:
+    """Whether a statue at rest on a stuck support stays so, clear of every limit, under |a_x − ax| ≤ variation and g_e ≥ gz."""
     if gz <= 0.0:
         return False
-    for side in (1, -1):
-        x, z, _ = corner(task, task.q[FACET], side)
-        if -side * (gz * x - ax * z) - swing * z <= CLEAR * (abs(gz * x) + abs(ax * z)):
+    for side in (1, -1):  # uplift: A h > g_e b, by the moments about either corner
+        x, z, _ = corner(task, task.state.facet, side)
+        if -side * (gz * x - ax * z) - variation * z <= CLEAR * (abs(gz * x) + abs(ax * z)):
             return False
-    if task.p[HAS_BASE] > 0.0:
-        total = task.p[MASS] + task.p[BASE_MASS]
-        if total * (task.p[MU_STATIC] * gz - abs(ax) - swing) <= CLEAR * total * (gz + abs(ax)):
+    if task.params.has_pedestal:  # slip: |F| = μ_s N with F = M a_x, N = M g_e
+        total = task.params.mass_kg + task.params.pedestal_mass_kg
+        if total * (task.params.floor_static * gz - abs(ax) - variation) <= CLEAR * total * (gz + abs(ax)):
             return False
     return True
 
@@ -67,69 +37,67 @@ def stays(task: Task, ax: float, gz: float, swing: float) -> bool:
 @jit
 def hold(task: Task, until: float) -> None:
     """Move the clock to until, the state unchanged, and fill the output samples passed."""
-    s, q = task.s, task.q
-    dt = task.p[GRID_STEP]
+    state, output, dt = task.state, task.output, task.params.output_step_s
     if dt > 0.0:
-        while q[GRID] < task.length[HISTORY] and q[GRID] * dt < until:
-            sample(task, q[GRID], q[GRID] * dt, s[S_TH], s[S_OM], s[S_U], s[S_V])
-            q[GRID] += 1
-    task.r[PEAK_SLIP] = max(task.r[PEAK_SLIP], abs(s[S_U]))
-    task.r[SKIPPED_S] += until - s[T]
-    s[T] = until
-    q[LOADED] = 0
+        while output.next_sample < output.n_samples and output.next_sample * dt < until:
+            sample_state(task, output.next_sample * dt)
+    task.results.peak_slip_m = max(task.results.peak_slip_m, abs(state.slip_m))
+    task.results.skipped_s += until - state.time_s
+    state.time_s = until
+    state.floor_loaded = False
 
 
 @jit
-def _left(task: Task, axis: int, time: float, own: bool) -> float:
+def _before(motion: Motion, time: float, own: bool) -> float:
     """The acceleration just before time, which is the motion's own next break if own."""
-    seg = task.q[SEG + axis]
-    if own and 1 <= seg < task.length[TIMES + axis]:
-        return float(task.f[axis, SCALE] * peek(task.address[SAMPLES + axis], seg))
-    return sampled_at(task, axis, time)
+    params, passed = motion.params, motion.breaks_passed
+    if own and 1 <= passed < params.n_samples:
+        return params.scale * load_double(params.samples, passed)
+    return sampled_at(motion, time)
 
 
 @jit
 def _look_through(task: Task) -> None:
-    """Pass every sample up to which the statue certainly stays at rest."""
-    q, p = task.q, task.p
-    g = p[GRAVITY]
+    """Pass every sample up to which the statue certainly stays at rest: between two of them the acceleration is a straight line,
+    so that what holds at its ends holds between them."""
+    params, x, z = task.params, task.motion_x, task.motion_z
+    g = params.gravity_m_s2
     while True:
-        bx, bz = break_at(task, ALONG_X), break_at(task, ALONG_Z)
-        until = min(bx, bz, p[DURATION])
-        ax, az = _left(task, ALONG_X, until, bx == until), _left(task, ALONG_Z, until, bz == until)
+        break_x, break_z = next_break_s(x), next_break_s(z)
+        until = min(break_x, break_z, params.duration_s)
+        ax, az = _before(x, until, break_x == until), _before(z, until, break_z == until)
         if not stays(task, ax, g + az, 0.0):
             return
-        if until >= p[DURATION]:
-            hold(task, p[DURATION])
+        if until >= params.duration_s:
+            hold(task, params.duration_s)
             return
-        q[SEG + ALONG_X] += 1 if bx == until else 0
-        q[SEG + ALONG_Z] += 1 if bz == until else 0
-        jump = (bx == until and is_jump(task, ALONG_X)) or (bz == until and is_jump(task, ALONG_Z))
-        after_x, after_z = sampled_at(task, ALONG_X, until), sampled_at(task, ALONG_Z, until)
+        passed_x, passed_z = x.breaks_passed, z.breaks_passed
+        x.breaks_passed += 1 if break_x == until else 0
+        z.breaks_passed += 1 if break_z == until else 0
+        jump = (break_x == until and is_jump(x)) or (break_z == until and is_jump(z))
+        after_x, after_z = sampled_at(x, until), sampled_at(z, until)
         if jump and not stays(task, after_x, g + after_z, 0.0):
-            q[SEG + ALONG_X] -= 1 if bx == until else 0
-            q[SEG + ALONG_Z] -= 1 if bz == until else 0
+            x.breaks_passed, z.breaks_passed = passed_x, passed_z
             return
         hold(task, until)
-        task.c[QUIET_SAMPLES] += 1
-        if p[WANT_VALIDITY] > 0.0:
+        task.counts.quiet_samples += 1
+        if params.keep_validity:
             note_rest(task, until, ax, g + az)
             note_rest(task, until, after_x, g + after_z)
 
 
 @jit
-def quiet(task: Task) -> None:
+def skip_quiet(task: Task) -> None:
     """Skip what is left of a rest in which no limit can be reached (docs/model.md, section 2)."""
-    p = task.p
-    over_x, over_z = is_over(task, ALONG_X), is_over(task, ALONG_Z)
-    if over_x and over_z:
-        hold(task, p[DURATION])
+    params, x, z = task.params, task.motion_x, task.motion_z
+    if is_over(x) and is_over(z):
+        hold(task, params.duration_s)
         return
-    kind_x, kind_z = int(task.f[ALONG_X, KIND]), int(task.f[ALONG_Z, KIND])
-    if (over_x or kind_x == SAMPLED) and (over_z or kind_z == SAMPLED):
+    if (is_over(x) or x.params.kind == SAMPLED) and (is_over(z) or z.params.kind == SAMPLED):
         _look_through(task)
         return
-    swing_x = 0.0 if kind_x == NONE else abs(task.f[ALONG_X, AMPLITUDE])
-    swing_z = 0.0 if kind_z == NONE else abs(task.f[ALONG_Z, AMPLITUDE])
-    if p[WANT_VALIDITY] == 0.0 and stays(task, 0.0, p[GRAVITY] - swing_z, swing_x):
-        hold(task, p[DURATION])
+    # a formula is bounded by its amplitude: enough where the run needs no extremes of the forces on the way
+    bound_x = 0.0 if x.params.kind == NONE else abs(x.params.amplitude_m_s2)
+    bound_z = 0.0 if z.params.kind == NONE else abs(z.params.amplitude_m_s2)
+    if not params.keep_validity and stays(task, 0.0, params.gravity_m_s2 - bound_z, bound_x):
+        hold(task, params.duration_s)

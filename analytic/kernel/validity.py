@@ -5,41 +5,12 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from analytic.kernel.codes import BY_LOST_CONTACT, BY_PIVOT_SLIP, BY_TIPPING
 from analytic.kernel.compiler import jit
 from analytic.kernel.dynamics import complete
-from analytic.kernel.layout import (
-    ABS,
-    BASE_CENTRE,
-    BASE_HEIGHT,
-    BASE_MASS,
-    BASE_WIDTH,
-    BASE_X,
-    BASE_Z,
-    BY_FLIGHT,
-    BY_PIVOT_SLIP,
-    BY_TIPPING,
-    CENTROID,
-    FACET,
-    HAS_BASE,
-    LEAST_N,
-    LEAST_V,
-    LEFT_BY,
-    LEFT_TIME,
-    MASS,
-    NORMAL,
-    PIVOT,
-    PIVOT_FRICTION,
-    PIVOT_FRICTION_IMPACT,
-    PIVOT_H,
-    PIVOT_V,
-    STATUE_FRICTION,
-    TIP_MARGIN,
-    TIP_MARGIN_IMPACT,
-    T,
-    Task,
-)
-from analytic.kernel.memory import peek
+from analytic.kernel.memory import load_double
 from analytic.kernel.polynomial import value
+from analytic.kernel.records import Task
 
 SAMPLES: Final = 8
 """Instants at which a step's forces are looked at, its ends included."""
@@ -48,26 +19,27 @@ SAMPLES: Final = 8
 @jit
 def _left(task: Task, time: float, by: int) -> None:
     """The run leaves the model's domain, if it has not left it before."""
-    if math.isnan(task.r[LEFT_TIME]):
-        task.r[LEFT_TIME], task.r[LEFT_BY] = time, by
+    if math.isnan(task.results.left_domain_s):
+        task.results.left_domain_s, task.results.left_domain_by = time, by
 
 
 @jit
 def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: float, accel: float) -> None:
     """Keep the extremes; contact is where the statue's force meets the pedestal, from its centre, m."""
-    r, p = task.r, task.p
-    r[LEAST_V], r[LEAST_N] = min(r[LEAST_V], v), min(r[LEAST_N], n)
+    results, params = task.results, task.params
+    results.least_pivot_normal_n = min(results.least_pivot_normal_n, v)
+    results.least_floor_normal_n = min(results.least_floor_normal_n, n)
     if v > 0.0:
-        r[PIVOT_FRICTION] = max(r[PIVOT_FRICTION], abs(h_force) / v)
-        if abs(h_force) > p[STATUE_FRICTION] * v:
+        results.pivot_friction = max(results.pivot_friction, abs(h_force) / v)
+        if abs(h_force) > params.statue_friction * v:
             _left(task, time, BY_PIVOT_SLIP)
     else:
-        _left(task, time, BY_FLIGHT)
-    if p[HAS_BASE] > 0.0 and n > 0.0:
-        height = p[BASE_HEIGHT]
-        moment = contact * v - height * h_force - 0.5 * height * p[BASE_MASS] * accel
-        margin = 0.5 * p[BASE_WIDTH] - abs(moment / n)
-        r[TIP_MARGIN] = min(r[TIP_MARGIN], margin)
+        _left(task, time, BY_LOST_CONTACT)
+    if params.has_pedestal and n > 0.0:
+        height = params.pedestal_height_m
+        moment = contact * v - height * h_force - 0.5 * height * params.pedestal_mass_kg * accel
+        margin = 0.5 * params.pedestal_width_m - abs(moment / n)
+        results.tipping_margin_m = min(results.tipping_margin_m, margin)
         if margin < 0.0:
             _left(task, time, BY_TIPPING)
 
@@ -75,29 +47,30 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
 @jit
 def note_rest(task: Task, time: float, accel: float, gravity: float) -> None:
     """Forces on a statue at rest on a support of absolute acceleration accel, m/s², under effective gravity, m/s²."""
-    p = task.p
-    height = p[CENTROID] - peek(task.address[BASE_Z], task.q[FACET])
-    contact = -(accel * height) / gravity - p[BASE_CENTRE] if gravity > 0.0 else 0.0
-    m = p[MASS]
-    _note(task, time, m * accel, m * gravity, (m + p[BASE_MASS]) * gravity, contact, accel)
+    params = task.params
+    height = params.centroid_height_m - load_double(task.base.z, task.state.facet)
+    contact = -(accel * height) / gravity - params.pedestal_centre_m if gravity > 0.0 else 0.0
+    m = params.mass_kg
+    _note(task, time, m * accel, m * gravity, (m + params.pedestal_mass_kg) * gravity, contact, accel)
 
 
 @jit
 def note_step(task: Task, n: int, tau: float) -> None:
     """Forces during a step of length tau whose coefficients stand in the workspace to order n − 1."""
-    w, pivot = task.w, task.q[PIVOT]
+    series, pivot = task.series, task.state.pivot
     if pivot >= 0:
         complete(task, n - 1)
     for i in range(SAMPLES):
         at = tau * i / (SAMPLES - 1)
-        time = task.s[T] + at
-        v = value(w, PIVOT_V, n - 1, at)
-        accel = value(w, ABS, n - 1, at)
+        time = task.state.time_s + at
+        v = value(series.pivot_normal, n - 1, at)
+        accel = value(series.support_accel, n - 1, at)
         if pivot < 0:
-            note_rest(task, time, accel, v / task.p[MASS])
+            note_rest(task, time, accel, v / task.params.mass_kg)
         else:
-            contact = peek(task.address[BASE_X], pivot) - task.p[BASE_CENTRE]
-            _note(task, time, value(w, PIVOT_H, n - 1, at), v, value(w, NORMAL, n - 1, at), contact, accel)
+            contact = load_double(task.base.x, pivot) - task.params.pedestal_centre_m
+            horizontal, normal = value(series.pivot_force, n - 1, at), value(series.floor_normal, n - 1, at)
+            _note(task, time, horizontal, v, normal, contact, accel)
 
 
 @jit
@@ -105,14 +78,14 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
     """Impulses on the statue at its new corner, N s, and the change of the pedestal's velocity, m/s."""
     if vertical <= 0.0:
         return
-    r, p = task.r, task.p
-    r[PIVOT_FRICTION_IMPACT] = max(r[PIVOT_FRICTION_IMPACT], abs(horizontal) / vertical)
-    if abs(horizontal) > p[STATUE_FRICTION] * vertical:
-        _left(task, task.s[T], BY_PIVOT_SLIP)
-    if p[HAS_BASE] > 0.0:
-        height, contact = p[BASE_HEIGHT], peek(task.address[BASE_X], pivot) - p[BASE_CENTRE]
-        moment = contact * vertical - height * horizontal - 0.5 * height * p[BASE_MASS] * rate_change
-        margin = 0.5 * p[BASE_WIDTH] - abs(moment / vertical)
-        r[TIP_MARGIN_IMPACT] = min(r[TIP_MARGIN_IMPACT], margin)
+    results, params = task.results, task.params
+    results.pivot_friction_at_impact = max(results.pivot_friction_at_impact, abs(horizontal) / vertical)
+    if abs(horizontal) > params.statue_friction * vertical:
+        _left(task, task.state.time_s, BY_PIVOT_SLIP)
+    if params.has_pedestal:
+        height, contact = params.pedestal_height_m, load_double(task.base.x, pivot) - params.pedestal_centre_m
+        moment = contact * vertical - height * horizontal - 0.5 * height * params.pedestal_mass_kg * rate_change
+        margin = 0.5 * params.pedestal_width_m - abs(moment / vertical)
+        results.tipping_margin_at_impact_m = min(results.tipping_margin_at_impact_m, margin)
         if margin < 0.0:
-            _left(task, task.s[T], BY_TIPPING)
+            _left(task, task.state.time_s, BY_TIPPING)
