@@ -9,7 +9,8 @@ from typing import Final, Unpack, final
 import numpy as np
 
 from analytic.block import Block
-from analytic.excitation import Excitation, Rest
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation, ZeroExcitation
 from analytic.problem import CommonKeywords
 from analytic.solution import Solution
 from analytic.solver import simulate
@@ -61,9 +62,9 @@ def certify(
     the finer error and the shorter steps together, is the check; where the two lose other energy, the peak is reliable up to its
     own time only. Raises AnalyticInputError as ``simulate`` does.
     """
-    motion_z = motion_z if motion_z is not None else Rest()
+    motion_z = motion_z if motion_z is not None else ZeroExcitation()
     base = min(accuracy_rad, base_accuracy_rad)
-    gravity = scene.get("gravity_m_s2", 9.81)
+    gravity = scene.get("gravity_m_s2", GRAVITY_M_S2)
     cap = min(step_cap_s, CAP / max(block.p_rad_s(1, gravity), block.p_rad_s(-1, gravity)))
     quick = scene | {"events": False, "validity": False}
     checks: tuple[tuple[float, float], ...] = ((base * FINER, step_cap_s), (base, 0.5 * cap))

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from analytic.errors import AnalyticInputError
-from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
 from analytic.kernel.records import MAX_ORDER, Floats, MotionParams, Params
 from analytic.problem import Options, Problem
@@ -40,7 +40,7 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
 
     Raises AnalyticInputError for a motion that the kernel does not know.
     """
-    if isinstance(motion, Rest) or motion.peak_m_s2 == 0.0:
+    if isinstance(motion, ZeroExcitation) or motion.peak_m_s2 == 0.0:
         return _params(NONE, 0.0), _EMPTY, _EMPTY
     if isinstance(motion, Harmonic):
         wave = motion.amplitude_m_s2, motion.omega_rad_s, motion.phase_rad, motion.ramp_s
@@ -49,11 +49,13 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
         params = _params(_PULSES[motion.shape], motion.amplitude_m_s2, motion.omega_rad_s)
         params.start_s, params.end_s = motion.start_s, motion.end_s
         return params, _EMPTY, _EMPTY
-    if isinstance(motion, Record):
+    if isinstance(motion, SampledAcceleration):
         # Copies: a read-only array is another type, for which the whole kernel would be compiled again.
         return _params(SAMPLED, motion.peak_m_s2), np.array(motion.t_s), np.array(motion.samples_m_s2)
-    known = "Rest, Harmonic, Pulse or Record"
-    raise AnalyticInputError(f"motion: {known} is wanted, {type(motion).__name__} came: sample it into a Record.")
+    known = ", ".join(each.__name__ for each in (ZeroExcitation, Harmonic, Pulse, SampledAcceleration))
+    raise AnalyticInputError(
+        f"motion: one of {known} is wanted, {type(motion).__name__} came: sample it into the last."
+    )
 
 
 def order_for(tolerance: float) -> int:

@@ -9,7 +9,7 @@ from typing import Any, Final, Required, TypedDict, final
 from analytic.block import Block, Form, Friction, Pedestal, Wall, positive
 from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 from analytic.errors import AnalyticInputError
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 
 CONSISTENT: Final = Form()
 """The form in which no event raises the energy (docs/model.md, section 4)."""
@@ -123,4 +123,4 @@ def stated(
     options = Options(**{name: rest.pop(name) for name in OPTIONS if name in rest})
     if rest.get("form", True) is None:
         del rest["form"]
-    return Problem(block, motion_x, motion_z if motion_z is not None else Rest(), **rest), options
+    return Problem(block, motion_x, motion_z if motion_z is not None else ZeroExcitation(), **rest), options

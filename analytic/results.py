@@ -10,17 +10,8 @@ from typing import Any, Final, NamedTuple, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.kernel.records import (
-    TASK,
-    Counts,
-    EventRow,
-    MotionParams,
-    Params,
-    Records,
-    Results,
-    State,
-    packing,
-)
+from analytic.kernel.layout import TASK, packing
+from analytic.kernel.records import Counts, EventRow, MotionParams, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
@@ -115,7 +106,7 @@ def _event(given: tuple[Any, ...]) -> Event:
 
 @final
 class RunDetails:
-    """The kernel's results, counts and event rows, told as objects when they are asked for."""
+    """The kernel's results, counts and event rows, as objects when they are asked for."""
 
     def __init__(self, params: Params, results: Results, finished: Prepared) -> None:
         """Keep them."""

@@ -11,7 +11,8 @@ from analytic.block import Block
 from analytic.encode import encode, encode_motion
 from analytic.excitation import Excitation
 from analytic.kernel.entries import run
-from analytic.kernel.records import EVENT_ROW, Params
+from analytic.kernel.layout import EVENT_ROW
+from analytic.kernel.records import Params
 from analytic.problem import DEFAULT_OPTIONS, Keywords, Options, Problem, stated
 from analytic.results import Prepared, read
 from analytic.solution import Solution

@@ -19,18 +19,8 @@ from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
 from analytic.kernel import codes
 from analytic.kernel.entries import run_rows
-from analytic.kernel.records import (
-    BASE,
-    COUNTS,
-    MOTION_PARAMS,
-    PARAMS,
-    RESULTS,
-    TASK,
-    Floats,
-    Ints,
-    Records,
-    row,
-)
+from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, TASK, row
+from analytic.kernel.records import Floats, Ints, Records
 from analytic.problem import Keywords, Options, Problem, stated
 from analytic.solution import OUTCOMES, Outcome
 
@@ -261,8 +251,8 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
     if progress is True:
         _with_bar(rows, out, pieces, threads, size)
         return
-    told = progress if callable(progress) else _silent
-    _run_pieces(rows, out, pieces, threads, lambda done: told(done, size))
+    on_progress = progress if callable(progress) else _silent
+    _run_pieces(rows, out, pieces, threads, lambda done: on_progress(done, size))
 
 
 def _one_piece(rows: Rows, out: Out, start: int, stop: int) -> None:
@@ -281,11 +271,13 @@ def _with_bar(rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int,
         _run_pieces(rows, out, pieces, threads, lambda done: bar.update(line, completed=done))
 
 
-def _run_pieces(rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int, told: Callable[[int], None]) -> None:
+def _run_pieces(
+    rows: Rows, out: Out, pieces: list[tuple[int, int]], threads: int, on_done: Callable[[int], None]
+) -> None:
     with ThreadPoolExecutor(threads) as pool:
         waiting = {pool.submit(partial(_one_piece, rows, out, start, stop)): stop - start for start, stop in pieces}
         done = 0
         for future in as_completed(waiting):
             future.result()
             done += waiting[future]
-            told(done)
+            on_done(done)

@@ -74,8 +74,8 @@ def _aim(task: Task, h: float) -> float:
 
 
 @inlined
-def _aim_at_halt(task: Task, h: float) -> float:
-    """The step, at most h, that ends a little after the halt foreseen from the first terms."""
+def _aim_at_stick(task: Task, h: float) -> float:
+    """The step, at most h, that ends a little after the stick onset foreseen from the first terms."""
     rate, accel = task.series.slip_rate[0], task.series.slip_rate[1]
     return min(h, AIM * abs(rate / accel)) if rate * accel < 0.0 else h
 
@@ -204,7 +204,7 @@ def rock_sliding(task: Task, slide: int, n: int, j: float, h: float, tol: float)
         set_term(series.pivot_normal, i, v)
         set_term(series.floor_normal, i, v + base * weight)
         if i == 0 and tol > 0.0:
-            h = _aim_at_halt(task, _aim(task, h))
+            h = _aim_at_stick(task, _aim(task, h))
         power *= h
         order += 1.0
         if i < 2:  # no step ends there

@@ -159,7 +159,7 @@ def _uplift(task: Task, n: int, h: float, best: FirstEvent) -> FirstEvent:
 
 @inlined
 def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> FirstEvent:
-    """Start of the stuck pedestal to either side, or halt of the sliding one."""
+    """Slip onset of the stuck pedestal to either side, or stick onset of the sliding one."""
     state, series, params = task.state, task.series, task.params
     if state.slide != 0:
         if not _clear(series.slip_rate, h, state.slide, 0.0, bounds[3]):

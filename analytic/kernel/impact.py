@@ -90,6 +90,6 @@ def impact(
 
 
 @jit
-def kinetic(m: float, total: float, j: float, z: float, omega: float, rate: float) -> float:
+def kinetic_energy(m: float, total: float, j: float, z: float, omega: float, rate: float) -> float:
     """Kinetic energy in the floor's frame, J: j about the pivot, z the centroid's height above it."""
     return 0.5 * total * rate * rate + m * z * omega * rate + 0.5 * j * omega * omega

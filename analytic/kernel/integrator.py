@@ -35,10 +35,11 @@ from analytic.kernel.events import first_event
 from analytic.kernel.forcing import is_jump, look_ahead, next_break_s, prepare
 from analytic.kernel.joint_state import start_series
 from analytic.kernel.landing import land
+from analytic.kernel.layout import TASK
 from analytic.kernel.memory import load_double
 from analytic.kernel.polynomial import TANGENT_LEVEL
 from analytic.kernel.quiet import skip_quiet
-from analytic.kernel.records import INVERSE, TASK, Task
+from analytic.kernel.records import INVERSE, Task
 from analytic.kernel.track import advance, change_state, note_event
 from analytic.kernel.validity import note_step
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from analytic.kernel.codes import IMPACT
 from analytic.kernel.compiler import inlined, jit
-from analytic.kernel.impact import both_corners, impact, kinetic
+from analytic.kernel.impact import both_corners, impact, kinetic_energy
 from analytic.kernel.joint_state import corner, start_series
 from analytic.kernel.memory import load_double
 from analytic.kernel.records import Task
@@ -70,10 +70,13 @@ def land(task: Task, facet: int, residual: float) -> None:
         if params.has_pedestal and params.momentum_at_impact and not stuck:
             after, moved, _ = both_corners(m, total, xo, z, omega, rate, mu, params.floor_kinetic)
     if max(abs(after) * z, abs(moved)) <= STILL * params.gravity_m_s2 * params.time_scale_s:
-        after, moved = 0.0, 0.0  # where each halt lifts the statue, whose landing pushes the pedestal again, for ever
+        after, moved = (
+            0.0,
+            0.0,
+        )  # where each stick onset lifts the statue, whose landing pushes the pedestal again, for ever
     state.theta_rate_rad_s, state.slip_rate_m_s = after, moved
     counts.impacts += 1
-    change = kinetic(m, total, jn, z, after, moved) - kinetic(m, total, jo, z, omega, rate)
+    change = kinetic_energy(m, total, jn, z, after, moved) - kinetic_energy(m, total, jo, z, omega, rate)
     results.energy_gained_j += max(change, 0.0)
     results.energy_lost_j += max(-change, 0.0)
     new = facet if old_side > 0 else facet + 1

@@ -13,7 +13,8 @@ from typing import Any
 from numba import from_dtype, types
 from numba.extending import intrinsic
 
-from analytic.kernel.records import EVENT_ROW, EventRow, Floats
+from analytic.kernel.layout import EVENT_ROW
+from analytic.kernel.records import EventRow, Floats
 
 _EVENT_ROW: Any = from_dtype(EVENT_ROW)
 

@@ -1,15 +1,14 @@
 """What one run reads and writes, by name: records that the compiled code sees as one piece of memory.
 
-Each class below is two things: what `mypy` and the interpreter know (a dataclass), and, through `layout`, the same fields one
-after another in memory (a numpy record), which the compiler turns into plain loads and stores at known places. A field is a
-float, an int, a bool, another record or a `Terms`.
+Each class below is two things: what `mypy` and the interpreter know (a dataclass), and, through `analytic.kernel.layout`, the
+same fields one after another in memory (a numpy record), which the compiler turns into plain loads and stores at known places.
+A field is a float, an int, a bool, another record or a `Terms`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from struct import Struct
-from typing import Annotated, Any, Final, get_type_hints
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -284,38 +283,3 @@ class Task:
     results: Results
     counts: Counts
     series: Series
-
-
-_PLAIN: Final[dict[Any, tuple[str, tuple[Any, ...]]]] = {
-    float: ("d", (np.float64,)),
-    int: ("q", (np.int64,)),
-    bool: ("?", (np.bool_,)),
-    Floats: (f"{TERMS}d", (np.float64, TERMS)),
-}
-
-
-def layout(record: type) -> np.dtype[np.void]:
-    """The numpy record with the fields of a class of this module, each where a C compiler would put it."""
-    hints = get_type_hints(record).items()
-    return np.dtype(
-        [(name, *(_PLAIN[hint][1] if hint in _PLAIN else (layout(hint),))) for name, hint in hints], align=True
-    )
-
-
-def packing(record: type) -> Struct:
-    """Packs and unpacks a record without others in it, in the same places: some ten times faster than numpy, item by item."""
-    return Struct("".join(_PLAIN[hint][0] for hint in get_type_hints(record).values()))
-
-
-def row(record: Any) -> tuple[Any, ...]:
-    """The fields of a record one after another."""
-    return tuple(vars(record).values())
-
-
-TASK: Final = layout(Task)
-PARAMS: Final = layout(Params)
-MOTION_PARAMS: Final = layout(MotionParams)
-BASE: Final = layout(Base)
-RESULTS: Final = layout(Results)
-COUNTS: Final = layout(Counts)
-EVENT_ROW: Final = layout(EventRow)

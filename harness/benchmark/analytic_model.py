@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Block, Excitation, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
+from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.kernel.entries import run
 from analytic.problem import Options, Problem
 from analytic.results import Prepared
 from analytic.solver import prepare
-from harness.benchmark.rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
+from harness.benchmark.rivals import Model, heyoka_solver, scipy_run
 from harness.benchmark.turns import Answer, Entry, take_turns
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
