@@ -24,7 +24,8 @@ from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.records import INVERSE, Floats, Series, Task
 
 AIM: Final = 1.25
-"""Steps towards an event end beyond its first guess by this factor, so that the event lies inside."""
+"""Steps towards an event end beyond its first guess by this factor, so that the event lies inside: the guess is that of a
+constant acceleration."""
 
 
 @inlined
@@ -149,6 +150,7 @@ def rock_stuck(task: Task, n: int, j: float, h: float, tol: float) -> tuple[int,
         order += 1.0
         if i < 2:  # no step ends there
             continue
+        # two terms in a row below the tolerance end the series: one alone may be zero by symmetry
         small = (small + 1) * int(max(abs(om), per_j * _pushed(x, z, pull, weight) * inverse) * power <= tol)
         if small >= 2 and i >= 3:
             return i + 1, h

@@ -1,4 +1,8 @@
-"""The outcome from energy alone once the motion has ended (docs/model.md, section 7)."""
+"""The outcome from energy alone once the motion has ended (docs/model.md, section 7).
+
+With the floor at rest and the pedestal stuck, E = ½ J θ̇² + m g Z is constant between impacts, and each impact gives the next
+rate: no step is needed to know which barrier is passed. Wherever a bound below cannot be shown, the run is integrated instead.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +20,12 @@ from analytic.kernel.records import Task
 UNKNOWN: Final = 0
 """Energy alone does not decide here."""
 NEAR_TIE: Final = 1e-9
-"""Relative distance of the energy to a barrier below which the run is integrated on."""
+"""Relative distance of the energy to a barrier below which the run is integrated on: far above the rounding of E, far below any
+scatter of a real statue's numbers."""
 SPENT: Final = 1e-14
-"""Kinetic energy in m g R below which a statue over its base stands."""
+"""Kinetic energy in m g R below which a statue over its base stands: it lifts the centroid by less than 1e-14 R."""
 MAX_IMPACTS: Final = 2000
+"""Impacts followed: a statue that keeps 0.992 of its rate at each has spent its energy by then."""
 
 
 @jit
@@ -27,13 +33,15 @@ def _sticks(task: Task, j: float, energy: float, reach: float, lowest: float, ra
     """Whether contact, and the pedestal's friction, certainly hold on an arc with |X| ≤ reach and Z ≥ lowest."""
     params = task.params
     m, g = params.mass_kg, params.gravity_m_s2
-    turn2 = max(2.0 * (energy - m * g * lowest) / j, 0.0)
+    turn2 = max(2.0 * (energy - m * g * lowest) / j, 0.0)  # largest θ̇² on the arc
+    # V = m (g + Z''), Z'' = −X θ̈ − Z θ̇² and θ̈ = m g X/J: least where |X| is largest and the turn fastest
     v = m * (g - m * g * reach * reach / j - radius * turn2)
     if v <= 0.0:
         return False
     if not params.has_pedestal:
         return True
     normal = v + params.pedestal_mass_kg * g if params.dynamic_normal else (m + params.pedestal_mass_kg) * g
+    # F = m X'' = m X (m g Z/J − θ̇²): a difference, at most m |X| times the larger of its terms
     return bool(m * reach * max(m * g * radius / j, turn2) <= params.floor_static * normal)
 
 
@@ -51,6 +59,7 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
     x, z = vertex(task, pivot)
     weight = params.mass_kg * params.gravity_m_s2 * math.sqrt(x * x + z * z)
     balance, wall = side * math.atan2(x, z), (params.wall_rad if params.wall_side == side else math.inf)
+    # the barrier: the centroid above its corner, or where the wall stops it before
     top = weight if wall >= balance else weight * math.cos(wall - balance)
     if side * theta < min(balance, wall):
         margin = energy / top - 1.0

@@ -44,11 +44,12 @@ from analytic.kernel.track import advance, change_state, note_event
 from analytic.kernel.validity import note_step
 
 MAX_STALL: Final = 50
-"""Events in a row without the clock moving, after which a run is given up as undecided."""
+"""Events in a row without the clock moving, after which a run is given up as undecided: at one instant an impact, a stick onset
+and a slip onset at either corner may follow each other, but not fifty."""
 SHORTER: Final = 0.9
-"""Share of the step at which the last two terms fall to the tolerance."""
+"""Share of the step at which the last two terms fall to the tolerance: a margin for the terms left out."""
 MAX_STEPS: Final = 5_000_000
-"""Steps after which a run is given up as undecided."""
+"""Steps after which a run is given up as undecided: hours of shaking at the finest accuracy."""
 
 BLANK: Final = np.zeros(1, TASK)
 """A run before its start: the same memory serves many runs one after another."""
@@ -83,7 +84,7 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
     n = task.params.order
     start_series(task)
     if state.pivot < 0 and max(task.motion_x.degree, task.motion_z.degree) <= 1:
-        n = 3
+        n = 3  # the motion itself is a cubic then: no higher term is left
     reached, h = expand(task, state.pivot, state.slide, n, h)
     if reached == task.params.order:
         h = _length(task, reached, h)
@@ -134,7 +135,7 @@ def _support(task: Task, theta: float, omega: float) -> tuple[int, int]:
     """Pivot (−1 on a facet at rest) and facet of a statue that starts at theta with omega."""
     last = task.base.n_facets
     pivot = 0
-    for j in range(last):
+    for j in range(last):  # facets from left to right, their rotations growing: the pivot lies between two of them
         angle = load_double(task.base.facets, j)
         if theta == angle:
             if omega == 0.0:

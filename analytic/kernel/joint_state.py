@@ -20,7 +20,8 @@ from analytic.kernel.records import Floats, Task
 WEIGHTLESS: Final = 1e-9
 """Share of gravity below which nothing is held down: both uplift conditions are then met at once."""
 LOW_ORDER: Final = 6
-"""Order to which a candidate's accelerations are compared with zero: a state whose first six derivatives vanish is a rest."""
+"""Order to which a candidate's accelerations are compared with zero: a state all of whose first derivatives vanish is taken
+for rest."""
 UNSURE: Final = -1
 """All terms so far are zero."""
 

@@ -27,6 +27,7 @@ def _drops(task: Task, omega: float, rate: float, z: float, own: Lever, other: L
     gravity, accel = task.series.gravity[0], task.series.floor_accel[0]
     if task.params.has_pedestal and rate != 0.0:
         accel = -(task.params.floor_kinetic * gravity) if rate > 0.0 else task.params.floor_kinetic * gravity
+    # J θ̇²/2 lifts the statue until the moment that holds it down, about m (g_e b − A h), has done as much work
     lift = 0.5 * omega * omega
     for side, x, j in (own, other):
         hold = -side * task.params.mass_kg * (gravity * x - accel * z)

@@ -20,6 +20,11 @@ CONVERGED: Final = 1e-6
 STRAIGHT: Final = 1e-4
 """Halley's step, in the bracket's width, and what the slope changes over it at most, in the slope, at which the next error (the
 step's cube times squares of that change) is below rounding."""
+ROUNDING: Final = 1e-10
+"""Share of its own terms below which a coefficient at an event counts as zero: it stands there for a difference of terms that
+cancel to 1e-16, amplified by what an event's place is known to."""
+MAX_ITERATIONS: Final = 60
+"""Of a root: bisections alone, which Halley's steps fall back to, reach rounding in 53."""
 BOWED: Final = 3.999
 """Below four: the second derivative's first term, 2 c₂, is more than the sum of all others, which then cannot change its sign."""
 TANGENT_LEVEL: Final = 12
@@ -71,7 +76,7 @@ def _refine(row: Floats, lo: int, n: int, bend: float, a: float, b: float, fa: f
         left = slope * slope - 4.0 * fa * ((fb - fa) / b - slope) / b
         guess = 2.0 * fa / (math.sqrt(left) - slope) if left > 0.0 else x
         x = guess if 0.0 < guess < b else x
-    for _ in range(60):
+    for _ in range(MAX_ITERATIONS):
         y, k = x * x, n
         e, e1, e2, o, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         while k > lo:
@@ -185,10 +190,10 @@ def remainder(row: Floats, n: int, x: float) -> float:
 
 @inlined
 def leading(row: Floats, n: int, scale: float, time_s: float) -> int:
-    """Index of the first coefficient that is more than rounding: |row[k]| time_s^k above 1e-10 of scale; n + 1 if none."""
+    """Index of the first coefficient that is more than rounding: |row[k]| time_s^k above its share of scale; n + 1 if none."""
     power = 1.0
     for k in range(n + 1):
-        if abs(term(row, k)) * power > 1e-10 * scale:
+        if abs(term(row, k)) * power > ROUNDING * scale:
             return k
         power *= time_s
     return n + 1

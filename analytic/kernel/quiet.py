@@ -14,8 +14,8 @@ from analytic.kernel.track import sample_state
 from analytic.kernel.validity import note_rest
 
 CLEAR: Final = 1e-9
-"""Relative distance to a limit below which nothing is skipped: a million times the rounding of the moments compared, so that
-what is skipped is at rest for the integrator too."""
+"""Relative distance to a limit below which nothing is skipped: far above the rounding of the moments compared, so that what
+is skipped is at rest for the integrator too."""
 
 
 @jit

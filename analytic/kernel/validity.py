@@ -13,7 +13,7 @@ from analytic.kernel.polynomial import value
 from analytic.kernel.records import Task
 
 SAMPLES: Final = 8
-"""Instants at which a step's forces are looked at, its ends included."""
+"""Instants at which a step's forces are looked at, its ends included: a step spans a fraction of a half-cycle."""
 
 
 @jit
@@ -37,6 +37,7 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
         _left(task, time, BY_LOST_CONTACT)
     if params.has_pedestal and n > 0.0:
         height = params.pedestal_height_m
+        # x_r = (x_c V − H_p H − m₁ z₁ A)/N with z₁ = H_p/2: where the floor's force acts, from the pedestal's centre
         moment = contact * v - height * h_force - 0.5 * height * params.pedestal_mass_kg * accel
         margin = 0.5 * params.pedestal_width_m - abs(moment / n)
         results.tipping_margin_m = min(results.tipping_margin_m, margin)
@@ -49,6 +50,7 @@ def note_rest(task: Task, time: float, accel: float, gravity: float) -> None:
     """Forces on a statue at rest on a support of absolute acceleration accel, m/s², under effective gravity, m/s²."""
     params = task.params
     height = params.centroid_height_m - load_double(task.base.z, task.state.facet)
+    # the moments of H and V about the centroid balance at rest: V meets the base at −h H/V from below it
     contact = -(accel * height) / gravity - params.pedestal_centre_m if gravity > 0.0 else 0.0
     m = params.mass_kg
     _note(task, time, m * accel, m * gravity, (m + params.pedestal_mass_kg) * gravity, contact, accel)
@@ -84,6 +86,7 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
         _left(task, task.state.time_s, BY_PIVOT_SLIP)
     if params.has_pedestal:
         height, contact = params.pedestal_height_m, load_double(task.base.x, pivot) - params.pedestal_centre_m
+        # the same with impulses
         moment = contact * vertical - height * horizontal - 0.5 * height * params.pedestal_mass_kg * rate_change
         margin = 0.5 * params.pedestal_width_m - abs(moment / vertical)
         results.tipping_margin_at_impact_m = min(results.tipping_margin_at_impact_m, margin)
