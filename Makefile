@@ -1,17 +1,18 @@
-# make report: set up and run the main job · make test: set up and pass the tests · make bench, stress, lint
+# make: set up · make report: set up and run the main job · make test: set up and pass the tests · make bench, stress, lint
 VENV := .venv
 PY := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 PYTHON ?= $(shell for p in python3.11 python3 python; do \
 	if $$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
 
-.DEFAULT_GOAL := help
+.DEFAULT_GOAL := setup
 .PHONY: help setup report test lint types contracts bench stress lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
 
-setup: $(STAMP) ## create the environment in .venv from the lock file
+setup: $(STAMP) ## create the environment in .venv from the lock file (plain make does this)
+	@echo "ready: $(VENV)/bin/rockcheck (make help lists what else there is)"
 
 $(STAMP): requirements.lock pyproject.toml
 	@if [ -z "$(PYTHON)" ]; then \

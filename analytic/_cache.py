@@ -1,7 +1,8 @@
 """Where compiled code is kept: one folder for each state of the sources, the newest two of them.
 
 The compiler's own cache notices a change of a function's file, not one of a file that it calls into: so the cache stands in
-a folder named after the digest of all compiled sources.
+a folder named after the digest of all compiled sources. What is kept there is run: so it is taken only from folders into which
+nobody else can write.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import contextlib
 import hashlib
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +20,8 @@ from typing import Final
 KEPT: Final = 2
 """Folders kept: this state of the sources and the one before, to which one may go back."""
 PREFIX: Final = "compiled-"
+OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
+"""Bits of a mode that let others write."""
 
 
 def digest(sources: Path) -> str:
@@ -44,7 +48,7 @@ def folder(sources: Path) -> Path | None:
     for home in homes(sources):
         chosen = home / name
         known = chosen.is_dir()
-        if not _writable(chosen):
+        if not (_private(home, sources) and _writable(chosen) and _private(chosen, sources)):
             continue
         if not known:
             prune(home)
@@ -67,10 +71,32 @@ def prune(home: Path, kept: int = KEPT) -> None:
         shutil.rmtree(old, ignore_errors=True)
 
 
+def _private(path: Path, sources: Path) -> bool:
+    """Whether a folder, made where it is not there yet, is no link and its user's own, and nobody else may write into it.
+
+    Beside the sources it may be theirs who own these, and as open as these: who can write there can change the code itself.
+    """
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+        seen, above, code = path.lstat(), path.parent.stat(), sources.stat()
+    except OSError:
+        return False
+    if not hasattr(os, "getuid"):  # folders have no such owner
+        return not path.is_symlink()
+    owners, open_to = {os.getuid()}, 0
+    if sources in path.parents:
+        owners, open_to = owners | {code.st_uid}, code.st_mode
+    # Where others may write and no sticky bit holds them off, they could put a folder of theirs in its place.
+    replaceable = above.st_mode & OTHERS & ~open_to and not above.st_mode & stat.S_ISVTX
+    return (
+        stat.S_ISDIR(seen.st_mode) and seen.st_uid in owners and not (seen.st_mode & OTHERS & ~open_to or replaceable)
+    )
+
+
 def _writable(chosen: Path) -> bool:
     """Whether files can be made there, tried rather than asked: the superuser is told yes of a read-only disk."""
     try:
-        chosen.mkdir(parents=True, exist_ok=True)
+        chosen.mkdir(mode=0o700, exist_ok=True)
         with tempfile.TemporaryFile(dir=chosen):
             return True
     except OSError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from harness.errors import InputError, Mistake
 from harness.telling import Telling
+from harness.terminal import json_text, printable, printable_lines
 
 if TYPE_CHECKING:
     from harness.run import Result
@@ -22,7 +22,8 @@ OK: Final = 0
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-FULL_OR_READ_ONLY: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM})
+NO_SUCH_PLACE: Final = frozenset({errno.ENAMETOOLONG, errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ELOOP})
+"""What the system says of a path that is wrong, not of one that cannot be written or read just now."""
 
 Scenes = Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files (TOML).", show_default=False)]
 Engines = Annotated[
@@ -62,14 +63,15 @@ def engines(as_json: Json = False) -> None:
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
+    from harness.record import to_plain
 
     rows = [
-        {"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order}
+        to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
         for name in REGISTRY
         for engine in [load(name)]
     ]
     if as_json:
-        typer.echo(json.dumps(rows, indent=1))
+        typer.echo(json_text(rows))
         return
     for row in rows:
         able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
@@ -123,7 +125,7 @@ def compare(
             prefix = f"{path.stem}: " if len(files) > 1 else ""
             found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
     if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+        typer.echo(json_text(found))
     elif not quiet:
         for pair, scores in found.items():
             typer.echo(table_of(pair, scores))
@@ -143,7 +145,7 @@ def table_of(title: str, scores: Mapping[str, Any]) -> str:
             lines.append(f"  {name:34} {len(value)} of them (see --json)")
         elif isinstance(value, Mapping) and "sentence" in value:
             lines.append(f"  {name:34} {value['sentence']}")
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def salvage(
@@ -155,17 +157,17 @@ def salvage(
     """Copy what can still be read of a damaged store into a new one."""
     from harness.studies.salvage import salvage as rescue
 
-    count = rescue(damaged, fresh)
-    found = {"results": count, "store": str(fresh)}
-    say(found, f"{count} results were readable; they are in {fresh}", as_json, quiet)
+    saved = rescue(damaged, fresh)
+    found = {**vars(saved), "store": str(fresh)}
+    say(found, f"{fresh}: {saved}", as_json, quiet)
 
 
 def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
     """What a command found: as JSON, or as text, or not at all."""
     if as_json:
-        typer.echo(json.dumps(found, indent=1, ensure_ascii=False))
+        typer.echo(json_text(found))
     elif not quiet:
-        typer.echo(text)
+        typer.echo(printable_lines(text))
 
 
 def compute(
@@ -179,19 +181,28 @@ def compute(
     quiet: bool,
     iso: bool = False,
     horizon: bool = False,
+    out: Path | None = None,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work. Raises `InputError`."""
-    from harness.engines import DEFAULT_ENGINES
-    from harness.run import check_target, run_scene
+    """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
+    from harness.engines import DEFAULT_ENGINES, load
+    from harness.run import check_target, check_writing, run_scene
     from harness.scene_file.load import load_scene
+    from harness.workload import check as check_work
 
     check_target(accuracy, dt)
     want = wanted(no_skip)
     scene = load_scene(scene_file, overrides or ())
+    engines_asked = names or DEFAULT_ENGINES
+    if out is not None:
+        check_writing(out, scene, engines_asked)
+    dimensions = {name: load(name).capabilities.dimensions for name in engines_asked}
+    estimate = check_work(scene, dimensions, str(scene_file), accuracy, dt)
     with Telling(quiet) as telling:
+        if estimate:
+            telling.say(estimate)
         return run_scene(
             scene,
-            names or DEFAULT_ENGINES,
+            engines_asked,
             accuracy_rad=accuracy,
             dt_s=dt,
             want=want,
@@ -209,8 +220,8 @@ def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | 
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
     if as_json:
-        return json.dumps([step.as_dict() for step in steps], indent=1, ensure_ascii=False)
-    return "\n".join(map(str, steps))
+        return json_text([step.as_dict() for step in steps])
+    return "\n".join(printable(str(step)) for step in steps)
 
 
 def wanted(no_skip: Sequence[str] | None) -> Any:
@@ -231,18 +242,22 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     lines = [result.scene.title]
-    outcomes = {run.outcome for run in result.runs.values() if not run.outcome.failed}
+    outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
-        agree = len(outcomes) == 1
-        lines.append(f"  outcome: {'all models agree: ' + outcomes.pop().sentence if agree else 'the models differ'}")
+        ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
+        if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
+            ended = "all models agree that the statue overturns; the side differs"
+        given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
+        lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
+    width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
     for name, run in result.runs.items():
-        lines.append(f"  {name:9} {run.outcome.sentence}{_details(run)}")
+        lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def _details(run: Any) -> str:
@@ -279,8 +294,11 @@ def guarded(action: Any) -> int:
         sys.stderr.close()
         return FAILED
     except OSError as error:
-        if error.errno not in FULL_OR_READ_ONLY:
-            raise
-        print(f"error: {error.filename or 'the output'} could not be written: {error.strerror}", file=sys.stderr)
-        return FAILED
+        what = (
+            f"{printable(repr(str(error.filename)))} could not be read or"
+            if error.filename
+            else "the output could not be"
+        )
+        print(f"error: {what} written: {error.strerror or error}", file=sys.stderr)
+        return WRONG_INPUT if error.errno in NO_SUCH_PLACE else FAILED
     return int(code or OK)

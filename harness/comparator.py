@@ -176,11 +176,16 @@ def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -
 def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
     outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
     times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
-    known = outcomes[0] is not None and outcomes[1] is not None
+    first, second = outcomes
+    agree = side = None
+    if first is not None and second is not None:
+        agree = first.same_as(second)
+        side = first is second if first.overturned and second.overturned else None
     return {
-        "outcome_a": outcomes[0],
-        "outcome_b": outcomes[1],
-        "outcome_agrees": outcomes[0] is outcomes[1] if known else None,
+        "outcome_a": first,
+        "outcome_b": second,
+        "outcome_agrees": agree,
+        "side_agrees": side,
         "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
     }
 

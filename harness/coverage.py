@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -29,6 +30,8 @@ FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the ladder or the safety factor."""
 SCENES: Final = 200
 TARGET_RAD: Final = 1e-3
+_WIDE: Final = 17
+"""Keeps the seeds of wide scenes apart from those of the others."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     mass = rng.uniform(50.0, 900.0)
     depth = 0.8 * (left + right)
     inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
-    statue = _block(mass, float(left), float(right), height, inertia, depth)
+    statue = block(mass, float(left), float(right), height, inertia, depth)
     pedestal = None
     if rng.random() < 0.5:
         width = (left + right) * rng.uniform(1.1, 2.0)
@@ -94,7 +97,70 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     )
 
 
-def _block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
+    """A reproducible scene wider than `random_scene`: sizes 0.1 to 5 m, slenderness 1 to 12 (one in five below 2), any friction.
+
+    Pedestals of 0.05 to 3 statues' mass, half of them with one coefficient of friction; motions by the statue's own
+    frequency, records along all three axes; a statue that may slip on its support. Not all stay in the model's domain.
+    """
+    rng = np.random.default_rng([seed, _WIDE])
+    height = 0.5 * _log_uniform(rng, 0.1, 5.0)
+    slenderness = _log_uniform(rng, 1.0, 2.0) if rng.random() < 0.2 else _log_uniform(rng, 2.0, 12.0)
+    base = 2.0 * height / slenderness
+    left = base * float(rng.uniform(0.3, 0.7))
+    right, depth = base - left, base * float(rng.uniform(0.6, 1.5))
+    mass = 2000.0 * 2.0 * height * base * depth
+    inertia = mass * (4.0 * height**2 + base**2) / 12.0 * float(rng.uniform(0.7, 1.2))
+    statue = block(mass, left, right, height, inertia, depth)
+    pedestal = None
+    if rng.random() < 0.6:
+        width, tall = base * float(rng.uniform(1.1, 2.5)), height * float(rng.uniform(0.1, 0.5))
+        pedestal = Pedestal(mass * _log_uniform(rng, 0.05, 3.0), width, 1.2 * depth, tall)
+    kinetic = _log_uniform(rng, 0.05, 1.0)
+    static = kinetic if rng.random() < 0.5 else kinetic * float(rng.uniform(1.0, 1.4))
+    on_support = 2.0 if rng.random() < 0.5 else _log_uniform(rng, 0.3, 1.0)
+    own_rad_s = math.sqrt(mass * GRAVITY_M_S2 * math.hypot(height, 0.5 * base) / (inertia + mass * height**2))
+    peak = GRAVITY_M_S2 * min(left, right) / height * float(rng.uniform(1.05, 3.0))
+    shake = _wide_motion(rng, peak, own_rad_s * _log_uniform(rng, 1.0, 8.0) / (2.0 * math.pi))
+    return Scene(
+        title=f"wide seed {seed}",
+        duration_s=duration_s,
+        gravity_m_s2=GRAVITY_M_S2,
+        form=Form(),
+        statue=statue,
+        pedestal=pedestal,
+        contact=Contact(static, kinetic, on_support),
+        shake=shake,
+    )
+
+
+def _log_uniform(rng: np.random.Generator, least: float, most: float) -> float:
+    return float(math.exp(rng.uniform(math.log(least), math.log(most))))
+
+
+def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> Shake:
+    """A harmonic, a pulse or a record of the given peak along x and main frequency; a record moves along y and z, too."""
+    kind = int(rng.integers(3))
+    if kind == 0:
+        return Shake(x=Harmonic(peak_m_s2, frequency_hz))
+    if kind == 1:
+        return Shake(x=Pulse("one_sine", peak_m_s2, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.3))))
+    axes = [_noise(rng, share * peak_m_s2, frequency_hz) for share in (1.0, *rng.uniform(0.2, 0.6, 2))]
+    # More than half of gravity upwards and downwards is a question of flight, not of rocking.
+    axes[2] = axes[2].scaled(min(1.0, 0.5 * GRAVITY_M_S2 / axes[2].peak_m_s2))
+    return Shake(*axes)
+
+
+def _noise(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> Record:
+    """Smoothed noise between no motion at both ends of `DURATION_S`; its samples follow the frequency."""
+    count = round(8.0 * frequency_hz * DURATION_S) + 9
+    times = np.linspace(0.0, DURATION_S, count)
+    smooth = np.convolve(rng.normal(size=count), np.hanning(7), mode="same") * np.sin(np.pi * times / DURATION_S)
+    return Record(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
+
+
+def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+    """A rectangular body of the given centroid height and corners, twice as high as its centroid."""
     top, half = 2.0 * height, 0.5 * depth
     section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])

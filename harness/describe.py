@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, Rest
+from harness.push import peak_within_m_s2, push_of
 from harness.record import to_plain
 from harness.scene import Scene
+
+Array = NDArray[np.float64]
 
 MOTION_SAMPLES: Final = 4001
 """Most samples of the floor's motion kept for drawing; each is the value of largest size in its interval."""
@@ -56,23 +61,35 @@ def describe(scene: Scene) -> dict[str, Any]:
 
 
 def motion_of(scene: Scene) -> dict[str, Any]:
-    """The floor's accelerations for drawing: `t_s` and `x_m_s2`, `y_m_s2`, `z_m_s2` where they are not at rest."""
+    """The floor's accelerations for drawing: `t_s` and `x_m_s2`, `y_m_s2`, `z_m_s2` where they are not at rest.
+
+    Where it moves along x and y, `level_m_s2` (n, 2) holds both at the instants of their largest sum; `push` says what the
+    motion asks of the statue at rest (`harness.push`).
+    """
     t_s = np.linspace(0.0, scene.duration_s, MOTION_SAMPLES)
     found: dict[str, Any] = {"t_s": t_s}
     for axis, item in (("x", scene.shake.x), ("y", scene.shake.y), ("z", scene.shake.z)):
         if not isinstance(item, Rest):
             found[f"{axis}_m_s2"] = _extremes(item, t_s)
-            found[f"{axis}_peak_m_s2"] = item.peak_m_s2
+            found[f"{axis}_peak_m_s2"] = peak_within_m_s2(item, scene.duration_s)
             found[f"{axis}_is"] = repr(item) if not hasattr(item, "t_s") else f"record of {len(item.t_s)} samples"
+    level = (scene.shake.x, scene.shake.y)
+    if not all(isinstance(item, Rest) for item in level):
+        found["push"] = push_of(scene).as_dict()
+    if not any(isinstance(item, Rest) for item in level):
+        found["level_m_s2"] = _largest(level, t_s)
     plain: dict[str, Any] = to_plain(found)
     return plain
 
 
-def _extremes(item: Excitation, t_s: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _extremes(item: Excitation, t_s: Array) -> Array:
     """The value of largest size among ten samples of each interval, so that no peak is lost in a drawing."""
+    return _largest((item,), t_s)[:, 0]
+
+
+def _largest(items: Sequence[Excitation], t_s: Array) -> Array:
+    """The values (n, k) of all items at the instant of their largest sum as vectors, among ten samples of each interval."""
     step = t_s[1] - t_s[0]
-    fine = t_s[:, None] + step * (np.arange(10) - 5.0) / 10.0
-    values = np.asarray(item.accel_m_s2(np.clip(fine, 0.0, t_s[-1]).ravel())).reshape(fine.shape)
-    largest = np.argmax(np.abs(values), axis=1)
-    extremes: np.ndarray[Any, np.dtype[np.float64]] = values[np.arange(len(t_s)), largest]
-    return extremes
+    fine = np.clip(t_s[:, None] + step * (np.arange(10) - 5.0) / 10.0, 0.0, t_s[-1])
+    values = np.stack([np.asarray(item.accel_m_s2(fine.ravel())).reshape(fine.shape) for item in items], axis=2)
+    return np.asarray(values[np.arange(len(t_s)), np.argmax((values**2).sum(axis=2), axis=1)])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from harness.terminal import printable
+
 
 @dataclass(frozen=True)
 class Mistake:
@@ -23,7 +25,7 @@ class Mistake:
     def __str__(self) -> str:
         place = f"{self.where}: {self.key}" if self.key else self.where
         text = f"{place}: wanted {self.wanted}, got {self.got}"
-        return f"{text} — {self.advice}" if self.advice else text
+        return printable(f"{text} — {self.advice}" if self.advice else text)
 
 
 def mistake_from(sentence: str, where: str, key: str = "") -> Mistake:

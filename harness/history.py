@@ -47,6 +47,15 @@ class Outcome(StrEnum):
         return self.value.startswith("overturned")
 
     @property
+    def fell(self) -> bool | None:
+        """Whether the statue fell, None where the outcome does not say: neither counts as standing nor as fallen."""
+        return True if self.overturned else (False if self is Outcome.STANDS else None)
+
+    def same_as(self, other: Outcome) -> bool:
+        """Whether both say the same of the statue; two that overturn do, whichever way."""
+        return self is other or (self.overturned and other.overturned)
+
+    @property
     def failed(self) -> bool:
         """Whether the run itself failed, so that nothing is known of the statue."""
         return self in _FAILURES
@@ -75,6 +84,11 @@ def _frozen(values: ArrayLike) -> Array:
     array = np.array(values, dtype=np.float64, copy=True)
     array.setflags(write=False)
     return array
+
+
+def history_file(engine: str) -> str:
+    """Name of an engine's history in a result folder; a colon is no character of a file's name on every system."""
+    return f"history_{engine.replace(':', '-')}.csv"
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.history import COLUMNS, Array, History
+from harness.text_file import decimal, decimals, decoded, read_bytes
 
 REQUIRED: Final = ("t_s", "theta_rad")
 UNITS: Final[Mapping[str, tuple[str, float]]] = {
@@ -29,6 +30,9 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 """Columns in other units than the contract's: what they become, and the factor."""
 SEPARATORS: Final = (",", ";", "\t")
 MOST_MISTAKES: Final = 20
+ENDLESS: Final = ("nan", "inf", "infinity")
+MOST_BYTES: Final = 2**30
+"""Largest history read: an hour at 1 ms with ten columns takes half of it."""
 MOST_RAD: Final = 10.0
 """A statue that has turned further has tumbled more than once: the numbers are degrees."""
 GAP_STEPS: Final = 20.0
@@ -88,15 +92,8 @@ def gaps(history: History) -> list[tuple[float, float]]:
 
 
 def _text(path: Path) -> str:
-    try:
-        data = path.read_bytes()
-        # Spreadsheets mark what they write by these two bytes.
-        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
-    except OSError as error:
-        raise InputError(Mistake(str(path), "", "a readable CSV file", error.strerror or str(error))) from error
-    except UnicodeDecodeError as error:
-        advice = "save it as CSV in UTF-8"
-        raise InputError(Mistake(str(path), "", "a readable CSV file", "text that is not UTF-8", advice)) from error
+    wanted = "a CSV file with a header line and at least one row"
+    return decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted)
 
 
 def _table(path: Path, text: str) -> _Table:
@@ -126,7 +123,7 @@ def _table(path: Path, text: str) -> _Table:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text.replace(",", "."))
+        decimal(text.replace(",", "."))
     except ValueError:
         return False
     return True
@@ -142,7 +139,7 @@ def _numbers(path: Path, table: _Table) -> Array:
             continue
         cells = [cell.replace(",", ".") for cell in row] if table.comma else row
         try:
-            numbers[index] = [float(cell) for cell in cells]
+            numbers[index] = decimals(cells)
         except ValueError:
             mistakes += _bad_cells(path, table.names, row, line)
             continue
@@ -158,10 +155,14 @@ def _numbers(path: Path, table: _Table) -> Array:
 
 
 def _bad_cells(path: Path, names: Sequence[str], row: Sequence[str], line: int) -> list[Mistake]:
-    bad = [(name, cell.strip()) for name, cell in zip(names, row, strict=True) if not _is_number(cell)]
+    bad = [
+        (f"line {line}: {name}", cell.strip()) for name, cell in zip(names, row, strict=True) if not _is_number(cell)
+    ]
     return [
-        Mistake(str(path), f"line {line}: {name}", "a number", repr(cell) if cell else "an empty cell")
-        for name, cell in bad
+        Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)")
+        if cell.lstrip("+-").casefold() in ENDLESS
+        else Mistake(str(path), place, "a number", repr(cell) if cell else "an empty cell")
+        for place, cell in bad
     ] or [Mistake(str(path), f"line {line}", "numbers with a decimal point", ", ".join(row))]
 
 

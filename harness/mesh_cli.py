@@ -3,12 +3,14 @@ elsewhere."""
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness import record
+from harness import paths, record
 from harness.errors import InputError, Mistake, mistake_from
+from harness.result_folder import check_listed, listing, writing
 from harness.scene_file.new_scene import scene_text
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ class Known:
     mass_kg: float | None = None
     max_faces: int = 50_000
     contact_tolerance_m: float = 1e-3
+    cut_below_m: float | None = None
 
 
 def inspect(file: Path, known: Known) -> Inspection:
@@ -42,7 +45,7 @@ def inspect(file: Path, known: Known) -> Inspection:
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3
-    wanted = Wanted(unit=known.unit, height_m=known.height_m, up=known.up, max_faces=known.max_faces)
+    wanted = Wanted(known.unit, known.height_m, known.up, known.max_faces, known.cut_below_m)
     try:
         return inspected(
             file,
@@ -61,14 +64,15 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
 
     Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
     """
-    _check_out(out, file)
+    account = out.with_suffix(".account.json")
+    _check_out(out, account, file)
     found = inspect(file, known)
     if found.solid is None:
         raise InputError(mistake_from(str(found.refusal), str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
-    found.prepared.write(out)
-    account = out.with_suffix(".account.json")
-    record.write_json(account, _plain(found, known))
+    with writing(out) as fresh:
+        found.prepared.write(fresh)
+    record.write_json(account, _plain(found, known) | {"files": listing([out], pages=False)})
     return found, account
 
 
@@ -82,16 +86,19 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
 
     if out.suffix != ".toml":
         raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))
-    if out.exists():
+    if os.path.lexists(out):
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
-    if not motion.is_file():
+    if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     shaking = read_record(motion, unit=unit_of_motion)
     mesh = out.with_name(f"{out.stem}_statue.ply")
+    for beside in (mesh, mesh.with_suffix(".account.json")):
+        if os.path.lexists(beside):
+            raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
     found, account = prepare(scan, mesh, known)
     try:
         text = scene_text(found, scan, mesh, shaking, motion, known.density_kg_m3, known.mass_kg, unit_of_motion)
-        out.write_text(text, encoding="utf-8")
+        record.write_text(out, text)
         load_scene(out)
     except Exception:
         for written in (out, mesh, account):
@@ -100,14 +107,15 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
     return out
 
 
-def _check_out(out: Path, file: Path) -> None:
-    """Refuse an output that is no mesh format or would overwrite the scan."""
+def _check_out(out: Path, account: Path, file: Path) -> None:
+    """Refuse an output that is no mesh format, would overwrite the scan, or anything but a mesh that was prepared before."""
     from meshes.intake import FORMATS
 
     if out.suffix.lower() not in FORMATS:
         raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
     if out.resolve() == file.resolve():
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
+    check_listed(out, account)
 
 
 def _plain(found: Inspection, known: Known) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any, Final
 from harness import record
 from harness.errors import InputError, Mistake
 from harness.processes.executors import LocalPool
-from harness.run import check_folder
+from harness.result_folder import check_folder, listing
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
@@ -62,14 +62,15 @@ def session(
     folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, told: Callable[[str], None]
 ) -> dict[str, Measured]:
     """Measure as `measure` does, into a folder that can be written, under the versions, source, machine and option of now."""
-    check_folder(folder)
+    check_folder(folder, ("bench", "stress"))
     stamp = {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
     return measure(folder, parts, only, stamp, told)
 
 
 def written(folder: Path, found: Mapping[str, Any]) -> dict[str, Any]:
     """The record of all parts as plain values, written into `folder` as `result.json`."""
-    plain: dict[str, Any] = record.to_plain({**found, "versions": record.versions(), "machine": record.machine()})
+    about = {"versions": record.versions(), "machine": record.machine(), "files": listing(())}
+    plain: dict[str, Any] = record.to_plain({**found, **about})
     record.write_json(folder / "result.json", plain)
     return plain
 
@@ -142,8 +143,8 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
         return
     for line in path.read_text(encoding="utf-8").splitlines():
         try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
+            yield dict(json.loads(line))
+        except (TypeError, ValueError):
             continue
 
 
@@ -151,7 +152,7 @@ def _read(kept: Path, part: Part, stamp: Mapping[str, Any]) -> Measured:
     found = Measured()
     plain = record.to_plain(stamp)
     for line in _lines(_path(kept, part)):
-        if line["stamp"] == plain and line["task"] in part.tasks:
+        if line.get("stamp") == plain and line.get("task") in part.tasks:
             found.rows[line["task"]] = line["rows"]
             found.busy_s += line["busy_s"]
             found.wall_s += line["wall_s"]

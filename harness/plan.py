@@ -187,14 +187,14 @@ def _base_only(scene: Scene, want: Want) -> Decision:
 
 
 def _mirror(scene: Scene, want: Want) -> Decision:
-    if "base_only" not in want.skips and scene.pedestal is not None:
-        return False, "full shapes are asked"
     if scene.table != "frame":
         return False, "the table moves, not the frame"
     reason = asymmetry(scene)
     if reason is not None:
         return False, reason
-    return True, "the scene is its own mirror image across the rocking plane: half of it is computed"
+    whole = "base_only" not in want.skips and scene.pedestal is not None
+    told = "its bodies turn in the plane alone" if whole else "half of it is computed"
+    return True, f"the scene is its own mirror image across the rocking plane: {told}"
 
 
 def _no_history(scene: Scene, want: Want) -> Decision:

@@ -46,6 +46,7 @@ class Run:
     bounds the rotation's own numerical error up to `reliable_until_s` (None: not estimated). `history` is None when only the
     outcome was asked. `steps` counts integration steps; `work` further counts by name (evaluations, iterations, ...).
     `skipped` are sentences on what was left out and why the result is the same; `warnings` are sentences for the user.
+    `motion_axes` are the axes along which the floor moves in the motion that the engine was given (None: not stated).
     """
 
     engine: str
@@ -72,6 +73,7 @@ class Run:
     warnings: Sequence[str] = ()
     labels: Sequence[str] = ()
     message: str = ""
+    motion_axes: Sequence[str] | None = None
 
     def with_uncertainty(self, uncertainty_rad: float, reliable_until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""
@@ -151,7 +153,8 @@ def write_text(path: Path, text: str) -> None:
     """Replace a text file in one step, whole or not at all."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        # A file's name may be no UTF-8: its odd bytes stand in the text as escapes.
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
             stream.write(text)
         os.chmod(name, 0o644)
         os.replace(name, path)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import itertools
-import os
-import shutil
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from harness import describe, engines, record
 from harness.engine import Engine, EngineFailure, Want
 from harness.errors import InputError, Mistake
-from harness.history import Outcome
+from harness.history import Outcome, history_file
+from harness.paths import read_files
 from harness.plan import plan
 from harness.record import SCHEMA_VERSION, Run
+from harness.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
 from harness.scene import Scene
 from harness.standstill import standstill
 
@@ -45,7 +44,12 @@ class Result:
     @property
     def failed(self) -> bool:
         """Whether any engine failed to give an answer."""
-        return any(run.outcome.failed for run in self.runs.values())
+        return self.failed_but(())
+
+    def failed_but(self, optional: Sequence[str]) -> bool:
+        """Whether any engine failed, those of `optional` that are not installed here left aside."""
+        runs = (run for run in self.runs.values() if run.outcome.failed)
+        return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
 
     def as_dict(self) -> dict[str, Any]:
         """The whole record as it stands in `result.json`."""
@@ -88,6 +92,11 @@ def simulate(
     return _simulate(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
 
 
+def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    run = _computed(engine, scene, accuracy_rad, dt_s, want)
+    return replace(run, motion_axes=scene.shake.axes(engine.capabilities.dimensions))
+
+
 def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
     """Raise `InputError` unless at most one of the two is given and it is in its range."""
     if accuracy_rad is not None and dt_s is not None:
@@ -98,7 +107,7 @@ def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
         raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
 
 
-def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
     reason = engine.missing()
     if reason is not None:
         return failed(engine.name, Outcome.UNAVAILABLE, reason)
@@ -159,6 +168,7 @@ def run_scene(
     start = time.perf_counter()
     left = [item for item in loaded if item.name not in (stored or {})]
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
+    beside = [item for item in beside if item.missing() is None]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
         here: dict[str, Run] = dict(stored or {})
@@ -210,37 +220,26 @@ def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None], *,
     return found
 
 
-def check_folder(folder: Path) -> None:
-    """Raise `InputError` unless results can be written into `folder` (which may not exist yet)."""
-    existing = next((path for path in (folder, *folder.parents) if path.exists()), None)
-    if existing is not None and not existing.is_dir():
-        raise InputError(Mistake("--out", "", "a folder", f"the file {existing}"))
-    if existing is not None and not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {existing}"))
+def check_writing(folder: Path, scene: Scene, names: Sequence[str]) -> None:
+    """Raise `InputError` unless the result of these engines can be written into `folder` without a loss (see `check_folder`)."""
+    written = [history_file(name) for name in names] + [*PAGES, RECORD, "statue.glb"]
+    check_inputs(folder, written, read_files(scene.given, scene.source))
+    check_folder(folder, ("run",), written if scene.statue.solid is not None else written[:-1])
 
 
 def write_result(result: Result, folder: Path) -> Path:
-    """Write histories, the statue's mesh and `result.json` into `folder`; a killed write leaves the old result whole."""
-    check_folder(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(Mistake("--out", "", "a folder that can be written", f"{folder}: {error.strerror}")) from error
-    fresh = Path(tempfile.mkdtemp(dir=folder, prefix=".writing-"))
-    try:
+    """Write histories, the statue's mesh and `result.json`, which lists them with checksums, into `folder`, whole or not at all.
+
+    A killed write leaves the old result whole or files that one of both records lists. Raises `InputError` for a folder in which
+    something else would be lost.
+    """
+    check_writing(folder, result.scene, list(result.runs))
+    with replacing(folder, lambda files: {**result.as_dict(), "files": files}) as fresh:
         for name, run in result.runs.items():
             if run.history is not None:
-                run.history.write_csv(fresh / f"history_{name}.csv")
+                run.history.write_csv(fresh / history_file(name))
         if result.scene.statue.solid is not None:
             from meshes.export import write_glb
 
             write_glb(result.scene.statue.solid, fresh / "statue.glb")
-        record.write_json(fresh / "result.json", result.as_dict())
-        for stale in (*folder.glob("history_*.csv"), *folder.glob("statue.glb")):
-            stale.unlink()
-        # The record last: a folder with a result.json has everything that it names.
-        for path in sorted(fresh.iterdir(), key=lambda item: item.name == "result.json"):
-            path.replace(folder / path.name)
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
-    return folder / "result.json"
+    return folder / RECORD

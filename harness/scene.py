@@ -103,6 +103,11 @@ class Shake:
         """After this time all components are exactly zero."""
         return max(self.x.end_s, self.y.end_s, self.z.end_s)
 
+    def axes(self, dimensions: int = 3) -> tuple[str, ...]:
+        """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""
+        given = "xyz" if dimensions == 3 else "xz"
+        return tuple(axis for axis in given if getattr(self, axis).peak_m_s2 > 0.0)
+
 
 @dataclass(frozen=True)
 class Wall:

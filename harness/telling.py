@@ -6,6 +6,8 @@ import time
 from threading import Event, Thread
 from typing import Any, Final
 
+from harness.terminal import printable
+
 SILENT_S: Final = 10.0
 """Off a terminal, where nothing can turn, a line comes at least this often."""
 
@@ -17,8 +19,8 @@ class Telling:
         from rich.console import Console
         from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-        self._console = Console(stderr=True, quiet=quiet)
-        columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+        self._console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
+        columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
         self._progress = Progress(*columns, console=self._console, transient=True)
         self._task = self._progress.add_task("reading", total=None)
         self._lines = not quiet and not self._console.is_terminal
@@ -45,12 +47,18 @@ class Telling:
 
     def now(self, words: str) -> None:
         """Tell what is at work from now on."""
+        words = printable(words)
         self._now = (words, time.monotonic())
         self._progress.update(self._task, description=words)
         if self._lines:
-            self._say(words)
+            self.say(words)
 
-    def _say(self, words: str) -> None:
+    def later(self, words: str) -> None:
+        """What a reminder tells from now on, without a word now."""
+        self._now = (words, time.monotonic())
+
+    def say(self, words: str) -> None:
+        """Tell this once."""
         self._said = time.monotonic()
         self._console.print(words, highlight=False)
 
@@ -58,4 +66,4 @@ class Telling:
         while not self._done.wait(max(0.01, self._said + self._silent_s - time.monotonic())):
             if time.monotonic() - self._said >= self._silent_s:
                 words, since = self._now
-                self._say(f"{words}: {time.monotonic() - since:.0f} s so far")
+                self.say(f"{words}: {time.monotonic() - since:.0f} s so far")

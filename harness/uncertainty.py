@@ -214,6 +214,6 @@ def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float)
     if best.no_return_time_s is not None and until_s >= best.no_return_time_s:
         return f"{until}, past the instant of no return at {best.no_return_time_s:.4g} s: in the fall every difference grows"
     return (
-        f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, because "
-        "impacts and slips let small differences grow"
+        f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, and its "
+        "numerical error is not bounded; the horizon of prediction tells whether anybody could compute it further"
     )

@@ -1,11 +1,14 @@
-"""Why two runs differ, computed from the record: numerical error, model, horizon, or a model outside its domain."""
+"""Why two runs differ, computed from the record.
+
+Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its domain.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final
 
@@ -35,6 +38,12 @@ class Verdict(StrEnum):
     MODEL = "differ: model"
     HORIZON = "differ: beyond the horizon"
     DOMAIN = "differ: the model left its domain"
+    PLANE = "differ: the plane left out"
+    UNBOUNDED = "differ: numerical error not bounded"
+
+
+OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
+"""Verdicts with which outcomes that differ decide nothing between the two."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +52,7 @@ class Side:
 
     `uncertainty_rad` bounds the rotation's numerical error up to `reliable_until_s`; `horizon_s` is how far the model's own
     perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions, `left_domain_by`
-    which.
+    which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
     """
 
     name: str
@@ -53,6 +62,8 @@ class Side:
     horizon_s: float | None = None
     left_domain_s: float | None = None
     left_domain_by: str = ""
+    axes: tuple[str, ...] | None = None
+    no_return_s: float | None = None
 
     @property
     def until_s(self) -> float:
@@ -85,6 +96,8 @@ def side_of(
         horizon_s,
         left_s,
         by,
+        None if answer.motion_axes is None else tuple(answer.motion_axes),
+        answer.no_return_time_s,
     )
 
 
@@ -120,7 +133,11 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m
     limit = max(COVERAGE * joint, ROUNDING_RAD)
     until = min(a.until_s, b.until_s)
     facts = _from_peaks(peaks, limit, until) if both is None else _from_histories(both, limit, until, lever_m)
-    flips = a.outcome is not None and b.outcome is not None and a.outcome is not b.outcome
+    known = a.outcome is not None and b.outcome is not None
+    flips = known and a.outcome is not b.outcome
+    sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
+    if flips:
+        facts = _with_falls_across(facts, a, b)
     verdict, left = _decide(a, b, facts, flips)
     evidence = {
         "uncertainty_a_rad": a.uncertainty_rad,
@@ -134,9 +151,11 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak], lever_m
         "compared_until_s": facts.end_s,
         "left_domain_s": None if left is None else left.left_domain_s,
         "left_domain_by": "" if left is None else f"{left.name}: {left.left_domain_by}",
-        "outcome_flips_within_uncertainty": flips and verdict in (Verdict.AGREE, Verdict.HORIZON),
+        "outcome_flips_within_uncertainty": flips and not sided and verdict in OPEN,
+        "side_flips_within_uncertainty": sided and verdict in OPEN,
+        "motion_not_given": _not_given(a, b),
     }
-    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips), evidence)
+    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
 
 
 def _from_histories(both: Pair, limit: float, until: float, lever_m: float) -> _Facts:
@@ -167,13 +186,38 @@ def _decide(a: Side, b: Side, facts: _Facts, flips: bool) -> tuple[Verdict, Side
             return Verdict.AGREE, None
         if left_s < math.inf:
             return Verdict.DOMAIN, first
-        return (Verdict.HORIZON if facts.until_s < facts.end_s else Verdict.AGREE), None
+        return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
     if facts.exceeded_s <= min(left_s, facts.until_s):
-        return Verdict.MODEL, None
-    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (Verdict.HORIZON, None)
+        return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
+    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
 
 
-def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool) -> str:
+def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
+    """What a difference at a time past what is known rests on: the problem's own measured sensitivity, or an engine's error."""
+    return Verdict.HORIZON if at_s > _horizon_s(a, b) else Verdict.UNBOUNDED
+
+
+def _horizon_s(a: Side, b: Side) -> float:
+    return min((side.horizon_s for side in (a, b) if side.horizon_s is not None), default=math.inf)
+
+
+def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
+    """The axes of the floor's motion that one side was given and the other, by its name, was not."""
+    if a.axes is None or b.axes is None:
+        return {}
+    missing = {a.name: sorted(set(b.axes) - set(a.axes)), b.name: sorted(set(a.axes) - set(b.axes))}
+    return {name: axes for name, axes in missing.items() if axes}
+
+
+def _with_falls_across(facts: _Facts, a: Side, b: Side) -> _Facts:
+    """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
+    across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+    times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
+    exceeded_s = min([*times, math.inf if facts.exceeded_s is None else facts.exceeded_s])
+    return replace(facts, exceeded_s=exceeded_s) if math.isfinite(exceeded_s) else facts
+
+
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | None, flips: bool, sided: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
     bound = f"twice their joint numerical error ({facts.limit_rad:.2g} rad)"
@@ -181,25 +225,41 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: _Facts, left: Side | No
         text = (
             f"{names} agree within their numerical error: at most {facts.largest_rad:.2g} rad apart, less than {bound}"
         )
-    elif verdict is Verdict.MODEL:
-        text = f"{names} differ by their models: more than {bound} apart{when}"
-        text += f", before the horizon at {facts.until_s:.4g} s" if math.isfinite(facts.until_s) else ""
+    elif verdict in (Verdict.MODEL, Verdict.PLANE):
+        cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
+        text = f"{names} differ by {cause}: more than {bound} apart{when}{_before(a, b, facts.until_s)}"
+    elif verdict is Verdict.UNBOUNDED:
+        text = f"{names} agree up to {facts.until_s:.4g} s and differ{when}, where the numerical error of "
+        text += " and ".join(side.name for side in (a, b) if side.reliable_until_s == facts.until_s)
+        text += " is not bounded any more"
     elif verdict is Verdict.HORIZON:
         text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
     else:
         side = left or a
         text = f"{names} differ{when}, after {side.name} left its domain at {side.left_domain_s or 0.0:.4g} s"
         text += f" ({side.left_domain_by})"
-    if flips and verdict in (Verdict.AGREE, Verdict.HORIZON):
-        text += "; the outcome flips within the stated uncertainty"
+    if flips and (sided or verdict in OPEN):
+        within = " within the stated uncertainty" if verdict in OPEN else ""
+        text += f"; both overturn, to different sides{within}" if sided else f"; the outcome flips{within}"
+    for name, axes in _not_given(a, b).items():
+        text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
     if unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
     return text + "."
 
 
+def _before(a: Side, b: Side, until_s: float) -> str:
+    """What a robust difference came before."""
+    if math.isinf(until_s):
+        return ""
+    if until_s == _horizon_s(a, b):
+        return f", before the horizon at {until_s:.4g} s"
+    return f", while both numerical errors are bounded (until {until_s:.4g} s)"
+
+
 def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
-    """The share of each of the four verdicts over a set; all zero for an empty one."""
+    """The share of each verdict over a set; all zero for an empty one."""
     counts = Counter(verdicts)
     total = sum(counts.values())
     return {verdict.value: counts[verdict] / total if total else 0.0 for verdict in Verdict}

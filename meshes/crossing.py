@@ -1,4 +1,4 @@
-"""Where a surface passes through itself: pairs of triangles of which one's edge pierces the other."""
+"""Where a surface passes through itself: triangles pierced by another's edge, parts turned inside out by it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.mesh import double_areas
+from meshes.topology import Edges
+
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 CHUNK = 20_000
 """Faces looked at in one go."""
+SHIFT = 1e-9
+"""Of the extent: a million times finer than a scan, a million times coarser than rounding."""
+SAMPLES = 400
+"""Faces drawn to see on which side the body lies: a wrong share of 2 % is missed once in 3000 bodies."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +41,18 @@ def crossings(vertices: Array, faces: Faces, most: int = 100_000) -> Crossings:
     chosen = np.arange(len(faces))
     if len(faces) > most:
         chosen = np.sort(np.random.default_rng(0).choice(len(faces), most, replace=False))
-    found = 0
+    return Crossings(len(_piercing(vertices, faces, chosen, shared=0)), len(chosen))
+
+
+def _piercing(vertices: Array, faces: Faces, chosen: Faces, shared: int) -> Faces:
+    """Those of the faces `chosen` that pierce, or are pierced by, a face with at most `shared` corners in common."""
+    found = np.zeros(len(faces), dtype=bool)
     for one, other in _close_pairs(vertices, faces, chosen):
-        shared = (faces[one][:, :, None] == faces[other][:, None, :]).any(axis=(1, 2))
-        one, other = one[~shared], other[~shared]
+        common = (faces[one][:, :, None] == faces[other][:, None, :]).sum(axis=(1, 2))
+        one, other = one[common <= shared], other[common <= shared]
         through = _pierced(vertices, faces, one, other) | _pierced(vertices, faces, other, one)
-        found += len(np.unique(one[through]))
-    return Crossings(found, len(chosen))
+        found[one[through]] = True
+    return np.flatnonzero(found)
 
 
 def _close_pairs(vertices: Array, faces: Faces, chosen: Faces) -> Iterator[tuple[Faces, Faces]]:
@@ -76,3 +88,53 @@ def _pierced(vertices: Array, faces: Faces, triangle: Faces, edges_of: Faces) ->
 def _volume(a: Array, b: Array, c: Array, d: Array) -> Array:
     """Six times the signed volume (n,) of tetrahedra."""
     return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
+
+
+def pinched(vertices: Array, faces: Faces) -> float:
+    """Share of a surface's area that hangs on the rest by a single point, or by faces that pass through one another, alone.
+
+    An hourglass whose wall crosses itself all round its neck, or whose neck is one point, is two bodies and no statue. Edges that
+    meet exactly pierce nothing, so the corners are first shifted by less than any scanner resolves.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    extent = float(np.ptp(vertices, axis=0).max())
+    shifted = vertices + SHIFT * extent * np.random.default_rng(1).uniform(-1.0, 1.0, vertices.shape)
+    left = np.delete(faces, _piercing(shifted, faces, np.arange(len(faces)), shared=1), axis=0)
+    if len(left) == 0:
+        return 1.0
+    edges = Edges.of(left)
+    pair = edges.first[edges.faces_at == 2]
+    ends = (edges.face[pair], edges.face[pair + 1])
+    graph = coo_array((np.ones(len(pair), dtype=np.int8), ends), shape=(len(left),) * 2)
+    number = connected_components(graph, directed=False)[1]
+    areas = np.bincount(number, weights=np.linalg.norm(double_areas(vertices, left), axis=1))
+    return 1.0 - float(areas.max() / areas.sum())
+
+
+def wrongly_sided(vertices: Array, faces: Faces, samples: int = SAMPLES) -> float:
+    """Share of a closed surface's area that does not have the body on its inner side and the outside on its outer one.
+
+    Counted on `samples` faces drawn by area (fixed seed): around a point of a body's surface all other faces together wind half
+    a turn; parts turned inside out by a crossing (an hourglass) wind less, parts buried in another one and a half.
+    """
+    vectors = double_areas(vertices, faces)
+    areas = np.linalg.norm(vectors, axis=1)
+    drawn = np.random.default_rng(0).choice(len(faces), samples, p=areas / areas.sum())
+    corners = vertices[faces]
+    wrong = sum(abs(_turns(corners, corners[face].mean(axis=0), int(face)) - 0.5) > 0.25 for face in drawn)
+    return float(wrong) / samples
+
+
+def _turns(corners: Array, point: Array, without: int) -> float:
+    """Winding number about `point` of all triangles but one (van Oosterom and Strackee 1983: solid angles over 4π)."""
+    a, b, c = (corners[:, k] - point for k in range(3))
+    la, lb, lc = (np.sqrt(np.einsum("ij,ij->i", side, side)) for side in (a, b, c))
+    over = np.einsum("ij,ij->i", a, np.cross(b, c))
+    under = la * lb * lc
+    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        under = under + np.einsum("ij,ij->i", one, other) * length
+    angle = np.arctan2(over, under)
+    angle[without] = 0.0
+    return float(angle.sum() / (2.0 * np.pi))

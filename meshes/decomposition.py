@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import hashlib
+import signal
+import subprocess
+import sys
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata, util
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import kept
+from meshes import coacd_alone, kept
 from meshes.collision import thinned
 from meshes.decimation import simplified
 from meshes.errors import MeshError
@@ -27,6 +32,8 @@ CONCAVITY: Final = 0.05
 """Where the parts' error stops falling on generated and scanned statues alike (docs/meshes.md)."""
 MAX_PARTS: Final = 32
 MAX_VERTICES: Final = 64
+LONGEST_S: Final = 300.0
+"""Longest wait for a decomposition: twenty times the dearest of the table (docs/meshes.md)."""
 FORM: Final = 1
 """Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
 
@@ -84,34 +91,50 @@ def decompose(
 
     `concavity` is CoACD's threshold, the depth left between a part and its hull relative to the body's size (0.01 to 1). Parts
     are cut off at the statue's own hull and keep at most `max_vertices` of their vertices. Raises `MeshError` for a concavity
-    out of range, or where nothing is found.
+    out of range, or where nothing is found; one whose search ended without an answer is not searched again by this process.
     """
-    import coacd
     from manifold3d import Manifold
 
     if not 0.01 <= concavity <= 1.0:
         raise MeshError(f"wanted a concavity between 0.01 and 1, got {concavity:g}")
     coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
     vertices, faces = (solid.vertices_m, solid.faces) if coarse is None else (coarse.vertices, coarse.faces)
-    coacd.set_log_level("error")
-    raw = coacd.run_coacd(
-        coacd.Mesh(vertices, faces.astype(np.int32)),
-        threshold=concavity,
-        max_convex_hull=max_parts,
-        preprocess_mode="off",  # the mesh is closed already; remeshing would move its surface
-        resolution=500,
-        mcts_iterations=50,
-        mcts_nodes=10,
-        mcts_max_depth=2,
-        seed=seed,
-    )
+    raw = _searched(vertices, faces, (concavity, max_parts, seed))
     hull = Manifold.hull_points(np.array(solid.vertices_m))
-    inside = [Manifold.hull_points(np.asarray(points)) ^ hull for points, _ in raw]
+    inside = [Manifold.hull_points(points) ^ hull for points in raw]
     points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
     if not points:
         raise MeshError("wanted convex parts of the statue, but its decomposition is empty")
     parts = tuple(thinned(corners, None, max_vertices)[0] for corners in points)
     return Parts(parts, *_misfit(solid, parts))
+
+
+def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int, int]) -> list[Array]:
+    """The corners of CoACD's parts, from a process of its own. Raises `MeshError` where that ends without an answer."""
+    digest = hashlib.sha256(vertices_m.tobytes() + faces.tobytes() + repr(options).encode()).digest()
+    if digest in _FAILED:
+        raise MeshError(_FAILED[digest])
+    with tempfile.TemporaryDirectory(prefix="rockcheck-parts-") as folder:
+        given, answer = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
+        np.savez(given, vertices_m=vertices_m, faces=faces.astype(np.int32), options=np.array(options))
+        # -P: what stands beside the file must not be taken for packages of the same names.
+        command = [sys.executable, "-P", coacd_alone.__file__, str(given), str(answer)]
+        try:
+            code = subprocess.run(
+                command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=LONGEST_S
+            ).returncode
+            cause = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+        except subprocess.TimeoutExpired:
+            code, cause = 1, f"gave no answer in {LONGEST_S:g} s"
+        if code or not answer.is_file():
+            _FAILED[digest] = f"wanted convex parts of the statue, but the search for them (CoACD) {cause}"
+            raise MeshError(_FAILED[digest])
+        with np.load(answer) as arrays:
+            return np.split(arrays["corners"], np.cumsum(arrays["counts"])[:-1])
+
+
+_FAILED: Final[dict[bytes, str]] = {}
+"""Searches that ended without an answer: every rung of a climb would end so again."""
 
 
 def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
+from meshes.gltf_size import must_be_bounded
 from meshes.mesh import RawMesh, weld
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
 from meshes.stance import turn_axis
@@ -36,12 +37,11 @@ def read_mesh(path: str | Path) -> RawMesh:
             f"{file}: wanted one of {', '.join(FORMATS)}, got {file.suffix or 'no suffix'} — export the scan as PLY"
             f" or OBJ"
         )
-    if not file.is_file():
-        raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
-    if file.stat().st_size == 0:
-        raise MeshError(f"{file}: wanted a mesh, got an empty file — export it again")
+    _must_be_there(file)
     if file.suffix.lower() == ".stl":
         _must_be_stl(file)
+    if file.suffix.lower() in (".glb", ".gltf"):
+        must_be_bounded(file)
     vertices, faces = _triangles(file)
     if not np.isfinite(vertices).all():
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
@@ -52,6 +52,23 @@ def read_mesh(path: str | Path) -> RawMesh:
             " — remove them in the scanning software and export again"
         )
     return weld(RawMesh(vertices, faces, str(file)))
+
+
+def _must_be_there(file: Path) -> None:
+    """Refuse a name that is no text or too long, and what is no file or an empty one."""
+    try:
+        str(file).encode("utf-8")
+    except UnicodeEncodeError:
+        shown = ascii(str(file).encode("utf-8", "surrogateescape"))[2:-1]
+        raise MeshError(f"{shown}: wanted a file name in UTF-8, got other bytes — rename the file") from None
+    try:
+        there = file.is_file()
+    except OSError as error:
+        raise MeshError(f"{file}: wanted a mesh file, got {error.strerror} — check the path") from error
+    if not there:
+        raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
+    if file.stat().st_size == 0:
+        raise MeshError(f"{file}: wanted a mesh, got an empty file — export it again")
 
 
 def _triangles(file: Path) -> tuple[Array, Faces]:

@@ -1,13 +1,14 @@
 """Arrays that are dear to compute, kept in the user's cache folder under a digest of what they were computed from.
 
-The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written,
-nothing is kept.
+The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written, or
+where others could write into it, nothing is kept.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import stat
 import tempfile
 import zipfile
 import zlib
@@ -23,12 +24,26 @@ KEPT: Final = 64
 
 
 def folder() -> Path | None:
-    """Where files are kept; None when nobody's home is known."""
+    """Where files are kept, made where it is not there yet; None when nobody's home is known or the folder is not its own user's.
+
+    Parts that someone else put there would change results unseen: it and the folder around it are no links, and only their
+    owner, who runs this, may write into them.
+    """
     given = os.environ.get("XDG_CACHE_HOME")
     try:
-        return (Path(given) if given else Path.home() / ".cache") / "rockcheck" / "meshes"
-    except RuntimeError:
+        home = (Path(given) if given else Path.home() / ".cache") / "rockcheck"
+        for path in (home, home / "meshes"):
+            path.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _private(path.lstat()):
+                return None
+    except (OSError, RuntimeError):
         return None
+    return home / "meshes"
+
+
+def _private(seen: os.stat_result) -> bool:
+    mine = not hasattr(os, "getuid") or seen.st_uid == os.getuid()
+    return stat.S_ISDIR(seen.st_mode) and mine and not seen.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def load(key: str) -> dict[str, NDArray[Any]] | None:
@@ -53,7 +68,6 @@ def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
     if home is None:
         return
     with contextlib.suppress(OSError):  # a full or read-only disk: computed again the next time
-        home.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix="new-", suffix=".part", dir=home)
         try:
             with os.fdopen(handle, "wb") as file:

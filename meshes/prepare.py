@@ -10,9 +10,11 @@ import numpy as np
 
 from meshes import mending
 from meshes.account import Account, Change, change, measure
+from meshes.attached import cut_below
 from meshes.closing import base_rim, close_base, close_holes
 from meshes.crossing import crossings
 from meshes.decimation import Bounds, decimate
+from meshes.doubts import floor_attached, not_one_body
 from meshes.errors import MeshError
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
 from meshes.mesh import RawMesh
@@ -45,12 +47,16 @@ class Limits:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the caller knows of the scan: unit or true height, up axis; None is found (up) or refused (scale)."""
+    """What the caller knows of the scan: unit or true height, up axis; None is found (up) or refused (scale).
+
+    `cut_below_m` above the lowest point is cut off (a floor scanned with the statue); 0: the lowest layer is the statue's own.
+    """
 
     unit: str | float | None = None
     height_m: float | None = None
     up: str | None = None
     max_faces: int = 50_000
+    cut_below_m: float | None = None
     limits: Limits = field(default_factory=Limits)
     bounds: Bounds = field(default_factory=Bounds)
 
@@ -98,11 +104,15 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
     state = _scaled(state, wanted, suffix)
+    state = _cut(state, wanted)
     state = _true_height(_closed(state, wanted), wanted)
     state = _checked(state, wanted)
     fewer, made = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     if made is not None:
         state = Prepared(fewer, state.account.and_changed(made))
+    wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
+    if wrong:
+        raise MeshError(f"{state.mesh.source}: {wrong}")
     return state
 
 
@@ -192,6 +202,21 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
     if unit_m != 1.0:
         account = account.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
     return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), account)
+
+
+def _cut(state: Prepared, wanted: Wanted) -> Prepared:
+    """What lies below the height of the cut taken off, with crumbs that hung on it; a floor that is still there is refused."""
+    if wanted.cut_below_m:
+        before = measure(state.mesh)
+        mesh = cut_below(state.mesh, wanted.cut_below_m)
+        what = f"the lowest {wanted.cut_below_m:g} m cut off, as asked"
+        state = Prepared(mesh, state.account.and_changed(change("cut", what, 1, before, measure(mesh))))
+        mesh, made = mending.drop_crumbs(mesh, wanted.limits.crumb_area)
+        state = state if made is None else Prepared(mesh, state.account.and_changed(made))
+    attached = floor_attached(state.mesh.vertices, state.mesh.faces, "--cut-below {:.3g}")
+    if attached and wanted.cut_below_m != 0.0:
+        raise MeshError(f"{state.mesh.source}: {attached}")
+    return state
 
 
 def _closed(state: Prepared, wanted: Wanted) -> Prepared:

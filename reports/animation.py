@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from harness.errors import InputError, Mistake
 from harness.history import History
+from harness.result_folder import MARK, check_marked, writing
 from reports.display_mesh import display_mesh
 from reports.palette import look
 from reports.posing import SOLID_COLUMNS, Section, posed_in_space_m, section
@@ -86,17 +85,24 @@ def write_gif(folder: Path, path: Path | None = None, model: str | None = None) 
         raise InputError(Mistake(str(folder), "", "a run with histories", "a record without any"))
     if model is not None and model not in source.histories:
         raise InputError(Mistake("--model", "", f"one of {', '.join(source.histories)}", repr(model)))
+    target = path or folder / "replay.gif"
+    check_marked([target])
     stage = _stage(source, model or default_model(source))
     start, end = _window(source.histories[stage.solid])
     times = np.arange(start, end + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
     chart = _chart(stage, start, end)
     frames = [_frame(stage, float(t), chart, start, end) for t in times]
-    target = path or folder / "replay.gif"
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".replay-", suffix=".gif")
-    os.close(handle)
-    frames[0].save(name, save_all=True, append_images=frames[1:], duration=1000 // FRAMES_PER_S, loop=0, disposal=1)
-    os.chmod(name, 0o644)
-    os.replace(name, target)
+    with writing(target) as fresh:
+        frames[0].save(
+            fresh,
+            format="GIF",
+            save_all=True,
+            append_images=frames[1:],
+            duration=1000 // FRAMES_PER_S,
+            loop=0,
+            disposal=1,
+            comment=MARK,
+        )
     return target
 
 

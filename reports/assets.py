@@ -18,6 +18,7 @@ from markupsafe import Markup
 from numpy.typing import ArrayLike
 
 from harness.record import to_plain
+from harness.terminal import printable_lines
 from reports.still import still
 
 TEMPLATES: Final = Path(__file__).with_name("templates")
@@ -75,6 +76,11 @@ def chart_json(figure: Mapping[str, Any]) -> Markup:
     return json_for_script(figure)
 
 
+def _shown(value: Any) -> Any:
+    """A user's text as it may stand in a page: control characters, which HTML forbids, as their escapes; lines are kept."""
+    return printable_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
 @cache
 def environment() -> Environment:
     """The templates, everything in them escaped, a missing value an error."""
@@ -84,6 +90,7 @@ def environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_shown,
     )
     found.filters |= {"script_json": json_for_script, "chart_json": chart_json, "still": still}
     return found

@@ -165,7 +165,10 @@ def _views(source: RunSource) -> Json:
     least = min((float(item.theta_rad.min()) for item in source.histories.values()), default=0.0)
     most = max((float(item.theta_rad.max()) for item in source.histories.values()), default=0.0)
     whole = _padded(min(least, 0.0), max(most, 0.0))
-    near = _padded(max(least, 1.35 * low), min(most, 1.35 * high))
+    near = [max(min(least, 0.0), 1.35 * low), min(max(most, 0.0), 1.35 * high)]
+    # Let go beyond its balance points, a body that falls never comes near them.
+    seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
+    near = _padded(*near) if seen else whole
     return {"whole": whole, "near": near, "duration_s": float(source.scene["duration_s"])}
 
 
@@ -251,7 +254,7 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
         texts.append(
             {
                 "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "bottom", "showarrow": False, "text": f" horizon {until:.3g} s", "font": small,
+                "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from collections.abc import Mapping
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
 from harness import cli as harness_cli
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
 from harness.telling import Telling
+from harness.terminal import printable
 from reports import cli_input
 
 OUT: Final = Path("out")
@@ -47,10 +49,11 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
-    from harness.run import check_folder, check_target, write_result
+    from harness.result_folder import check_folder, named_after
+    from harness.run import check_target, write_result
 
-    folder = out or OUT / scene.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(scene)
+    check_folder(folder, ("run",))
     if explain:
         from harness.scene_file.load import load_scene
 
@@ -59,14 +62,12 @@ def run(
         if not quiet or as_json:
             typer.echo(told)
         return
-    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json)
+    result = harness_cli.compute(scene, engine, overrides, accuracy, dt, no_skip, quiet=quiet or as_json, out=folder)
     write_result(result, folder)
-    page = _page(folder)
-    if as_json:
-        typer.echo(json.dumps(result.as_dict(), indent=1, ensure_ascii=False))
-    elif not quiet:
-        typer.echo(f"{harness_cli.summary(result)}\nreport: {page}")
-    raise typer.Exit(harness_cli.FAILED if result.failed else harness_cli.OK)
+    _say(result.as_dict(), harness_cli.summary(result), folder, as_json, quiet)
+    # An engine that nobody named and that has no wheels here is said, and no failure.
+    failed = result.failed_but(() if engine else tuple(result.runs))
+    raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")
@@ -86,18 +87,17 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, named_after
     from harness.studies import cli as study_cli
 
-    folder = out or OUT / study_file.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(study_file)
+    check_folder(folder, ("study", "effects3d"))
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=quiet or as_json
     )
-    page = _page(folder)
     usage = found.get("usage")
-    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else []), f"report: {page}"]
-    say(found, "\n".join(lines), as_json, quiet)
+    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
+    _say(found, "\n".join(lines), folder, as_json, quiet)
     raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
 
 
@@ -124,11 +124,11 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Run the models on measured tests and score them against what was observed."""
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, named_after
     from harness.validation.run import validate as run_validation
 
-    folder = out or OUT / experiments.stem
-    check_folder(folder)
+    folder = out or OUT / named_after(experiments)
+    check_folder(folder, ("validation",))
     found = run_validation(
         experiments,
         folder,
@@ -140,8 +140,7 @@ def validate(
         resume=resume,
         quiet=quiet or as_json,
     )
-    page = _page(folder)
-    say(found, f"report: {page}", as_json, quiet)
+    _say(found, "", folder, as_json, quiet)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
@@ -165,8 +164,7 @@ def bench(
     folder = out or OUT / "bench"
     with Telling(quiet or as_json) as telling:
         found = measure(folder, quick, telling.engine, _names(parts))
-    page = _page(folder)
-    say(found, "\n".join([*found["sentences"], f"report: {page}"]), as_json, quiet)
+    _say(found, "\n".join(found["sentences"]), folder, as_json, quiet)
 
 
 @app.command(epilog="Examples:  `rockcheck stress --out out/stress`  ·  `rockcheck stress --parts fuzz`")
@@ -179,8 +177,7 @@ def stress(
     folder = out or OUT / "stress"
     with Telling(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine, _names(parts))
-    page = _page(folder)
-    say(found, "\n".join([*stresses.sentences(found), f"report: {page}"]), as_json, quiet)
+    _say(found, "\n".join(stresses.sentences(found)), folder, as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
 
 
@@ -193,11 +190,11 @@ def report(
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
     from harness.errors import InputError, Mistake
-    from reports.page import CONSERVATOR_NAME
+    from reports.page import CONSERVATOR_NAME, write_report
 
     if reader not in READERS:
         raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
-    page = _page(folder)
+    page = write_report(folder)
     if reader == "conservator":
         page = folder / CONSERVATOR_NAME
         if not page.is_file():
@@ -210,10 +207,21 @@ def _names(parts: str | None) -> list[str] | None:
     return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
 
 
-def _page(folder: Path) -> Path:
+def _say(found: Mapping[str, Any], text: str, folder: Path, as_json: bool, quiet: bool) -> None:
+    """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
+    from harness.errors import InputError
     from reports.page import write_report
 
-    return write_report(folder)
+    if text or as_json:
+        say(found, text, as_json, quiet)
+    try:
+        page = write_report(folder)
+    except InputError as error:
+        for mistake in error.mistakes:
+            typer.echo(f"error: {mistake}", err=True)
+        raise typer.Exit(harness_cli.FAILED) from error
+    if not as_json and not quiet:
+        typer.echo(printable(f"report: {page}"))
 
 
 harness_cli.add_commands(app)
@@ -222,4 +230,7 @@ cli_input.add_commands(app)
 
 def main() -> None:
     """Entry point of the command."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        # The name of a file may be no text: what cannot be printed is printed as escapes.
+        sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(harness_cli.guarded(app))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -10,6 +9,7 @@ import typer
 
 from harness.cli import Json, Quiet, say
 from harness.telling import Telling
+from harness.terminal import json_text, printable
 
 OUT: Final = Path("out")
 
@@ -20,6 +20,10 @@ Up = Annotated[str | None, typer.Option("--up", help="The scan's vertical axis: 
 Density = Annotated[float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")]
 Mass = Annotated[float | None, typer.Option("--mass", metavar="KG", help="Weighed mass, instead of a density.")]
 Faces = Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")]
+Cut = Annotated[
+    float | None,
+    typer.Option("--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."),
+]
 Tolerance = Annotated[float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")]
 
 mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
@@ -45,10 +49,11 @@ def _known(
     mass: float | None,
     max_faces: int = 50_000,
     tolerance: float = 1e-3,
+    cut_below: float | None = None,
 ) -> Any:
     from harness.mesh_cli import Known
 
-    return Known(unit, height, up, density, mass, max_faces, tolerance)
+    return Known(unit, height, up, density, mass, max_faces, tolerance, cut_below)
 
 
 @mesh.command("inspect", epilog="Example:  `rockcheck mesh inspect statue.obj --unit mm`")
@@ -61,13 +66,14 @@ def mesh_inspect(
     mass: Mass = None,
     max_faces: Faces = 50_000,
     tolerance: Tolerance = 1e-3,
+    cut_below: Cut = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
     from harness.mesh_cli import inspect
 
-    found = inspect(scan, _known(unit, height, up, density, mass, max_faces, tolerance))
+    found = inspect(scan, _known(unit, height, up, density, mass, max_faces, tolerance, cut_below))
     say(found.as_dict(), str(found), as_json, quiet)
 
 
@@ -82,13 +88,14 @@ def mesh_prepare(
     mass: Mass = None,
     max_faces: Faces = 50_000,
     tolerance: Tolerance = 1e-3,
+    cut_below: Cut = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
     from harness.mesh_cli import prepare
 
-    found, account = prepare(scan, out, _known(unit, height, up, density, mass, max_faces, tolerance))
+    found, account = prepare(scan, out, _known(unit, height, up, density, mass, max_faces, tolerance, cut_below))
     say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}", as_json, quiet)
 
 
@@ -107,6 +114,7 @@ def new(
         str | None,
         typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
     ] = None,
+    cut_below: Cut = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -114,7 +122,8 @@ def new(
     from harness.mesh_cli import new as write_scene
 
     target = out or Path(f"{scan.stem}.toml")
-    written = write_scene(scan, motion_file, target, _known(unit, height, up, density, mass), motion_unit)
+    known = _known(unit, height, up, density, mass, cut_below=cut_below)
+    written = write_scene(scan, motion_file, target, known, motion_unit)
     say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}", as_json, quiet)
 
 
@@ -132,25 +141,28 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.record import write_json
-    from harness.run import check_folder
+    from harness.result_folder import check_folder, check_listed, listing, named_after, writing
     from reports.motion_figure import figure
 
-    folder = out or OUT / file.name.split(".")[0]
+    folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
+    picture, account = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
+    check_listed(picture, account)
     found = _inspected(file, unit, axis)
     folder.mkdir(parents=True, exist_ok=True)
-    figure(found).savefig(folder / "motion.png", dpi=150)
-    write_json(folder / "motion.json", found.record())
+    with writing(picture) as fresh:
+        figure(found).savefig(fresh, dpi=150)
+    write_json(account, found.record() | {"files": listing([picture], pages=False)})
     if as_json:
-        typer.echo(json.dumps(found.record(), indent=1, ensure_ascii=False))
+        typer.echo(json_text(found.record()))
     elif not quiet:
-        rows = found.table()
+        rows = [[printable(cell) for cell in row] for row in found.table()]
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         for row in rows:
             typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
         for text in found.warnings:
-            typer.echo(f"warning: {text}")
-        typer.echo(f"picture: {folder / 'motion.png'}")
+            typer.echo(printable(f"warning: {text}"))
+        typer.echo(printable(f"picture: {folder / 'motion.png'}"))
 
 
 def _inspected(file: Path, unit: str | None, axis: str) -> Any:

@@ -12,12 +12,14 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.history import Outcome
-from reports.conservator_pictures import compass, order_svg, percent, push_svg, reach_svg, safe_pushes, weakest_push
-from reports.numbers import count_word, digits, length, listed, short
+from reports.conservator_pictures import order_svg, push_svg, reach_svg
+from reports.giving_way import compass, levels, order_words, support_of, weakest_words
+from reports.numbers import count_word, digits, length, listed, percent, short
+from reports.numbers import heading as label_of
 from reports.posing import Array, section
 from reports.silhouette import silhouette_m
 from reports.source import RunSource, run_source
-from reports.words import AT_REST_RAD, horizon_s
+from reports.words import AT_REST_RAD, horizon_s, motion_given, prediction_s
 
 LIMITS: Final = (
     "The statue, its pedestal and the floor are taken as perfectly hard. A chipped or worn base, wax, putty, pins, mounts and "
@@ -52,28 +54,38 @@ def context(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
 def of_run(source: RunSource) -> dict[str, Any]:
     """Headline, points and pictures of one run."""
     answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
-    headline, tone = _headline(answered)
+    headline, tone = _headline(source, answered)
     return {
         "headline": headline,
         "tone": tone,
-        "points": [*_who(answered), *_lean(source), *_pedestal_slip(source, answered), *_trust(source)],
-        "pictures": [reach_picture(source), push_picture(source.scene, source.record["motion"]), order_picture(source)],
+        "points": [*_who(source.runs, answered), *_lean(source), *_pedestal_slip(source, answered), *_trust(source)],
+        "pictures": [reach_picture(source), push_picture(source.record), order_picture(source.record)],
     }
 
 
-def _headline(answered: Mapping[str, Any]) -> tuple[str, str]:
-    ends = {_end(run["outcome"]) for run in answered.values()}
+def _headline(source: RunSource, answered: Mapping[str, Any]) -> tuple[str, str]:
+    ends = {end_words(run["outcome"]) for run in answered.values()}
+    begins = _begins(source)
     if not ends:
         return "No model could compute what happens to the statue", "failed"
     if len(ends) == 1:
         end = ends.pop()
-        return f"In this shaking the statue {end}", "agree" if end == "stays upright" else "failed"
+        return f"{begins} the statue {end}", "agree" if end == "stays upright" else "failed"
     if "falls" in ends:
-        return "In this shaking the statue may fall: the models disagree", "differ"
+        return f"{begins} the statue may fall: the models disagree", "differ"
     return "The models disagree about what happens to the statue", "differ"
 
 
-def _end(outcome: str) -> str:
+def _begins(source: RunSource) -> str:
+    """What the statue is put through: shaking, a start off its rest, both or neither."""
+    lean, rate = (float(source.scene["initial"][key]) for key in ("theta_rad", "theta_rate_rad_s"))
+    start = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
+    if any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz"):
+        return f"In this shaking, begun {start}," if start else "In this shaking"
+    return f"Let go {start}, without any shaking," if start else "Left alone"
+
+
+def end_words(outcome: str) -> str:
     """An outcome in a museum's words."""
     kind = Outcome(outcome)
     if kind.overturned:
@@ -83,18 +95,33 @@ def _end(outcome: str) -> str:
         Outcome.TOUCHES_WALL: "strikes the wall",
         Outcome.LEFT_PEDESTAL: "slides off its pedestal",
         Outcome.LIFT_OFF: "is lifted off its support",
+        Outcome.UNDECIDED: "still leans past its balance point at the end",
     }.get(kind, "does something the model cannot follow")
 
 
-def _who(answered: Mapping[str, Any]) -> list[str]:
+def _who(runs: Mapping[str, Any], answered: Mapping[str, Any]) -> list[str]:
+    silent = [name for name in runs if name not in answered]
+    none = [f"No answer came from {listed(silent)}."] if silent else []
     groups: dict[str, list[str]] = {}
     for name, run in answered.items():
-        groups.setdefault(_end(run["outcome"]), []).append(name)
-    if len(groups) == 1 and len(answered) > 1:
-        return [f"{count_word(len(answered)).capitalize()} computer models were asked, and all say so."]
+        groups.setdefault(end_words(run["outcome"]), []).append(name)
     if len(answered) == 1:
-        return [f"Only one computer model was asked ({next(iter(answered))})."]
-    return [f"It {listed(f'{end} in {listed(names)}' for end, names in groups.items())}."] if groups else []
+        return [f"Only one computer model {'answered' if silent else 'was asked'} ({next(iter(answered))}).", *none]
+    if len(groups) == 1:
+        said = f"{count_word(len(answered)).capitalize()} computer models answered, and all say so"
+        return [f"{said}{_sides(answered)}.", *motion_given(answered), *none]
+    ends = [f"It {listed(f'{end} in {listed(names)}' for end, names in groups.items())}."] if groups else []
+    return [*ends, *motion_given(answered), *none]
+
+
+def _sides(answered: Mapping[str, Any]) -> str:
+    """To which sides it falls, where the models differ in that alone."""
+    sides: dict[str, list[str]] = {}
+    for name, run in answered.items():
+        sides.setdefault(run["outcome"].removeprefix("overturned_"), []).append(name)
+    if len(sides) == 1 or not all(Outcome(run["outcome"]).overturned for run in answered.values()):
+        return ""
+    return "; only the side differs: " + "; ".join(f"{side} in {listed(names)}" for side, names in sides.items())
 
 
 def _standing(source: RunSource) -> list[str]:
@@ -113,11 +140,13 @@ def _lean(source: RunSource) -> list[str]:
                 worst, degrees = peak / float(statue[key]), math.degrees(peak)
     if not _standing(source):
         return []
+    where = "" if len(_standing(source)) == len(source.runs) else f"In {listed(_standing(source))}: "
     if degrees < math.degrees(AT_REST_RAD):
-        return ["It does not rock: its base stays flat on its support."]
+        return [f"{where}It does not rock: its base stays flat on its support."]
     return [
-        f"It rocks. At its worst it leans {digits(degrees, 2)}°, which is {100.0 * worst:.0f} % of the way to the lean from "
-        "which it would not come back by itself."
+        f"{where}It rocks. At its worst it leans {digits(degrees, 2)}°, which is "
+        + (f"{100.0 * worst:.0f} % of the way to" if worst < 1.0 else "past")
+        + " the lean from which it would not come back by itself."
     ]
 
 
@@ -126,20 +155,21 @@ def _pedestal_slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         return []
     most = max(float(run["peak_slip_m"]) for run in answered.values())
     return (
-        [f"Its pedestal slides on the floor by up to {length(most, 2)}."]
-        if most > 1e-4
-        else ["Its pedestal stays put."]
+        [f"Its pedestal slides on the floor by up to {length(most)}."] if most > 1e-4 else ["Its pedestal stays put."]
     )
 
 
 def _trust(source: RunSource) -> list[str]:
-    until = horizon_s(source)
-    if until is None or until >= float(source.scene["duration_s"]):
-        return []
-    return [
-        f"Rocking is like a tossed coin: from second {short(until, 2)} on nobody can follow it swing by swing. Read the "
-        "distances on this page as typical, not as exact."
-    ]
+    end_s = float(source.scene["duration_s"])
+    until, predictable_s = horizon_s(source), prediction_s(source)
+    typical = "Read the distances on this page as typical, not as exact."
+    if predictable_s is not None and predictable_s < end_s:
+        return [f"From second {short(predictable_s, 2)} on no model can follow the rocking swing by swing. {typical}"]
+    if until is not None and until < end_s:
+        return [
+            f"From second {short(until, 2)} on the computed swings are not exact enough to be trusted one by one. {typical}"
+        ]
+    return []
 
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
@@ -164,9 +194,9 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
     words = []
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
     if extremes:
-        words.append("The dashed lines show its farthest leans to either side; the numbers, how far its top moves.")
+        words.append("The dashed lines show its farthest positions to either side; the numbers, how far its top moves.")
         clear = [(side, _beyond(outline, shape, extremes, sign)) for side, sign in (("left", -1.0), ("right", 1.0))]
-        each = listed(f"{length(reach, 2)} on the {side}" for side, reach in clear)
+        each = listed(f"{length(reach)} on the {side}" for side, reach in clear)
         words.append(f"Beyond its outline at rest it needs {each}: keep that space free.")
     elif _standing(source):
         words.append(f"In {listed(_standing(source))} it does not move visibly.")
@@ -178,15 +208,23 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
         gap = float(wall["distance_m"]) + edge - rest
         left = gap - _beyond(outline, shape, extremes, sign)
         words.append(
-            f"At rest {length(gap, 2)} are free between it and the wall; at its farthest lean "
-            + (f"{length(left, 2)} remain." if left > 0 else "nothing remains: it would strike the wall.")
+            f"At rest {length(gap)} are free between it and the wall; at its farthest lean "
+            + (f"{length(left)} remain." if left > 0 else "nothing remains: it would strike the wall.")
         )
     fell = [name for name, run in source.runs.items() if Outcome(run["outcome"]).overturned]
     if fell:
         words.append(f"In {listed(fell)} it falls. No distance to a wall protects it then.")
+    others = [name for name, run in source.runs.items() if name not in (*fell, *_standing(source))]
+    for name in others:
+        failed = Outcome(source.runs[name]["outcome"]).failed
+        words.append(
+            f"{name} gave no answer." if failed else f"In {name} it {end_words(source.runs[name]['outcome'])}."
+        )
     last = _no_return(source, fell) if not extremes else []
     if last:
-        words.append("The dashed line shows the lean from which it does not come back.")
+        words.append(
+            "The dashed line shows the lean from which it does not come back; the number, how far its top is then."
+        )
     return Picture(heading, reach_svg(source, extremes or last, f"{heading} {' '.join(words)}"), words)
 
 
@@ -208,24 +246,31 @@ def _beyond(outline: Array, shape: Any, poses: Sequence[tuple[float, float]], si
     return max([0.0, *(_farthest(outline, shape, pose, sign) - rest for pose in poses)])
 
 
-def push_picture(
-    scene: Mapping[str, Any], motion: Mapping[str, Any], borne: Mapping[float, float] | None = None
-) -> Picture:
+def push_picture(record: Mapping[str, Any], borne: Mapping[float, float] | None = None) -> Picture:
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
     heading = "Which push does it bear, by direction?"
-    safe, slides = safe_pushes(scene)
-    least, towards = weakest_push(safe)
-    direction = compass(math.degrees(math.atan2(towards[1], towards[0])))
+    scene, motion, support = record["scene"], record.get("motion", {}), support_of(record)
     words = [
         "Seen from above, the statue in the middle. Inside the green area a steady sideways push does not make it tip.",
-        f"It is weakest towards the {direction}: there it tips from a push of {percent(least)} of its weight on. "
-        "Tipping is not yet falling: it may rock and come to rest again.",
+        f"{weakest_words(scene)} Tipping is not yet falling: it may rock and come to rest again.",
     ]
-    if slides < 1.0:
-        stone = (
-            "the statue" if scene["pedestal"] is None or slides < scene["contact"]["floor_static"] else "the pedestal"
+    if support.statue_keys:
+        varied = listed(dict.fromkeys(label_of(key).partition(" [")[0] for key in support.statue_keys))
+        words.append(
+            f"The statue is drawn as the study's scene has it; what was varied of it ({varied}) is not in this picture."
         )
-        words.append(f"Outside the dashed circle, {percent(slides)} of the weight, {stone} slides.")
+    # A push of the statue's own weight is none of an earthquake's: no circle is drawn for it.
+    slips = [(push, stone) for push, stone in support.slips() if push < 1.0]
+    circles = list(dict.fromkeys(push for push, _ in slips))
+    by_stone = {stone: [push for push, what in slips if what == stone] for _, stone in slips}
+    each = [
+        f"{stone} slides from {' to '.join(map(percent, dict.fromkeys((pushes[0], pushes[-1]))))} of the weight on"
+        for stone, pushes in by_stone.items()
+    ]
+    if len(circles) == 1:
+        words.append(f"Outside the dashed circle {each[0]}.")
+    elif circles:
+        words.append(f"Outside the dashed circles, by situation, {listed(each)}.")
     points = None
     if borne:
         azimuths = sorted(borne)
@@ -233,59 +278,20 @@ def push_picture(
         points = np.array([borne[key] for key in azimuths])[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
         worst = min(borne, key=lambda key: borne[key])
         words.append(
-            "The blue line is the strongest shaking, by direction, that it bore without falling in every case tried; least "
+            "The blue line is the strongest shaking, by direction, up to which it stood in every case tried; least "
             f"towards the {compass(worst)}, {percent(borne[worst])} of the weight."
         )
     if any(f"{axis}_m_s2" in motion for axis in "xy"):
-        words.append("The pink line is the push of this shaking from moment to moment.")
-    return Picture(heading, push_svg(scene, motion, f"{heading} {' '.join(words)}", points), words)
+        rising = " (its up-and-down part left out)" if "z_m_s2" in motion else ""
+        words.append(f"The pink line is the push of this shaking from moment to moment{rising}.")
+    return Picture(heading, push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", points), words)
 
 
-def levels(scene: Mapping[str, Any]) -> list[tuple[str, float, bool]]:
-    """What gives way in the plane of rocking, from weak to strong: words, push as a share of the weight, whether the pedestal."""
-    statue, h = scene["statue"], float(scene["statue"]["centroid_height_m"])
-    found = [
-        ("the statue tips to the left", float(statue["corner_left_m"]) / h, False),
-        ("the statue tips to the right", float(statue["corner_right_m"]) / h, False),
-    ]
-    if scene["pedestal"] is not None:
-        found.append(("the pedestal slides on the floor", float(scene["contact"]["floor_static"]), True))
-    return sorted(found, key=lambda item: item[1])
-
-
-def order_picture(source: RunSource) -> Picture:
+def order_picture(record: Mapping[str, Any]) -> Picture:
     """What gives way first, and so what the pedestal does for the statue."""
-    scene, motion = source.scene, source.record["motion"]
-    peak = float(motion["x_peak_m_s2"]) / float(scene["gravity_m_s2"]) if "x_peak_m_s2" in motion else None
-    heading = "What does the pedestal change?" if scene["pedestal"] is not None else "What gives way first?"
-    words = order_words(scene, peak)
-    return Picture(heading, order_svg(levels(scene), peak, f"{heading} {' '.join(words)}"), words)
-
-
-def order_words(scene: Mapping[str, Any], peak: float | None) -> list[str]:
-    """What the order of giving way means."""
-    found = levels(scene)
-    words = []
-    if scene["pedestal"] is None:
-        words.append("The statue stands on the floor: nothing slides under it that could soften the shaking.")
-    elif found[0][2]:
-        words.append(
-            "The pedestal slides before the statue tips. Sliding limits the push that reaches the statue, as a fuse does; the "
-            "price is that the pedestal wanders."
-        )
-    elif found[1][2]:
-        words.append(
-            "Towards its weak side the statue tips before its pedestal slides, towards its strong side after. The pedestal "
-            "softens strong shaking only in part."
-        )
-    else:
-        words.append("The statue tips before its pedestal slides: a pedestal that holds fast gives no protection.")
-    if peak is not None:
-        first, level, _ = found[0]
-        times = f"{short(peak / level, 2)} times" if peak >= level else f"{percent(peak / level)} of"
-        words.append(
-            f"This shaking pushes with up to {percent(peak)} of the weight: {times} what it takes until {first}."
-        )
-    if scene["pedestal"] is not None:
-        words.append("Whether it prevents falls on the whole is shown by a study of the statue with and without it.")
-    return words
+    scene, motion, support = record["scene"], record.get("motion", {}), support_of(record)
+    push = motion.get("push")
+    heading = "What does the pedestal change?" if support.pedestal == (True,) and push else "What gives way first?"
+    words = order_words(scene, support, push, rising="z_m_s2" in motion)
+    drawn = order_svg(levels(scene, support), push["peak"] if push else None, f"{heading} {' '.join(words)}")
+    return Picture(heading, drawn, words)

@@ -8,24 +8,22 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup, escape
 
-from reports.numbers import length, short
+from reports.giving_way import Level, bearing
+from reports.numbers import length, percent
 from reports.palette import faint
 from reports.posing import Array, section
 from reports.silhouette import silhouette_m
 from reports.source import RunSource
+from reports.still_axes import nice_ticks
 from reports.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 
 SIDE: Final = 420
 """Width and height of each picture in its own units."""
 MARGIN: Final = 46.0
+MOST_RINGS: Final = 4
+"""As many circles as a reader can tell apart by their numbers."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
-DIRECTIONS: Final = ("right", "back right", "back", "back left", "left", "front left", "front", "front right")
-
-
-def percent(share: float) -> str:
-    """A push as a share of the statue's weight."""
-    return f"{short(100.0 * share, 2)} %"
 
 
 def _svg(parts: Sequence[str], title: str, height: float = SIDE) -> Markup:
@@ -95,37 +93,42 @@ def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[str]:
         x = float(place(lean[peak : peak + 1])[0, 0])
         parts.append(f'<path d="M{rest[0]:.1f} 30H{x:.1f}" stroke="{SHAKING}" stroke-width="3"/>')
         anchor, beside = ("start", 6) if moved > 0 else ("end", -6)
-        parts.append(_text(x + beside, 34, length(abs(moved), 2), anchor, SHAKING))
+        parts.append(_text(x + beside, 34, length(abs(moved)), anchor, SHAKING))
     return parts
 
 
-def push_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], title: str, borne: Array | None = None) -> Markup:
+def push_svg(
+    scene: Mapping[str, Any],
+    motion: Mapping[str, Any],
+    slips: Sequence[float],
+    title: str,
+    borne: Array | None = None,
+) -> Markup:
     """Seen from above: the steady pushes, as shares of the weight, under which the statue keeps still, and the shaking.
 
-    `borne` (k, 2) are the strongest shakings, by direction, in which the statue did not fall.
+    `slips` are pushes from which something slides, `borne` (k, 2) the strongest shakings, by direction, without a fall.
 
     A push leaves the statue at rest while the base holds centroid plus push times centroid height: the base over that height.
     """
-    safe, slides = safe_pushes(scene)
+    safe = bearing(scene)
     shaking = _shaking(motion, float(scene["gravity_m_s2"]))
     stood = np.zeros((0, 2)) if borne is None else borne
     reached = [float(np.abs(points).max(initial=0.0)) for points in (safe, shaking, stood)]
-    most = max(*reached, slides if slides < 1.0 else 0.0)
+    most = max(*reached, *slips, 0.0)
     scale = (SIDE / 2 - MARGIN) / most
     middle = SIDE / 2
 
     def place(pushes: Array) -> Array:
         return np.column_stack([middle + scale * pushes[:, 0], middle - scale * pushes[:, 1]])
 
-    step = next(value for value in (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0) if most / value <= 4.5)
-    rings = [step * k for k in range(1, int(most / step) + 1)]
+    rings = nice_ticks(0.0, most, MOST_RINGS)[1:]
     parts = [
         f'<circle cx="{middle}" cy="{middle}" r="{scale * ring:.1f}" fill="none" stroke="#d5dbe3"/>' for ring in rings
     ]
     parts += [f'<path d="M{MARGIN} {middle}H{SIDE - MARGIN}M{middle} {MARGIN}V{SIDE - MARGIN}" stroke="#d5dbe3"/>']
     parts.append(_path(place(safe), f'fill="{faint(SAFE, 0.22)}" stroke="{SAFE}" stroke-width="2"'))
-    if slides < 1.0:
-        circle = f'cx="{middle}" cy="{middle}" r="{scale * slides:.1f}" fill="none" stroke="{PEDESTAL_COLOUR}"'
+    for slip in slips:
+        circle = f'cx="{middle}" cy="{middle}" r="{scale * slip:.1f}" fill="none" stroke="{PEDESTAL_COLOUR}"'
         parts.append(f'<circle {circle} stroke-width="2" stroke-dasharray="7 4"/>')
     if len(stood):
         parts.append(_path(place(stood), f'fill="none" stroke="{FLOOR_COLOUR}" stroke-width="2.5"'))
@@ -148,55 +151,32 @@ def push_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], title: str, bo
     return _svg(parts, title)
 
 
-def safe_pushes(scene: Mapping[str, Any]) -> tuple[Array, float]:
-    """The corners (k, 2) of the pushes borne without tipping, and the push at which something slides; shares of the weight."""
-    statue, contact = scene["statue"], scene["contact"]
-    foot = np.asarray(statue["footprint_m"], dtype=np.float64)[:, :2]
-    frictions = [float(contact["statue"])] + ([float(contact["floor_static"])] if scene["pedestal"] is not None else [])
-    return foot / float(statue["centroid_height_m"]), min(frictions)
-
-
-def compass(azimuth_deg: float) -> str:
-    """A direction, counter-clockwise from the right as seen from above, in words."""
-    return DIRECTIONS[round(azimuth_deg / 45.0) % 8]
-
-
-def weakest_push(safe: Array) -> tuple[float, Array]:
-    """The least push that tips, and its direction (unit vector): the nearest edge of the corners given counter-clockwise."""
-    edges = np.roll(safe, -1, axis=0) - safe
-    outward = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
-    distances = np.einsum("ij,ij->i", outward, safe)
-    nearest = int(np.argmin(distances))
-    return float(distances[nearest]), outward[nearest]
-
-
 def _shaking(motion: Mapping[str, Any], gravity_m_s2: float) -> Array:
     """The pushes (n, 2) of the shaking: against the floor's horizontal acceleration."""
-    given = [np.asarray(motion[f"{axis}_m_s2"]) for axis in "xy" if f"{axis}_m_s2" in motion]
-    if not given:
-        return np.zeros((0, 2))
-    still = np.zeros(len(given[0]))
-    columns = [np.asarray(motion.get(f"{axis}_m_s2", still), dtype=np.float64) for axis in "xy"]
-    return -np.column_stack(columns) / gravity_m_s2
+    if "level_m_s2" in motion:
+        return -np.asarray(motion["level_m_s2"], dtype=np.float64) / gravity_m_s2
+    columns = [np.asarray(motion.get(f"{axis}_m_s2", 0.0), dtype=np.float64) for axis in "xy"]
+    alone = np.column_stack(np.broadcast_arrays(*columns)) if any(item.ndim for item in columns) else np.zeros((0, 2))
+    return -alone / gravity_m_s2
 
 
-def order_svg(levels: Sequence[tuple[str, float, bool]], peak: float | None, title: str) -> Markup:
-    """What gives way first: bars of (words, push, of the pedestal) from weak to strong, the shaking's strongest push a line."""
-    most = max([level for _, level, _ in levels] + ([peak] if peak is not None else []))
+def order_svg(levels: Sequence[Level], peak: float | None, title: str) -> Markup:
+    """What gives way first: bars from weak to strong, the shaking's strongest push a line."""
+    most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
     height = 64 + row * len(levels)
     parts = []
-    for k, (words, level, stone) in enumerate(levels):
-        y, size = 52 + row * k, wide * level / most
-        colour = PEDESTAL_COLOUR if stone else FLOOR_COLOUR
-        parts.append(_text(10, y, words, "start"))
+    for k, level in enumerate(levels):
+        y, size = 52 + row * k, wide * level.push / most
+        colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
+        parts.append(_text(10, y, level.words, "start"))
         parts.append(f'<rect x="10" y="{y + 8:.1f}" width="{size:.1f}" height="26" fill="{colour}"/>')
-        parts.append(_text(16 + size, y + 26, percent(level), "start"))
+        parts.append(_text(16 + size, y + 26, percent(level.push), "start"))
     if peak is not None:
         x = 10 + wide * peak / most
         parts.append(
             f'<path d="M{x:.1f} 24V{height - 8:.1f}" stroke="{SHAKING}" stroke-width="2" stroke-dasharray="6 4"/>'
         )
         anchor = "end" if x > SIDE / 2 else "start"
-        parts.append(_text(x, 18, f"this shaking: {percent(peak)}", anchor, SHAKING))
+        parts.append(_text(x, 18, f"this shaking: {percent(peak, 3)}", anchor, SHAKING))
     return _svg(parts, title, height)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -12,6 +10,8 @@ import numpy as np
 
 from harness.errors import InputError, Mistake
 from harness.record import PATTERN_NAMES
+from harness.result_folder import MARK, check_marked, writing
+from reports.numbers import drawn_text
 from reports.palette import INK, MUTED, PATTERN_LOOKS, Look, look
 from reports.source import RunSource, read_record, run_source
 from reports.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR, SHOWN_RAD, SLIP_COLOUR
@@ -98,11 +98,10 @@ def _save(stem: Path, formats: Sequence[str], width: str, draw: Callable[[Figure
         for kind in formats:
             path = stem.with_name(f"{stem.name}.{kind}")
             dated = {"pdf": "CreationDate", "svg": "Date"}.get(kind)
-            handle, temporary = tempfile.mkstemp(dir=stem.parent, prefix=".figure-", suffix=f".{kind}")
-            os.close(handle)
-            figure.savefig(temporary, dpi=DPI, metadata=None if dated is None else {dated: None})
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, path)
+            check_marked([path])
+            marked = {"Software" if kind == "png" else "Creator": MARK.decode()}
+            with writing(path) as fresh:
+                figure.savefig(fresh, dpi=DPI, metadata=marked if dated is None else {**marked, dated: None})
             paths.append(path)
     return paths
 
@@ -216,7 +215,7 @@ def draw_panels(figure: Figure, group: Sequence[Mapping[str, Any]], model: str) 
         labels,
         loc="outside upper left",
         ncols=3 if figure.get_figwidth() > 5.0 else 1,
-        title=f"{model}, r = {group[0]['restitution']:g}",
+        title=f"{drawn_text(model)}, r = {group[0]['restitution']:g}",
         alignment="left",
         borderaxespad=0.0,
     )

@@ -10,8 +10,8 @@ from reports.numbers import digits, label, plain, split_unit
 SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "together_until_s": ("stay together until [s]", "how long the two rotations stay within the tolerance below"),
     "together_tolerance_rad": ("within [rad]", "the tolerance of “together”"),
-    "horizon_s": ("horizon [s]", "the earlier of the two models' own; scores of instants reach up to there"),
-    "compared_until_s": ("compared instant by instant until [s]", "the horizon, or the end of the shorter run"),
+    "horizon_s": ("comparable until [s]", "the error of both is bounded and the motion predictable up to there"),
+    "compared_until_s": ("compared instant by instant until [s]", "the same, or the end of the shorter run"),
     "rms_theta_rad": ("root mean square difference [rad]", "over the time compared"),
     "largest_difference_rad": ("largest difference [rad]", "over the time compared"),
     "peak_theta_a_rad": ("largest rotation of the first [rad]", "over the time compared"),
@@ -37,8 +37,9 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "combined": ("combined error", "Sprague and Geers: root of the sum of both squares"),
     "no_return_time_difference_s": ("times of no return apart by [s]", "where both overturn"),
     "coverage": ("share of the time compared", "time compared over the longer run"),
-    "outcome_agrees": ("same outcome", ""),
-    "after_horizon": ("beyond the horizon", "where only distributions compare"),
+    "outcome_agrees": ("same outcome", "falls to different sides are one outcome"),
+    "side_agrees": ("fall to the same side", "where both overturn"),
+    "after_horizon": ("beyond what is bounded or predictable", "where only distributions compare"),
 }
 """Words of each score and what it means, in the order of the table."""
 SCORES_LEFT_OUT: Final = frozenset(
@@ -68,6 +69,9 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "statue_across_m": "movement across the rocking plane",
     "rest_lean_rad": "lean at rest on the scanned base",
     "touching_vertices": "vertices of the base that can touch",
+    "plain_from_s": "events first left to whole steps at",
+    "plain_for_s": "time in which events were left to whole steps",
+    "plain_because": "events were left to whole steps because",
     "full_shape_from_s": "whole shape in contact from",
     "full_shape": "whole shape in contact",
 }

@@ -10,6 +10,7 @@ import numpy as np
 from harness.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
 from harness.motions.measures import arias_share
 from harness.motions.series import displacement_m, velocity_m_s
+from reports.numbers import drawn_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,8 +40,8 @@ def figure(inspection: Inspection) -> Figure:
     _spectrum(drawing.add_subplot(right[0, 0]), inspection)
     _build_up(drawing.add_subplot(right[1, 0]), inspection)
     title, origin = _title(inspection)
-    drawing.text(0.02, 0.965, title, fontsize=12, weight="bold")
-    drawing.text(0.02, 0.93, origin, fontsize=9, color="#444444")
+    drawing.text(0.02, 0.965, drawn_text(title), fontsize=12, weight="bold")
+    drawing.text(0.02, 0.93, drawn_text(origin), fontsize=9, color="#444444")
     return drawing
 
 
@@ -61,7 +62,9 @@ def _histories(axes: list[Axes], inspection: Inspection) -> None:
         for axis, values in zip(
             axes, (in_g(series.accel_m_s2), velocity_m_s(series), displacement_m(series)), strict=True
         ):
-            axis.plot(series.t_s[kept], values[kept], color=_COLOURS[i % len(_COLOURS)], lw=0.8, label=trace.name)
+            axis.plot(
+                series.t_s[kept], values[kept], color=_COLOURS[i % len(_COLOURS)], lw=0.8, label=drawn_text(trace.name)
+            )
     for axis, label in zip(axes, labels, strict=True):
         axis.set_ylabel(label)
         axis.axhline(0.0, color="#999999", lw=0.5, zorder=0)
@@ -94,9 +97,15 @@ def _spectrum(axis: Axes, inspection: Inspection) -> None:
     if target is not None:
         wanted = in_g(target.accel_m_s2(PERIODS_S))
         axis.fill_between(PERIODS_S, 0.9 * wanted, 1.1 * wanted, color=_BAND_COLOUR, label="target ± 10 %", zorder=1)
-        axis.plot(PERIODS_S, wanted, color="black", lw=1.4, ls="--", label=target.name, zorder=3)
+        axis.plot(PERIODS_S, wanted, color="black", lw=1.4, ls="--", label=drawn_text(target.name), zorder=3)
     for i, trace in enumerate(inspection.traces):
-        axis.plot(PERIODS_S, in_g(trace.spectrum_m_s2), color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=trace.name)
+        axis.plot(
+            PERIODS_S,
+            in_g(trace.spectrum_m_s2),
+            color=_COLOURS[i % len(_COLOURS)],
+            lw=1.1,
+            label=drawn_text(trace.name),
+        )
     axis.set_xscale("log")
     axis.set_xlim(PERIODS_S[0], PERIODS_S[-1])
     axis.set_ylim(0.0, _HEAD_ROOM * max(float(axis.dataLim.y1), _LEAST_G))
@@ -116,7 +125,8 @@ def _build_up(axis: Axes, inspection: Inspection) -> None:
             continue
         share = 100.0 * arias_share(trace.series.accel_m_s2**2)
         kept = _outline(share)
-        label = f"{trace.name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {trace.measures.significant_5_95_s:.1f} s"
+        name, strong_s = drawn_text(trace.name), trace.measures.significant_5_95_s
+        label = f"{name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {strong_s:.1f} s"
         axis.plot(trace.series.t_s[kept], share[kept], color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=label)
     for level in (5.0, 95.0):
         axis.axhline(level, color="#999999", lw=0.6, ls=":")

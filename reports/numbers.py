@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from harness.terminal import printable
+
 WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
@@ -66,6 +68,11 @@ def count_word(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
 
 
+def percent(share: float, count: int = 2) -> str:
+    """A push as a share of the statue's weight."""
+    return f"{short(100.0 * share, count)} %"
+
+
 def listed(items: Iterable[str]) -> str:
     """`a`, `a and b`, `a, b and c`."""
     names = list(items)
@@ -77,6 +84,12 @@ def spread(values: Sequence[float], name: str, count: int = 3) -> str:
     low, high = digits(min(values), count), digits(max(values), count)
     space = "" if name == "°" else "\u00a0"
     return f"{low}{space}{name}" if low == high else f"{low} to {high}{space}{name}"
+
+
+def drawn_text(text: str) -> str:
+    """A user's own text in a figure for print, where dollars would begin a formula and a first underscore hides a curve."""
+    safe = printable(text).replace("$", r"\$")
+    return f"\u2009{safe}" if safe.startswith("_") else safe
 
 
 def plain(value: Any) -> str:

@@ -7,7 +7,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
+from harness.errors import InputError, Mistake
 from harness.record import write_text
+from harness.terminal import printable
 from reports.assets import environment, source_text
 from reports.chart_library import chart_library
 from reports.source import read_record, telling_damage
@@ -31,27 +33,41 @@ PAGES: Final = {
 def write_report(folder: Path) -> Path:
     """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
 
-    Returns the path of the first; raises `InputError` for a broken folder.
+    Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written.
     """
     record = read_record(folder)
-    with telling_damage(folder):
-        pages = _pages(folder, record)
-    for name, text in pages.items():
-        write_text(folder / name, text)
+    mistakes: list[Mistake] = []
+    for name, build in _pages(record).items():
+        try:
+            with telling_damage(folder, name):
+                text = build(folder, record)
+        except InputError as error:
+            mistakes += error.mistakes
+        else:
+            write_text(folder / name, text)
+    if mistakes:
+        raise InputError(dict.fromkeys(mistakes))
     return folder / REPORT_NAME
 
 
-def _pages(folder: Path, record: dict[str, Any]) -> dict[str, str]:
-    """The texts of a record's pages by file name."""
-    build: Callable[[Path, dict[str, Any]], dict[str, Any]] = import_module(PAGES[record["kind"]]).context
-    machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
-    pages = {REPORT_NAME: _render(f"{record['kind']}.html.j2", build(folder, record) | machinery)}
-    if record["kind"] in CONSERVATOR_KINDS:
-        from reports.conservator import context
+def _pages(record: Mapping[str, Any]) -> dict[str, Callable[[Path, dict[str, Any]], str]]:
+    """What builds each page of a record, by file name."""
+    plain = {CONSERVATOR_NAME: _conservator} if record["kind"] in CONSERVATOR_KINDS else {}
+    return {REPORT_NAME: _report, **plain}
 
-        pages[CONSERVATOR_NAME] = _render("conservator.html.j2", context(folder, record))
-    return pages
+
+def _report(folder: Path, record: dict[str, Any]) -> str:
+    values = import_module(PAGES[record["kind"]]).context(folder, record)
+    machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
+    return _render(f"{record['kind']}.html.j2", values | machinery)
+
+
+def _conservator(folder: Path, record: dict[str, Any]) -> str:
+    from reports.conservator import context
+
+    return _render("conservator.html.j2", context(folder, record))
 
 
 def _render(template: str, values: Mapping[str, Any]) -> str:
-    return environment().get_template(template).render(values, css=source_text("page.css"))
+    title = printable(str(values["title"]))
+    return environment().get_template(template).render(values, title=title, css=source_text("page.css"))

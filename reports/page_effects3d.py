@@ -8,6 +8,7 @@ The record (`kind` "effects3d"): `rows` (each `condition`, `azimuth_deg`, `engin
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -23,7 +24,7 @@ from reports.scene_picture import scene_svg
 from reports.source import run_source
 from reports.words import Verdict
 
-SOLID: Final = ("pybullet", "mujoco")
+SOLID: Final = ("pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 NEAR: Final = 0.05
 """Amplitudes within this share of each other count as the same: a survey's errors move them as much."""
 GROUPS: Final = {
@@ -69,7 +70,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "notes": record["notes"],
         "resolution": f"{100.0 * record['study']['search']['resolution']:g}",
         "most": f"{record['study']['search']['most_g']:g}",
-        "command": f"rockcheck study {record['file']}",
+        "command": f"rockcheck study {shlex.quote(record['file'])}",
         "replay_command": (record["replay"] or {}).get("command", ""),
         "versions": record["versions"],
         "machine": record["machine"],
@@ -254,10 +255,10 @@ def departure_rows(record: Row) -> list[tuple[str, list[str]]]:
     rows = []
     for row in record["departures"]:
         if row["engine"] == engine:
-            overturned = Outcome(row["outcome"]).overturned
+            ended = {True: "overturns", False: "stands", None: "undecided"}[Outcome(row["outcome"]).fell]
             values = [digits(row["peak_g"]), digits(row["peak_theta_rad"], 2), digits(row["out_of_plane_rad"], 2)]
             values += [digits(row["yaw_rad"], 2), digits(row["yaw_left_rad"], 2), digits(1000.0 * row["walked_m"], 2)]
-            values += [f"{100.0 * row['corner_share']:.0f} %", "overturns" if overturned else "stands"]
+            values += [f"{100.0 * row['corner_share']:.0f} %", ended]
             rows.append((f"{row['azimuth_deg']:g}°", values))
     return rows
 

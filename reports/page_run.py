@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -182,4 +183,4 @@ def command(source: RunSource) -> str:
     """The command that repeats the run (accuracy or step as the settings say)."""
     file = source.scene["file"] or "scene.toml"
     engines: Sequence[str] = [f"-e {name}" for name in source.runs]
-    return f"rockcheck run {file} {' '.join(engines)}"
+    return f"rockcheck run {shlex.quote(file)} {' '.join(engines)}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -25,6 +26,7 @@ from reports.study_rows import (
     conditions,
     family,
     model_name,
+    tone,
     varying_keys,
 )
 from reports.words import Verdict
@@ -32,7 +34,7 @@ from reports.words import Verdict
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
 MOST_WARNINGS: Final = 30
-NUMBER: Final = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number inside a warning: runs differ in it while the warning is the same."""
 MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
@@ -67,7 +69,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "notes": record["notes"],
         "usage": record.get("usage", {}).get("sentence", ""),
         "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
-        "command": f"rockcheck study {record['file']}",
+        "command": f"rockcheck study {shlex.quote(record['file'])}",
         "versions": record["versions"],
         "machine": record["machine"],
         "seconds": unit(record["seconds"], "s"),
@@ -110,13 +112,15 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
     points += best_designs(models, found, map_axes(found, keys))
     points += left_domain(record["rows"])
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
-    tone = "agree" if same == total else "differ"
+    agreed = "agree" if same == total else "differ"
     if record.get("headline"):
-        return Verdict(_claims_headline(record["headline"]), tone, [*_claim_points(record), *points])
+        return Verdict(_claims_headline(record["headline"]), agreed, [*_claim_points(record), *points])
     if not pairs:
-        return Verdict(_falls(models, found), "agree", points)
+        answers = [item.answers.get(model) for model in models for item in found]
+        ends = [family(row["run"]["outcome"]) for row in answers if row is not None and row["run"] is not None]
+        return Verdict(_falls(models, found), tone(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
-    return Verdict(headline, tone, points)
+    return Verdict(headline, agreed, points)
 
 
 def left_domain(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -178,28 +182,41 @@ def claim_rows(verdicts: Sequence[Mapping[str, Any]] | None) -> list[dict[str, A
 
 
 def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
-    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree."""
+    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
+    different sides do)."""
     rows = []
     for item in found:
         cells = [cell(item.answers.get(model)) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):
             if shown.family != "none":
-                by_variant.setdefault(model.partition(" (")[2], set()).add(shown.words)
+                by_variant.setdefault(model.partition(" (")[2], set()).add(
+                    shown.family if shown.family == "overturns" else shown.words
+                )
         differs = any(len(words) > 1 for words in by_variant.values())
         rows.append({"keys": [_shown(item.varied[key]) for key in keys], "cells": cells, "differs": differs})
     return rows
 
 
 def study_warnings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Each kind of warning once (numbers left out where they differ), with the number of runs that gave it."""
+    """Each kind of warning once, with the number of runs that gave it; numbers in which they differ are told as a range."""
     kinds: dict[str, Counter[str]] = {}
     for row in rows:
         for text in row["run"]["warnings"] if row["run"] is not None else ():
             full = f"{row['engine']}: {text}"
-            kinds.setdefault(NUMBER.sub("…", full), Counter())[full] += 1
-    ordered = sorted(kinds.items(), key=lambda item: -item[1].total())
+            kinds.setdefault(NUMBER.sub("\0", full), Counter())[full] += 1
+    ordered = sorted(kinds.values(), key=lambda texts: -texts.total())
     return [
-        f"{kind if len(texts) > 1 else next(iter(texts))} ({texts.total()} run{'s' if texts.total() > 1 else ''})"
-        for kind, texts in ordered[:MOST_WARNINGS]
+        f"{_ranged(list(texts))} ({texts.total()} run{'s' if texts.total() > 1 else ''})"
+        for texts in ordered[:MOST_WARNINGS]
     ]
+
+
+def _ranged(texts: Sequence[str]) -> str:
+    """Texts that are the same but for their numbers as one, from the least to the largest of each number."""
+    ranges = []
+    for column in zip(*(NUMBER.findall(text) for text in texts), strict=True):
+        low, high = min(column, key=float), max(column, key=float)
+        ranges.append(low if float(low) == float(high) else f"{low} to {high}")
+    shown = iter(ranges)
+    return NUMBER.sub(lambda _: next(shown), texts[0])

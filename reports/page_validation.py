@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -61,14 +62,14 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
 
 
 def validation_verdict(record: Mapping[str, Any]) -> Verdict:
-    """Which model predicts best, with its interval, and whether it beats the threshold."""
+    """Which models are right most often, with the interval, and whether any beats the threshold."""
     known = {
         name: item["outcomes"]["accuracy"] for name, item in record["models"].items() if item["outcomes"]["accuracy"]
     }
     if not known:
         return Verdict("No model decided any test", "failed", [])
     bare = record["baseline"]["outcomes"]["accuracy"]
-    best = max(known, key=lambda name: float(known[name]["value"]))
+    best = _best(known)
     points = [f"{name}: {_share(item)} of the tests that it decides." for name, item in known.items()]
     for name, item in record["models"].items():
         outcomes = item["outcomes"]
@@ -79,7 +80,7 @@ def validation_verdict(record: Mapping[str, Any]) -> Verdict:
                 f"{item['failed']} runs failed."
             )
     if bare is None:
-        return Verdict(f"{best} predicts best: {_share(known[best])} right", "agree", points)
+        return Verdict(best, "agree", points)
     points.append(f"A bare threshold on PGV ({unit(record['baseline']['threshold_m_s'], 'm/s')}): {_share(bare)}.")
     better = [name for name, item in known.items() if item["low"] > bare["value"]]
     worse = [name for name, item in known.items() if item["high"] < bare["value"]]
@@ -87,10 +88,24 @@ def validation_verdict(record: Mapping[str, Any]) -> Verdict:
         share = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
         words = f"{share} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
     elif worse:
-        words = "no model beats a bare threshold on PGV"
+        words = (
+            f"no model beats a bare threshold on PGV, and {listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
+        )
     else:
         words = "with these tests no model can be told from a bare threshold on PGV"
-    return Verdict(f"{best} predicts best, {_share(known[best])}; {words}", "agree" if better else "differ", points)
+    return Verdict(f"{best}; {words} ({_share(bare)})", "agree" if better else "differ", points)
+
+
+def _best(known: Mapping[str, Mapping[str, float]]) -> str:
+    """Which models are right most often; a bare count, whose intervals may overlap."""
+    most = max(item["value"] for item in known.values())
+    best = [name for name, item in known.items() if item["value"] == most]
+    if len(known) == 1:
+        return f"{best[0]} is right in {_share(known[best[0]])} of the tests that it decides"
+    if len(best) == 1:
+        return f"{best[0]} is right most often, in {_share(known[best[0]])} of the tests that it decides"
+    every = "All models are" if len(best) == len(known) else f"{listed(best)} are"
+    return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
 
 
 def _share(interval: Mapping[str, float]) -> str:
@@ -112,12 +127,12 @@ def score_rows(record: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
 
 
 def pair_sentences(pairs: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """For each two models, how often they give the same outcome and the shares of the four verdicts."""
+    """For each two models, how often they give the same outcome and the shares of the verdicts."""
     found = []
     for pair in pairs:
         same = pair["outcomes"]["side_accuracy"]
         text = f"the same outcome in {_share(same)} of {pair['cases']} tests; " if same else ""
-        text += "; ".join(f"{each.value}: {100 * pair['verdicts'][each]:.0f} %" for each in Verdicts) + "."
+        text += "; ".join(f"{each.value}: {100 * pair['verdicts'].get(each, 0.0):.0f} %" for each in Verdicts) + "."
         if pair["flips"]:
             text += f" In {pair['flips']} the outcome flips within the numerical error."
         found.append((f"{pair['a']} and {pair['b']}", text))
@@ -150,7 +165,7 @@ def _settings(item: Mapping[str, Any]) -> str:
 
 def command(record: Mapping[str, Any]) -> str:
     """The command that repeats the validation, with every option that is not at its default."""
-    parts = [f"rockcheck validate {record['experiments']}", *(f"-e {name}" for name in record["models"])]
+    parts = [f"rockcheck validate {shlex.quote(record['experiments'])}", *(f"-e {name}" for name in record["models"])]
     parts += [f"--samples {record['samples']}"] if record.get("samples") else []
     parts += [f"--seed {record['seed']}"] if record.get("seed") else []
     name = record["fit_share"]["name"]

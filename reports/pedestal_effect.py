@@ -22,8 +22,12 @@ WALL_COLOUR: Final = "#8c1d2f"
 
 @dataclass(frozen=True)
 class PedestalEffect:
-    """The sentence, and the charts of the share of falls (`saved`) and of the reach (`moved`), as (name, words, figure)."""
+    """A model's sentence, and charts of the share of falls (`saved`) and of the reach (`moved`): (name, words, figure).
 
+    There are charts where the study varies a frequency.
+    """
+
+    model: str
     sentence: str
     charts: Sequence[tuple[str, str, Json]]
 
@@ -31,13 +35,15 @@ class PedestalEffect:
 def pedestal_effect(
     record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]
 ) -> PedestalEffect | None:
-    """The effect in a study with and without pedestal over a frequency, by its analytic model; None for other studies."""
+    """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
     keys = list(found[0].varied) if found else []
     pace = next((key for key in keys if key.endswith("frequency_hz")), None)
-    if "pedestal" not in keys or pace is None:
+    if len({item.varied["pedestal"] for item in found if "pedestal" in keys}) < 2:
         return None
     shape = section(record["scene"])
     model = next((name for name in models if name.startswith("analytic")), models[0])
+    if pace is None:
+        return PedestalEffect(model, _saved_in_words(found, model), [])
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item in found:
@@ -55,11 +61,11 @@ def pedestal_effect(
         ("saved", f"Share of conditions in which it overturns ({model})", _by_setting(fell, heading(pace))),
         (
             "moved",
-            f"Farthest displacement of the top where it stands ({model})",
+            f"What the top moves by at most where it stands ({model})",
             _reach_by_setting(reach, heading(pace), record),
         ),
     ]
-    return PedestalEffect(_saved_in_words(found, model), charts)
+    return PedestalEffect(model, _saved_in_words(found, model), charts)
 
 
 def _saved_in_words(found: Sequence[Condition], model: str) -> str:

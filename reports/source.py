@@ -12,14 +12,14 @@ from typing import Any, Final
 from jinja2 import UndefinedError
 
 from harness.errors import InputError, Mistake
-from harness.history import History
+from harness.history import History, history_file
 from harness.history_file import read_history
 from harness.record import SCHEMA_VERSION
+from harness.result_folder import KINDS, RECORD, as_written, owned
 
-RECORD_NAME: Final = "result.json"
-KINDS: Final = ("run", "study", "effects3d", "bench", "stress", "validation")
+RECORD_NAME: Final = RECORD
 REWRITE: Final = "write the result anew with this version"
-DAMAGE: Final = (KeyError, TypeError, ValueError, IndexError, AttributeError, UndefinedError)
+DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
 _TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
 _EVERY: Final = {
@@ -101,8 +101,8 @@ def _check_parts(path: Path, record: dict[str, Any]) -> None:
 
 
 @contextmanager
-def telling_damage(folder: Path) -> Iterator[None]:
-    """Turn what pages and pictures meet where a part deep inside a record is absent or of another form into an `InputError`."""
+def telling_damage(folder: Path, page: str = "") -> Iterator[None]:
+    """Turn what a page or picture meets where a part deep inside a record is absent or of another form into an `InputError`."""
     try:
         yield
     except InputError:
@@ -110,7 +110,8 @@ def telling_damage(folder: Path) -> Iterator[None]:
     except DAMAGE as error:
         told = f"{type(error).__name__}: {error}"
         advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
-        raise InputError(Mistake(str(folder / RECORD_NAME), "", "a whole record", told, advice)) from error
+        wanted = f"a whole record for {page}" if page else "a whole record"
+        raise InputError(Mistake(str(folder / RECORD_NAME), "", wanted, told, advice)) from error
 
 
 def run_source(folder: Path) -> RunSource:
@@ -121,7 +122,7 @@ def run_source(folder: Path) -> RunSource:
     # Records of older versions do not say which histories they kept: what lies there is all.
     kept = record.get("histories")
     names = record["runs"] if kept is None else kept
-    paths = {name: folder / f"history_{name}.csv" for name in names}
+    paths = {name: folder / history_file(name) for name in names}
     lost = [path for path in paths.values() if kept is not None and not path.is_file()]
     mesh = folder / "statue.glb"
     if record["scene"].get("statue", {}).get("mesh") is not None and not mesh.is_file():
@@ -130,5 +131,10 @@ def run_source(folder: Path) -> RunSource:
         raise InputError(
             [Mistake(str(path), "", "the file that result.json names", "none there", REWRITE) for path in lost]
         )
+    sums = owned(folder)
+    changed = [path for path in (*paths.values(), mesh) if path.is_file() and not as_written(path, sums)]
+    if changed:
+        wanted = "the file that result.json lists"
+        raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)

@@ -55,7 +55,8 @@ class Axis:
             whole = range(math.ceil(self.low - 1e-9), math.floor(self.high + 1e-9) + 1)
             return [(float(self.px(10.0**k)[0]), short(10.0**k)) for k in whole]
         wanted = min(int(self.spec.get("nticks", 8)), max(2, int(abs(self.end_px - self.start_px) / 34.0)))
-        return [(float(self.px(value)[0]), short(value)) for value in nice_ticks(self.low, self.high, wanted)]
+        low, high = min(self.low, self.high), max(self.low, self.high)
+        return [(float(self.px(value)[0]), short(value)) for value in nice_ticks(low, high, wanted)]
 
 
 def nice_ticks(low: float, high: float, most: int) -> list[float]:

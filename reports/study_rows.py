@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -79,6 +79,12 @@ def family(outcome: str) -> str:
     return FAMILY.get(outcome, "other")
 
 
+def tone(answers: Iterable[str]) -> str:
+    """The colour of a count of falls from families of outcomes: `agree` only where every answer is that it stands."""
+    families = set(answers)
+    return "agree" if families == {"stands"} else "differ" if "stands" in families or "wall" in families else "failed"
+
+
 def cell(row: Mapping[str, Any] | None) -> Cell:
     """What a table shows of one row."""
     if row is None:
@@ -111,11 +117,11 @@ def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (a["run"]["outcome"], b["run"]["outcome"])
+                (Outcome(a["run"]["outcome"]), Outcome(b["run"]["outcome"]))
                 for item in found
                 for a, b in [(item.answers.get(first), item.answers.get(second))]
                 if a is not None and b is not None and a["run"] is not None and b["run"] is not None
             ]
             if both:
-                pairs.append((first, second, sum(a == b for a, b in both), len(both)))
+                pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))
     return pairs

@@ -14,8 +14,10 @@ from harness.verdict import Verdict as Difference
 from reports.numbers import angle, count_word, length, listed, spread, unit
 from reports.posing import section
 from reports.source import RunSource
+from reports.study_rows import family, tone
 
 SIDES = {1: "right", -1: "left"}
+FELL: Final = "overturns"
 AT_REST_RAD: Final = 1e-5
 """Rotations below this are the give of a contact engine at rest (some 0.01 mm at the top of a statue of one metre)."""
 
@@ -38,27 +40,64 @@ def run_verdict(source: RunSource) -> Verdict:
     groups: dict[str, list[str]] = {}
     for name, run in answered.items():
         groups.setdefault(run["outcome"], []).append(name)
-    points = [*_outcome_times(answered), *_lean(source, answered), *_reach(source), *_slip(source, answered)]
+    points = [
+        *motion_given(answered),
+        *_outcome_times(answered),
+        *_lean(source, answered),
+        *_reach(source),
+        *_slip(source, answered),
+    ]
     points += [*_scores(source.record), *_trust(source, answered), *silent]
-    headline = _headline(groups, len(answered))
-    apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") == Difference.MODEL]
-    if len(groups) == 1 and apart:
+    headline = _headline(groups, len(answered), len(source.runs))
+    headline += ", given unlike motions" if motion_given(answered) else ""
+    agree = len({_class(outcome) for outcome in groups}) == 1
+    robust = (Difference.MODEL, Difference.PLANE)
+    apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") in robust]
+    if agree and apart:
         return Verdict(f"{headline}; their motions differ", "differ", points)
-    return Verdict(headline, "agree" if len(groups) == 1 else "differ", points)
+    if len(answered) == 1:
+        # One model alone agrees with nobody: the colour is that of what it says.
+        return Verdict(headline, tone(family(run["outcome"]) for run in answered.values()), points)
+    return Verdict(headline, "agree" if agree else "differ", points)
 
 
-def _headline(groups: Mapping[str, list[str]], count: int) -> str:
+def _class(outcome: str) -> str:
+    """What a model says happens: falls to different sides are one outcome."""
+    return FELL if Outcome(outcome).overturned else outcome
+
+
+def _headline(groups: Mapping[str, list[str]], count: int, asked: int) -> str:
     if len(groups) == 1:
         sentence = Outcome(next(iter(groups))).sentence
         if count == 1:
-            return f"One model was run ({next(iter(groups.values()))[0]}): {sentence}"
+            did = "was run" if asked == 1 else "answered"
+            return f"One model {did} ({next(iter(groups.values()))[0]}): {sentence}"
         models = "Both models" if count == 2 else f"All {count_word(count)} models"
         return f"{models} agree on the outcome: {sentence}"
+    if {_class(outcome) for outcome in groups} == {FELL}:
+        sides = "; ".join(
+            f"{Outcome(outcome).sentence.removeprefix('the statue overturns ')} ({', '.join(names)})"
+            for outcome, names in groups.items()
+        )
+        models = "Both models" if count == 2 else f"All {count_word(count)} models"
+        return f"{models} agree that the statue overturns, to different sides: {sides}"
     parts = [
         f"{Outcome(outcome).sentence} ({', '.join(names)})"
         for outcome, names in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
     return "The models disagree: " + "; ".join(parts)
+
+
+def motion_given(answered: Mapping[str, Any]) -> list[str]:
+    """Who was given which axes of the floor's motion, where that is not the same for all."""
+    axes = {name: run["motion_axes"] for name, run in answered.items() if run.get("motion_axes") is not None}
+    every = {axis for given in axes.values() for axis in given}
+    lacking = {name: sorted(every - set(given)) for name, given in axes.items() if every - set(given)}
+    return [
+        f"Not all models got the same motion: {listed(names)} without that along {along}."
+        for along in sorted({" and ".join(left) for left in lacking.values()})
+        for names in [[name for name, left in lacking.items() if " and ".join(left) == along]]
+    ]
 
 
 def _outcome_times(answered: Mapping[str, Any]) -> list[str]:
@@ -79,7 +118,10 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
         found.append((float(np.abs(theta).max()), side, name))
     if not found:
-        return ["The statue does not rock."] if standing else []
+        if not standing:
+            return []
+        where = "The" if len(standing) == len(answered) else f"In {listed(standing)} the"
+        return [f"{where} statue does not rock."]
     sides = {side for _, side, _ in found}
     if len(sides) > 1:
         each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
@@ -106,7 +148,8 @@ def _reach(source: RunSource) -> list[str]:
     }
     if tops and max(tops.values()) > 1e-5:
         name = max(tops, key=lambda item: tops[item])
-        sentences.append(f"The top of the statue moves at most {length(tops[name])} ({name}).")
+        where = "" if len(tops) == len(source.histories) else ", where it stands,"
+        sentences.append(f"The top of the statue{where} moves at most {length(tops[name])} ({name}).")
     if wall is not None:
         touching = [name for name, run in source.runs.items() if run["outcome"] == Outcome.TOUCHES_WALL]
         where = f"the wall on the {wall['side']}, {length(wall['distance_m'])} from the base"
@@ -114,10 +157,15 @@ def _reach(source: RunSource) -> list[str]:
             sentences.append(f"The statue touches {where}, in {listed(touching)}.")
         elif source.histories:
             side = 1 if wall["side"] == "right" else -1
-            most = max(
-                float(shape.overhang_m(item.theta_rad, item.slip_m, side).max()) for item in source.histories.values()
+            left = min(
+                float(wall["distance_m"]) - float(shape.overhang_m(item.theta_rad, item.slip_m, side).max())
+                for item in source.histories.values()
             )
-            sentences.append(f"It comes within {length(wall['distance_m'] - most)} of {where}.")
+            sentences.append(
+                f"It comes within {length(left)} of {where}."
+                if left > 0.0
+                else f"Its slip carries it {length(-left)} past {where}: no model followed what the wall does then."
+            )
     return sentences
 
 
@@ -147,13 +195,25 @@ def _trust(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         return []
     each = listed(f"±{unit(run['numerical_uncertainty_rad'], 'rad', 2)} ({name})" for name, run in known.items())
     sentences = [f"Numerical error of the rotations: {each}."]
-    until = horizon_s(source)
-    if until is not None and until < source.scene["duration_s"]:
+    duration_s = source.scene["duration_s"]
+    until, predictable_s = horizon_s(source), prediction_s(source)
+    if until is not None and until < duration_s:
+        names = listed(name for name, run in known.items() if run["reliable_until_s"] == until)
         sentences.append(
-            f"After {unit(until, 's')} the histories are not to be compared instant by instant: at least one model's own "
-            "numerical spread exceeds its aim there. Peaks, and outcomes decided later, are one possibility among several."
+            f"After {unit(until, 's')} the histories are not to be compared instant by instant: from there the numerical error "
+            f"of {names} is not bounded."
+        )
+    if predictable_s is not None and predictable_s < duration_s:
+        sentences.append(
+            f"The horizon of prediction is {unit(predictable_s, 's')}: the problem's own sensitivity lets the least difference "
+            "grow so far by then. Peaks, and outcomes decided later, are one possibility among several."
         )
     return sentences
+
+
+def prediction_s(source: RunSource) -> float | None:
+    """The measured horizon of prediction: from then on nobody can follow the motion; None where none was measured."""
+    return min((float(found["intrinsic_s"]) for found in source.record.get("horizons", {}).values()), default=None)
 
 
 def horizon_s(source: RunSource) -> float | None:

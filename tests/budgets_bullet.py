@@ -131,3 +131,16 @@ SCAN_WALL_RAD = 1e-4
 
 OVERHANG_RAD = 2e-3
 """A base turning about the pedestal's edge at 1 ms: drawn 0.1 mm inside, points sought anew; hull 1.4e-3, parts 5e-4."""
+
+TIPS_RAD = 1e-2
+"""A pedestal that leans by this much tips: five hundred times what one that stands is taken to lean at most."""
+
+TIPPING_RAD = 1e-5
+"""Events on and off where a pedestal tips from rest: until it leans by 2e-5 rad one short step may lie in another place."""
+
+UNTOUCHED_RAD = 1.5e-4
+"""The same scene by feet alone and by the full shape, by half and by the whole, at 0.25 ms: 4e-5 expected of each, and in a scene
+that ends near its balance angle as much again by growth."""
+
+UNTOUCHED_M = 5e-5
+"""Largest slip of these: 0.3 m/s times the tenth of a step of 0.25 ms by which a halt may be met late, at six halts."""

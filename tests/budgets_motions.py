@@ -49,3 +49,6 @@ LIKENESS: Final = 0.5
 
 MATCHING_PASSES: Final = 24
 """El Centro takes 9 to 17 wavelet passes to either limit state: half as many again is a loss of convergence."""
+
+HEADER_DIGITS = 1e-4
+"""Headers give a peak with five digits or more; the numbers below them have at least as many."""

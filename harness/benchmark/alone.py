@@ -36,13 +36,15 @@ LEVERS: Final = {
     "mirror": (Want(True, frozenset({"base_only", "mirror"})), Want(True, frozenset({"base_only"}))),
 }
 """What is asked with a skip alone and without it."""
+PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
 CASES: Final = {
     "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
     "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
     "energy_outcome": {"analytic": "pulse"},
-    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"},
-    "stop_at_overturn": {"pymunk": "falls", "mujoco": "falls soon"},
-    "base_only": {"pybullet": "on a pedestal"},
+    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"}
+    | dict.fromkeys(PLAIN, "short"),
+    "stop_at_overturn": {"pymunk": "falls", "mujoco": "falls soon"} | dict.fromkeys(PLAIN, "falls soon"),
+    "base_only": {"pybullet": "on a pedestal", "pybullet:plain": "on a pedestal"},
     "mirror": {"pybullet": "on a pedestal"},
 }
 """For each skip the engines that have it, and the scene on which it is measured."""

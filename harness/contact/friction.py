@@ -49,3 +49,12 @@ def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:
     return FloorFriction(
         contact.floor_static, contact.floor_kinetic, STUCK_SHARE * contact.floor_kinetic * scene.gravity_m_s2 * dt_s
     )
+
+
+def followed(friction: FloorFriction, rate_m_s: float) -> float:
+    """The plainest rule for two numbers in an engine that knows one: kinetic while the pedestal slides, else static.
+
+    It is asked after a step and holds for the next. No step is repeated, so the step in which the pedestal breaks loose acts with
+    the static coefficient: at an impact an error of (μ_s − μ_k) P_n that no step size cures (see above).
+    """
+    return friction.kinetic if abs(rate_m_s) > friction.stuck_below_m_s else friction.static

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact import forces, support
+from harness.contact.falling import Fall, fall
 from harness.contact.rocking import patterns, rocking
 from harness.contact.trajectory import Trajectory
 from harness.history import History, Outcome, hermites, output_grid
@@ -24,8 +26,7 @@ class Report:
     """What the adapter knows of its own run: settings, counts, sentences.
 
     `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
-    `outcome` is given where the adapter itself saw how the run ended (3D: front, back), else None. `rested` says that the run
-    was ended at rest before the scene's end, so that the last state holds to it.
+    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it.
     """
 
     engine: str
@@ -34,7 +35,6 @@ class Report:
     wall_s: float
     resolution_rad: float
     stuck_below_m_s: float
-    outcome: Outcome | None = None
     rested: bool = False
     with_history: bool = True
     validity: Mapping[str, Any] = field(default_factory=dict)
@@ -62,7 +62,10 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
-    outcome = report.outcome or _outcome(scene, motion, overturn_s, wall, float(derived.slip_m[-1]))
+    fallen = fall(scene, motion, overturn_s)
+    outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
+    if not outcome.overturned and overturn_s is None:
+        fallen = None
     validity = _validity(scene, motion, derived)
     validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
     if wall is not None:
@@ -77,8 +80,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         peak_theta_rad=float(abs(theta[peak])) if overturn_s is None else OVERTURN_RAD,
         peak_time_s=float(motion.t_s[peak]) if overturn_s is None else overturn_s,
         end_s=end_s,
-        overturn_time_s=overturn_s,
-        no_return_time_s=None if overturn_s is None else no_return_time_s(scene, motion.t_s, theta),
+        overturn_time_s=None if fallen is None else fallen.overturn_s,
+        no_return_time_s=None if fallen is None else fallen.no_return_s,
         impact_times_s=tuple(time for time in swings.impact_times_s if time <= end_s),
         uplift_times_s=tuple(time for time in swings.uplift_times_s if time <= end_s),
         peak_slip_m=float(np.abs(motion.slip_m).max()),
@@ -147,37 +150,21 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
     return last, None, min(count, t_s.size)
 
 
-def no_return_time_s(scene: Scene, t_s: Array, theta_rad: Array) -> float | None:
-    """Last outward crossing of α on the side of the fall, interpolated, None when the run starts beyond it."""
-    side = 1 if theta_rad[-1] > 0.0 else -1
-    limit = scene.statue.slenderness_rad(side)
-    lean = side * theta_rad
-    inside = np.flatnonzero(lean < limit)
-    if inside.size == 0:
-        return None
-    k = int(inside[-1])
-    if k + 1 >= t_s.size:
-        return float(t_s[-1])
-    share = (limit - lean[k]) / (lean[k + 1] - lean[k])
-    return float(t_s[k] + share * (t_s[k + 1] - t_s[k]))
-
-
-def _outcome(
-    scene: Scene, motion: Trajectory, overturn_s: float | None, wall: int | None, statue_slip_m: float
-) -> Outcome:
-    last = float(motion.theta_rad[-1])
-    if wall is not None:
+def _outcome(scene: Scene, motion: Trajectory, fallen: Fall | None, wall: int | None, statue_slip_m: Array) -> Outcome:
+    """What came first: the wall before a fall across the plane, the slide off the support before the balance point."""
+    passed_s = math.inf if fallen is None or fallen.no_return_s is None else fallen.no_return_s
+    if wall is not None and (fallen is None or not fallen.across or motion.t_s[wall] <= passed_s):
         return Outcome.TOUCHES_WALL
-    if overturn_s is not None:
-        return Outcome.OVERTURNED_RIGHT if last > 0.0 else Outcome.OVERTURNED_LEFT
-    if _left_support(scene, motion, statue_slip_m):
+    if fallen is not None and fallen.whole:
+        return fallen.outcome
+    until = int(np.searchsorted(motion.t_s[:-1], passed_s))
+    if _left_support(scene, motion, float(statue_slip_m[until])):
         return Outcome.LEFT_PEDESTAL
-    side = 1 if last > 0.0 else -1
-    return Outcome.UNDECIDED if abs(last) > scene.statue.slenderness_rad(side) else Outcome.STANDS
+    return Outcome.STANDS if fallen is None else fallen.outcome
 
 
 def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:
-    """Whether the middle of the statue's base ends beside the pedestal's top."""
+    """Whether the middle of the statue's base is beside the pedestal's top."""
     if scene.pedestal is None or motion.pedestal_xz_m is None:
         return False
     middle = -scene.pedestal.offset_m + statue_slip_m

@@ -1,15 +1,13 @@
-"""What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall across the plane."""
+"""What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any direction."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.history import Outcome
 from harness.scene import OVERTURN_RAD, Statue
 
 Array = NDArray[np.float64]
@@ -58,14 +56,3 @@ def fallen(zx: float, zy: float, zz: float) -> bool:
     if abs(zx) >= abs(zy):
         return abs(zx) >= zz * OVERTURN_TAN
     return zz <= OVERTURN_COS
-
-
-def fall_across(extra: Mapping[str, Array], theta_rad: Array) -> Outcome | None:
-    """Front or back when the run ended with the statue fallen across the plane, else None: the rotation tells."""
-    across = float(extra["out_of_plane_rad"][-1])
-    if abs(theta_rad[-1]) >= OVERTURN_RAD or not np.isfinite(across):
-        return None
-    up_z = np.cos(across) * np.cos(theta_rad[-1])
-    if up_z > OVERTURN_COS:
-        return None
-    return Outcome.OVERTURNED_BACK if across > 0.0 else Outcome.OVERTURNED_FRONT

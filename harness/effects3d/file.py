@@ -16,7 +16,7 @@ from harness.scene_file.tables import Table, read
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
-SOLID = ("pybullet", "mujoco")
+SOLID = ("pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 """Engines that compute in three dimensions."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -55,6 +56,7 @@ def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: f
     turn = float(given["statue"]["mesh"].get("azimuth_deg", 0.0)) - azimuth_deg
     still = "".join(f" --set motion.{axis}=none" for axis in "yz" if axis in given["motion"])
     return (
-        f"rockcheck run {scene.source.name} -e {PLANAR} -e {engine} --dt {dt_s:g} --set statue.mesh.azimuth_deg={turn:g}"
+        f"rockcheck run {shlex.quote(scene.source.name)} -e {PLANAR} -e {engine} --dt {dt_s:g}"
+        f" --set statue.mesh.azimuth_deg={turn:g}"
         f" --set {sized}{still}"
     )

@@ -23,12 +23,13 @@ from harness.engine import Capabilities
 from harness.errors import InputError, Mistake
 from harness.processes.executors import Crash, Pool
 from harness.record import SCHEMA_VERSION
+from harness.result_folder import listing
 from harness.scene import Scene
 from harness.studies.cases import Base, base_of_scene
 from harness.studies.digest import scene_digest
 from meshes import footprint
 
-ORDER: Final = ("pybullet", "mujoco", "pymunk", "analytic")
+ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""
 KEPT_NAME: Final = "searches.jsonl"
 LONG_SIDE: Final = 0.05
@@ -88,9 +89,10 @@ class Ledger:
             for line in path.read_text(encoding="utf-8").splitlines():
                 try:
                     entry = json.loads(line)
-                except json.JSONDecodeError:
+                    key, answer, seconds = str(entry["key"]), dict(entry["answer"]), float(entry["seconds"])
+                except (ValueError, TypeError, KeyError):
                     continue
-                self.known[entry["key"]], self.spent_s[entry["key"]] = entry["answer"], entry["seconds"]
+                self.known[key], self.spent_s[key] = answer, seconds
 
     def put(self, key: str, found: Answer, seconds: float) -> None:
         """Keep an answer and the processor time that it took."""
@@ -172,6 +174,7 @@ def run_effects(
         "unit_g": peak_g(scene),
         "versions": record.versions(),
         "machine": record.machine(),
+        "files": listing(()),
     }
     found["replay"] = write_replay(found, scene, folder / "replay")
     summary = Summary(

@@ -15,6 +15,9 @@ REGISTRY: Final[Mapping[str, str]] = {
     "pymunk": "harness.engines.munk2d:Munk2D",
     "pybullet": "harness.engines.bullet3d:Bullet3D",
     "mujoco": "harness.engines.mujoco3d:Mujoco3D",
+    "pymunk:plain": "harness.engines.munk2d.plain:PlainMunk2D",
+    "pybullet:plain": "harness.engines.bullet.plain:PlainBullet3D",
+    "mujoco:plain": "harness.engines.mujoco3d:PlainMujoco3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
 

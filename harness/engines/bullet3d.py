@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import util
 from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 
 import numpy as np
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from harness.contact.friction import floor_friction
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across
 from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.bullet.settings import BulletSettings
 from harness.record import Run
@@ -67,8 +65,10 @@ class Bullet3D(Engine):
 
     def missing(self) -> str | None:
         """Why pybullet cannot run here, or None."""
-        if util.find_spec("pybullet") is None:
-            return "pybullet is not installed (it has wheels for CPython up to 3.11 on Linux x86-64 only)"
+        try:
+            import pybullet  # noqa: F401
+        except ImportError as error:
+            return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
         return None
 
     def ladder(self, scene: Scene) -> tuple[Settings, ...]:
@@ -104,7 +104,6 @@ class Bullet3D(Engine):
         setup = course.prepare(scene)
         found = course.run(scene, rung, setup, want)
         path = trajectory(scene, found.record, setup.axes, rung.dt_s)
-        fall = fall_across(path.extra, path.theta_rad)
         report = Report(
             engine=self.name,
             settings=rung.as_dict(),
@@ -112,7 +111,6 @@ class Bullet3D(Engine):
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
-            outcome=fall,
             rested=found.record.rested,
             with_history=want.history or not want.may_skip("no_history"),
             validity=_validity(path.extra, setup, found),
@@ -121,8 +119,7 @@ class Bullet3D(Engine):
             warnings=_warnings(scene, setup, found, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
-        run = reduce_trajectory(scene, path, report)
-        return run if fall is None else replace(run, overturn_time_s=run.end_s)
+        return reduce_trajectory(scene, path, report)
 
 
 def _rungs(scene: Scene) -> tuple[BulletSettings, ...]:
@@ -149,6 +146,8 @@ def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[s
         "rest_lean_rad": setup.rest.lean_rad,
         "touching_vertices": len(setup.feet_m),
         "mirrored": found.mirrored,
+        "plain_from_s": found.record.plain_from_s,
+        "plain_for_s": found.record.plain_s,
         "full_shape_from_s": found.full_from_s,
         "full_shape": None if found.full is None else found.full.told,
     }

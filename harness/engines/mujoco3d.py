@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact import frame
-from harness.contact.friction import FloorFriction, floor_friction
+from harness.contact.friction import FloorFriction, floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.spatial import fall_across, fallen
+from harness.contact.spatial import fallen
 from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
 from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
 from harness.engines.mujoco.samples import trajectory
@@ -78,37 +78,70 @@ class Mujoco3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
-        import mujoco
+        return _simulated(self.name, scene, _own(settings), want, repeats=True)
 
-        own = _own(settings)
-        _refuse(scene)
-        begin = time.perf_counter()
-        try:
-            model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps, own.impedance_ratio))
-        except ValueError as error:
-            raise EngineFailure(f"mujoco refused the scene: {error}") from error
-        edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
-        gravity = frame.apparent_gravity(scene, edges)
-        states, work = _march(mujoco, model, scene, own, gravity, want)
-        marched = len(states) - 1
-        states = states[: _until_fallen(states)]
-        seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
-        base = scene.statue.corner_left_m + scene.statue.corner_right_m
-        settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
-        fall = fall_across(seen.extra, seen.theta_rad)
-        report = Report(
-            engine=self.name,
-            settings=own.as_dict(),
-            steps=marched,
-            wall_s=0.0,
-            outcome=fall,
-            resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
-            stuck_below_m_s=1e-4,
-            with_history=want.history or not want.may_skip("no_history"),
-            work=work,
-        )
-        run = replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
-        return run if fall is None else replace(run, overturn_time_s=run.end_s)
+
+@final
+class PlainMujoco3D(Engine):
+    """MuJoCo as it comes: after the start no body is written to, and no step is repeated.
+
+    The floor's coefficient follows the pedestal's own velocity (`harness.contact.friction.followed`).
+    """
+
+    name: ClassVar[str] = "mujoco:plain"
+    capabilities: ClassVar[Capabilities] = Mujoco3D.capabilities
+    order: ClassVar[float] = 1.0
+
+    def missing(self) -> str | None:
+        """Why MuJoCo cannot run here, or None."""
+        return Mujoco3D().missing()
+
+    def ladder(self, scene: Scene) -> tuple[MujocoSettings, ...]:
+        """Steps of 1 ms to 0.05 ms."""
+        return Mujoco3D().ladder(scene)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
+        """The nearest rung's stiffness with the given step."""
+        return Mujoco3D().settings_for_dt(scene, dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
+        """Half the step, and so half the contact's time constant."""
+        return Mujoco3D().probes(scene, settings)
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
+        return _simulated(self.name, scene, _own(settings), want, repeats=False)
+
+
+def _simulated(name: str, scene: Scene, own: MujocoSettings, want: Want, *, repeats: bool) -> Run:
+    """Compute the scene; `repeats` says whether a step in which the pedestal breaks loose is computed again."""
+    import mujoco
+
+    _refuse(scene, name)
+    begin = time.perf_counter()
+    try:
+        model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps, own.impedance_ratio))
+    except ValueError as error:
+        raise EngineFailure(f"mujoco refused the scene: {error}") from error
+    edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
+    gravity = frame.apparent_gravity(scene, edges)
+    states, work = _march(mujoco, model, scene, own, gravity, want, repeats=repeats)
+    marched = len(states) - 1
+    states = states[: _until_fallen(states)]
+    seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
+    report = Report(
+        engine=name,
+        settings=own.as_dict(),
+        steps=marched,
+        wall_s=0.0,
+        resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
+        stuck_below_m_s=1e-4,
+        with_history=want.history or not want.may_skip("no_history"),
+        work=work,
+    )
+    return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
 
 
 def _own(settings: Settings) -> MujocoSettings:
@@ -117,7 +150,7 @@ def _own(settings: Settings) -> MujocoSettings:
     return settings
 
 
-def _refuse(scene: Scene) -> None:
+def _refuse(scene: Scene, name: str) -> None:
     """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
     found = []
     if scene.contact.restitution is not None:
@@ -127,7 +160,7 @@ def _refuse(scene: Scene) -> None:
     if scene.wall is not None:
         found.append("a wall")
     if found:
-        raise EngineFailure(f"mujoco does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
+        raise EngineFailure(f"{name} does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
 
 
 def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
@@ -151,7 +184,7 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
 
 
 def _march(
-    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: Want
+    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: Want, *, repeats: bool
 ) -> tuple[Array, dict[str, int]]:
     """All steps: rows of positions and velocities, shape (n + 1, nq + nv)."""
     data = mujoco.MjData(model)
@@ -164,7 +197,9 @@ def _march(
     for k in range(len(gravity)):
         model.opt.gravity[:] = gravity[k]
         step(model, data)
-        if switching:
+        if switching and not repeats:
+            model.pair(FLOOR_PAIR).friction[:2] = followed(friction, float(data.qvel[6]))
+        elif switching:
             stuck, again = _follow(mujoco, model, data, scene, friction, rows[k], gravity[k] * own.dt_s, stuck)
             repeated += again
         rows[k + 1, :n], rows[k + 1, n:] = data.qpos, data.qvel

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 import struct
+import zlib
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -128,6 +131,67 @@ def recode(data: bytes, rng: Stream) -> bytes:
     return ways[int(rng.integers(len(ways)))]
 
 
+STEPS: Final = (
+    b"1.E-02", b"1e-2", b"1d-2", b"1D-02", b".01", b"0.01", b"1.0-002", b"+.02", b"1_0", b"0x1", b"nan", b"inf", b"1,0", b"0",
+    b"-0.01", b"1e-300", b"1e300", b"", b"x", b"0.01 0.02", "١".encode(), b"1.0E-2SEC", b"5.0E-03", b"200", b"1.",
+)  # fmt: skip
+STEP: Final = re.compile(rb"(?i)(DT\s*=\s*)([^\s,]*)")
+TITLES: Final = (
+    "x [/] y", "[bold]x", "[/bold]", ":smile:", "a\\nb", "\\u001b[31mred", "\\u009b2J", "\\u202e", "\\ud800", "\\r", "\\t",
+    "%s{0}{x}", "../../etc", "=HYPERLINK(1)", "<script>alert(1)</script>", "é θ 😀", "\\u0000", "a" * 5000, " ", "$x$", "\\\\",
+)  # fmt: skip
+TITLE: Final = re.compile(rb'(?m)^(title = ")(.*)(")$')
+MOST_REPACKED: Final = 50_000
+"""Bytes of a packed file that is mutated within: a bomb's millions of numbers would cost the mutation gigabytes."""
+KINDS: Final = (b'"study"', b'"stress"', b'"bench"', b'"none"', b"1", b"[]", b"null", b'"run "')
+LISTED: Final = (
+    b'""', b'"."', b'".."', b'"/"', b'"/etc/passwd"', b'"../good.toml"', b'"a/b"', b'"~"', b'"\\u0000"', b'"\\ud800"',
+    b'"' + b"a" * 300 + b'"', b'"result.json"', b'".coming.json"', b'"x": [1], "y": {}, "z"', b'"*"',
+)  # fmt: skip
+BOMB_BYTES: Final = 96 * 2**20
+"""Half as much again as a record may have: enough to be refused, and unpacked in a tenth of a second where it is not."""
+
+
+def step(data: bytes, rng: Stream) -> bytes:
+    """The step in a header written in another way, or as no number."""
+    return STEP.sub(lambda old: old.group(1) + STEPS[int(rng.integers(len(STEPS)))], data)
+
+
+def title(data: bytes, rng: Stream) -> bytes:
+    """The title replaced or joined by what steers a terminal, a page or a format; sometimes by bytes that are no text."""
+    new = TITLES[int(rng.integers(len(TITLES)))].encode()
+    new = new if rng.integers(8) else bytes(rng.integers(128, 256, 4, dtype=np.uint8))
+    kept = bool(rng.integers(2))
+    return TITLE.sub(lambda old: old.group(1) + (old.group(2) if kept else b"") + new + old.group(3), data)
+
+
+def gathered(data: bytes, rng: Stream) -> bytes:
+    """A gzip file of several members, one after the other, or members followed by what is none."""
+    return data * int(rng.integers(2, 6)) + (b"", b"", b"tail")[int(rng.integers(3))]
+
+
+def repacked(data: bytes, rng: Stream) -> bytes:
+    """What is in a gzip file mutated as text and packed again; a damaged file as it is."""
+    if len(data) > MOST_REPACKED:
+        return data
+    try:
+        text = gzip.decompress(data)
+    except (OSError, EOFError, zlib.error):
+        return data
+    return gzip.compress(TEXT[int(rng.integers(len(TEXT)))](text, rng), 1, mtime=0)
+
+
+def bomb(data: bytes, rng: Stream) -> bytes:
+    """A small file that unpacks to more than may be read: of blanks, of numbers, or after a whole file."""
+    fill = (b" ", b"0 1\n", b"\0")[int(rng.integers(3))]
+    return (data if rng.integers(2) else b"") + _packed(fill)
+
+
+@lru_cache(maxsize=3)
+def _packed(fill: bytes) -> bytes:
+    return gzip.compress(fill * (BOMB_BYTES // len(fill)), 1, mtime=0)
+
+
 TEXT: Final[tuple[Mutation, ...]] = (
     nudge, nudge, nudge, digit, digit, digit, number, number, number, words, words, lines, lines, insert, flip, truncate,
     recode,
@@ -138,6 +202,19 @@ STL_FACET: Final = 50
 BINARY: Final[tuple[Mutation, ...]] = (flip, flip, digit, digit, single, single, truncate, insert)
 
 STL: Final[tuple[Mutation, ...]] = (*BINARY, point, point, point)
+
+
+def listed(data: bytes, rng: Stream) -> bytes:
+    """A result's record that claims another kind, or lists among its files what is no file of its folder."""
+    if rng.integers(2):
+        return data.replace(b'"kind": "run"', b'"kind": ' + KINDS[int(rng.integers(len(KINDS)))], 1)
+    return data.replace(b'"files": {', b'"files": {' + LISTED[int(rng.integers(len(LISTED)))] + b": null, ", 1)
+
+
+STEPPED: Final[tuple[Mutation, ...]] = (step, step, step, step, nudge, lines, recode, insert)
+TITLED: Final[tuple[Mutation, ...]] = (title, title, title, title, insert, recode, words)
+RECORD: Final[tuple[Mutation, ...]] = (*TEXT, listed, listed, listed, listed, listed, listed)
+PACKED: Final[tuple[Mutation, ...]] = (repacked, repacked, repacked, gathered, flip, truncate, bomb)
 TRIES: Final = 20
 """Draws after which a file that nothing changes is given up: an empty one."""
 

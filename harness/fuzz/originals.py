@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import struct
 import tempfile
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness.fuzz import records, use
-from harness.fuzz.mutate import BINARY, STL, TEXT, Mutation
+from harness.fuzz.mutate import BINARY, PACKED, RECORD, STEPPED, STL, TEXT, TITLED, Mutation
 
 
 @dataclass(frozen=True)
@@ -187,6 +188,15 @@ def _store() -> bytes:
         return path.read_bytes()
 
 
+def _result() -> bytes:
+    """The record of a result that was written into a folder, with the checksums of its histories."""
+    with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
+        folder = Path(name)
+        prepare(folder)
+        use.write_into(folder / "good.toml", folder / use.WRITTEN)
+        return (folder / use.WRITTEN / "result.json").read_bytes()
+
+
 def prepare(folder: Path) -> None:
     """The files that mutated scenes, studies and tables may still name."""
     (folder / "motion.csv").write_bytes(_csv("t_s,a", _wave()))
@@ -210,4 +220,9 @@ def kinds() -> tuple[Kind, ...]:
         Kind("mesh PLY", "mutated.ply", ply(), use.mesh),
         Kind("mesh STL", "mutated.stl", stl(), use.mesh, STL),
         Kind("store", "store.sqlite", _store(), use.store, BINARY),
+        Kind("title", "titled.toml", SCENE, use.title, TITLED),
+        Kind("AT2 header", "stepped.at2", records.at2(), use.step, STEPPED),
+        Kind("gzip", "packed.at2.gz", gzip.compress(records.at2(), mtime=0), use.packed, PACKED),
+        Kind("sister in gzip", "RSN1_B_180.at2", gzip.compress(records.at2(), mtime=0), use.sister, PACKED),
+        Kind("output folder", "result.json", _result(), use.folder, RECORD),
     )

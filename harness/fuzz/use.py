@@ -7,16 +7,28 @@ file is refused.
 from __future__ import annotations
 
 import json
+import re
+import resource
+import shutil
+from contextlib import redirect_stderr
+from decimal import Decimal
+from functools import lru_cache
+from io import StringIO
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from harness.errors import InputError
+from harness.history import history_file
 from harness.scene import Scene
+from harness.text_file import decoded
 
 RUN_S: Final = 0.3
 """Seconds that a scene is run for."""
 WRITTEN: Final = "written"
+STEERING: Final = ("\x1b", "\x9b", "\r", "\x00", "\x07", "\u202e", "\ud800")
+MOST_GROWN_MIB: Final = 1024.0
+"""Sixteen times the largest text that is read, for its lines, words and numbers."""
 FEW: Final = 2
 """Cases of a study and tests of a table that are run."""
 
@@ -111,6 +123,118 @@ def store(path: Path) -> None:
             raise AssertionError("a store that took a result lost one")
 
 
+def title(path: Path) -> None:
+    """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
+    from harness.cli import summary
+    from harness.run import run_scene, write_result
+    from harness.scene_file.load import load_scene
+    from harness.studies.cli import progress
+    from harness.telling import Telling
+
+    scene = load_scene(path)
+    with (
+        redirect_stderr(StringIO()) as stream,
+        progress(scene.title, quiet=False) as told,
+        Telling(quiet=False) as telling,
+    ):
+        told(1, 2)
+        telling.now(scene.title)
+    result = run_scene(_short(scene), ("analytic",))
+    write_result(result, path.parent / WRITTEN)
+    said = stream.getvalue() + summary(result)
+    if any(mark in said for mark in STEERING):
+        raise AssertionError(f"a title steers the terminal: {said[:200]!r}")
+
+
+def step(path: Path) -> None:
+    """Read an AT2: the step must be what Fortran would read in its header."""
+    from harness.motions.readers import read_file
+
+    record = read_file(path)
+    if record.format != "PEER AT2":
+        return
+    line = decoded(path.read_bytes(), "", "", latin=True).splitlines()[3]
+    token = re.split(r"DT\s*=\s*", line, flags=re.IGNORECASE)[1]
+    token = re.split(r"[\s,]|SEC", token, flags=re.IGNORECASE)[0].upper().replace("D", "E")
+    meant = float(Decimal(re.sub(r"(?<=[0-9.])([+-][0-9]{3})$", r"E\1", token)))
+    if record.channels[0].dt_s != meant:
+        raise AssertionError(f"a step of {token} is read as {record.channels[0].dt_s}")
+
+
+def packed(path: Path) -> None:
+    """Read a packed record: no more is unpacked than may be read."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    try:
+        motion(path)
+    finally:
+        grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+        if grown > MOST_GROWN_MIB:
+            raise AssertionError(f"reading {path.stat().st_size} bytes took {grown:.0f} MiB")
+
+
+def sister(path: Path) -> None:
+    """Read the good record beside it: whatever the sister is, it costs no more than itself."""
+    from harness.fuzz.records import at2
+    from harness.motions.readers import read_record
+
+    good = path.with_name("RSN1_B_090.at2")
+    good.write_bytes(at2())
+    try:
+        record = read_record(good)
+        if record.channels[0].name != "090" or len(record.channels) > 2:
+            raise AssertionError("a sister changed the record beside it")
+        packed(path)
+    finally:
+        good.unlink()
+
+
+def folder(path: Path) -> None:
+    """Write a result into a folder whose record this is: no file that another wrote may be lost or changed."""
+    there = path.with_name("theirs")
+    there.mkdir()
+    theirs = {"history_measured.csv": b"t_s,theta_rad\n0,0\n", "scan.glb": b"glTF", "notes.txt": b"mine"}
+    mine = {"history_analytic.csv": b"t_s\n", "report.html": b"<html>"}
+    try:
+        (there / path.name).write_bytes(path.read_bytes())
+        for name, content in (theirs if _is_json(path) else theirs | mine).items():
+            (there / name).write_bytes(content)
+        before = {item.name: item.read_bytes() for item in there.iterdir()}
+        try:
+            write_into(path.with_name("good.toml"), there)
+        except InputError:
+            if {item.name: item.read_bytes() for item in there.iterdir()} != before:
+                raise AssertionError("a folder that was refused is not as it was") from None
+            raise
+        if any((there / name).read_bytes() != content for name, content in theirs.items()):
+            raise AssertionError("a file that is another's was changed")
+    finally:
+        shutil.rmtree(there)
+
+
+def _is_json(path: Path) -> bool:
+    try:
+        json.loads(path.read_bytes())
+    except ValueError:
+        return False
+    return True
+
+
+def write_into(scene_file: Path, folder: Path) -> None:
+    """Run a scene for a moment and write the result into a folder."""
+    from harness.run import write_result
+
+    write_result(_of_a_moment(scene_file.read_bytes(), scene_file), folder)
+
+
+@lru_cache(maxsize=1)
+def _of_a_moment(content: bytes, scene_file: Path) -> Any:
+    """The result of a scene, run once for all folders."""
+    from harness.run import run_scene
+    from harness.scene_file.load import load_scene
+
+    return run_scene(load_scene(scene_file).but(duration_s=0.01), ("analytic",))
+
+
 def unfinished(folder: Path, accepted: bool) -> str | None:
     """What was left half-written in a folder: files of a refused input, or of an accepted one that do not read back whole."""
     from harness.history_file import read_history
@@ -123,7 +247,7 @@ def unfinished(folder: Path, accepted: bool) -> str | None:
         try:
             if path.suffix == ".json":
                 found = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-                wanted = {f"history_{name}.csv" for name in found.get("histories", ())}
+                wanted = {history_file(name) for name in found.get("histories", ())}
                 if not wanted <= names:
                     return f"{path.name} names {', '.join(sorted(wanted - names))}, which is not there"
             elif path.suffix == ".csv":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, Rest
 from harness.motions import compatible, process, records
@@ -17,6 +18,9 @@ from harness.motions.spectra import DesignSpectrum, design_spectrum
 from harness.motions.text import mistake
 
 __all__ = ["Prepared", "build", "prepare"]
+
+MOST_PERIODS: Final = 150_000
+"""Periods of a floor's stiffest mode in its motion: ten million samples (`floor.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +117,11 @@ def _on_floor(
     if not math.isfinite(until):
         got = "a harmonic motion without end"
         raise mistake(where, f"{key}.floor", "a motion that ends, or the scene's duration_s", got)
+    shortest_s = min(mode.period_s for mode in modes)
+    if until / shortest_s > MOST_PERIODS:
+        wanted = f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion"
+        advice = "so stiff a mode moves with the ground: leave it out"
+        raise mistake(where, f"{key}.floor.period_s", wanted, f"{shortest_s:g}", advice)
     said = "; ".join(f"{mode.period_s:g} s, damping {mode.damping:g}, share {mode.share:g}" for mode in modes)
     moved = floor_motion(ground.excitation, modes, until)
     return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.warnings)

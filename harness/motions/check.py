@@ -13,6 +13,8 @@ LARGEST_PEAK_G: Final = 10.0
 """No free-field accelerogram has exceeded about 4 g (Iwate 2008): above 10 g the unit is wrong."""
 STEPS_S: Final = (1e-6, 1.0)
 """Shorter and longer steps than any accelerograph's: a longer one says nothing of the periods that rock a statue."""
+USUAL_STEPS_S: Final = (2e-4, 0.05)
+"""Accelerographs sample 50 to 1000 times a second, digitised film at 0.005 to 0.04 s: beyond, a step was misread or mistyped."""
 PLAUSIBLE_G: Final = (0.005, 5.0)
 SMALLEST_PEAK_G: Final = 5e-4
 STATED_PEAK_TOLERANCE: Final = 0.01
@@ -47,7 +49,7 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
         raise mistake(
             record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
         )
-    found: list[str] = []
+    found = _of_clock_and_sense(channel)
     if peak_g < SMALLEST_PEAK_G:
         found.append(f"a peak of {peak_g:.2g} g is very small: {_likely_units(peak_g, record.unit)}")
     found += _against_header(channel)
@@ -59,6 +61,24 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
     run = _longest_flat(accel)
     if run > _FLAT_SAMPLES:
         found.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
+    return found
+
+
+def _of_clock_and_sense(channel: Channel) -> list[str]:
+    """What is doubtful in the step, and what was taken for granted of the direction."""
+    found: list[str] = []
+    least_s, most_s = USUAL_STEPS_S
+    if not least_s <= channel.dt_s <= most_s:
+        lasts = channel.dt_s * (channel.accel_m_s2.size - 1)
+        found.append(
+            f"a step of {channel.dt_s:g} s is no accelerograph's; the record would last {lasts:.4g} s: see its header"
+        )
+    if channel.orientation.sense_assumed:
+        found.append(
+            "its name says a line, not which way along it: taken as positive to the north, east or up, as networks do"
+        )
+    if channel.orientation.sign < 0:
+        found.append("counted downwards in the file: turned in sign, so that up is positive")
     return found
 
 

@@ -18,6 +18,7 @@ Code = Literal["ntc2008", "ntc2018", "ec8"]
 Soil = Literal["A", "B", "C", "D", "E"]
 LARGEST_G: Final = 1e3
 """Far beyond any floor's acceleration, and far from where products of numbers overflow; so the next two."""
+LARGEST_SCALE: Final = 1e6
 LARGEST_M_S: Final = 1e3
 LONGEST_S: Final = 3600.0
 
@@ -89,7 +90,7 @@ class Source(_Part):
     resample_dt_s: float | None = Field(default=None, ge=1e-5, le=0.1)
     significant: Pair | None = None
     sign: Literal[1, -1] = 1
-    scale: float = Field(default=1.0, ge=-1e6, le=1e6)
+    scale: float = Field(default=1.0, ge=-LARGEST_SCALE, le=LARGEST_SCALE)
     pga_g: float | None = Field(default=None, gt=0.0, le=LARGEST_G)
     pgv_m_s: float | None = Field(default=None, gt=0.0, le=LARGEST_M_S)
 

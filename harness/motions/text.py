@@ -1,10 +1,8 @@
-"""Reading the text of record files: gzip transparently, and Fortran's numbers, which may touch each other."""
+"""Reading the text of record files: Fortran's numbers, which may touch each other."""
 
 from __future__ import annotations
 
-import gzip
 import re
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError, Mistake
+from harness.text_file import decoded, fortran, read_bytes
 
-_GZIP_MAGIC = b"\x1f\x8b"
-_NUMBER = r"[+-]?(?:\d+\.\d*|\.\d+|\d+(?=[eEdD]))(?:[eEdD][+-]?\d+|[+-]\d{3}(?![\d.]))?"
+_NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
-_BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{3})$")
-_WHOLE = re.compile(r"[+-]?\d+")
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
+"""What no number of Fortran's holds once its D is an E: numpy, too, would take 1_0 and infinity for numbers."""
 
 
 def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> InputError:
@@ -26,27 +25,35 @@ def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> In
 
 
 def read_text(path: Path) -> str:
-    """The file's text, unzipped where it begins with gzip's mark (ASCII, else Latin-1); InputError where that fails."""
-    where = str(path)
+    """The file's text, unpacked where it is gzip (UTF-8, UTF-16 by its mark, else Latin-1); InputError where that fails."""
+    return decoded(read_bytes(path, "an accelerogram"), str(path), "an accelerogram", latin=True)
+
+
+def header_number(text: str, where: str, place: str, what: str) -> float:
+    """The finite positive number that a header gives for `what`; InputError naming its `place` where it gives none."""
     try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise mistake(where, "", "a readable file", str(error.strerror)) from error
-    if raw[:2] == _GZIP_MAGIC:
-        try:
-            raw = gzip.decompress(raw)
-        except (OSError, EOFError, zlib.error) as error:
-            raise mistake(
-                where, "", "a whole gzip file", f"one that does not unpack ({error})", "download it again"
-            ) from error
-    if not raw.strip():
-        raise mistake(where, "", "an accelerogram", "an empty file")
-    if b"\x00" in raw[:4096]:
-        raise mistake(where, "", "a text file", "binary data", "export the record as text (AT2, V2, SMC, CSV …)")
+        value = fortran(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < np.inf:
+        raise mistake(where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
+    return value
+
+
+def header_count(text: str, where: str, place: str, what: str) -> int:
+    """The whole number of two or more that a header gives for `what`; InputError naming its `place` where it gives none."""
+    value = header_number(text, where, place, what)
+    if value < 2.0 or value != int(value):
+        raise mistake(where, place, f"{what}, a whole number of 2 or more", repr(text.strip()), "the header is damaged")
+    return int(value)
+
+
+def stated_peak(match: re.Match[str] | None, factor: float) -> tuple[float | None, float | None]:
+    """A header's peak times `factor`, and its time (groups 1 and 2); None and None where there is none, or no number."""
     try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        return (fortran(match.group(1)) * factor, fortran(match.group(2))) if match else (None, None)
+    except ValueError:
+        return None, None
 
 
 def fixed_width(
@@ -58,16 +65,31 @@ def fixed_width(
     """
     if width < 1:
         raise mistake(where, what, "columns of one character or more", f"a format of {width}", "the file is damaged")
-    padded = [line.rstrip() for line in lines]
+    padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
+    text = "".join(padded)[: count * width]
+    fields = [text[i : i + width] for i in range(0, len(text), width)]
     try:
-        fields = np.frombuffer("".join(padded).encode("ascii"), dtype=f"S{width}")[:count]
-        values = fields.astype(np.float64)
-    except (ValueError, UnicodeEncodeError):
+        values = _floats(text, fields)
+    except ValueError:
         raise _bad_field(padded, width, where, first_line) from None
     if values.size < count:
         raise mistake(where, what, f"{count} numbers, as its header says", f"{values.size}", "the file is cut off")
     return finite(values, where, what)
+
+
+def _plain(line: str) -> str:
+    return line.replace("D", "E").replace("d", "E")
+
+
+def _floats(text: str, fields: Sequence[str]) -> NDArray[np.float64]:
+    """Words or columns of `text` as numbers; ValueError where it holds what no number of Fortran's does."""
+    if _FOREIGN.search(text):
+        raise ValueError("not a number")
+    try:
+        return np.array(fields, dtype=np.float64)
+    except ValueError:
+        return np.array([fortran(field) for field in fields])
 
 
 def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) -> InputError:
@@ -75,7 +97,7 @@ def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) ->
         for start in range(0, len(line), width):
             part = line[start : start + width]
             try:
-                float(part)
+                fortran(part)
             except ValueError:
                 place = f"line {first_line + offset}, column {start + 1}"
                 return mistake(
@@ -99,8 +121,9 @@ def finite(values: NDArray[np.float64], where: str, what: str) -> NDArray[np.flo
 
 def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray[np.float64]:
     """All numbers of `lines`, also where they touch ("1.234-5.678", "1E-3-2E-3"); InputError at anything else."""
+    plain = _plain(" ".join(lines))
     try:
-        values = np.array(" ".join(lines).split(), dtype=np.float64)
+        values = _floats(plain, plain.split())
     except ValueError:
         values = np.array([number for i, line in enumerate(lines) for number in _touching(line, where, first_line + i)])
     return finite(values, where, "accelerations")
@@ -116,5 +139,5 @@ def _touching(line: str, where: str, number: int) -> list[float]:
                     where, f"line {number}", "numbers", repr(word), "the file is damaged, or not of this format"
                 )
             found = [word]
-        values += [float(_BARE_EXPONENT.sub(r"e\1", part.replace("D", "e").replace("d", "e"))) for part in found]
+        values += [fortran(part) for part in found]
     return values

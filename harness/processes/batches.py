@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any, Protocol, TypeVar
 
 from harness.history import Outcome
-from harness.processes.executors import Crash, Pool
+from harness.processes.executors import Crash, Hung, Pool
 from harness.record import Run
 from harness.run import failed
 
@@ -64,5 +64,7 @@ def run_batches(
 
 
 def crashed(batch: Sequence[Job], crash: Crash) -> list[Run]:
-    """The runs of a batch whose process died: each says so."""
+    """The runs of a batch whose process died or hung: each says so."""
+    if isinstance(crash, Hung):
+        return [failed(job.engine, Outcome.TIMED_OUT, f"the engine's process was ended: {crash}") for job in batch]
     return [failed(job.engine, Outcome.CRASHED, f"the engine's process died: {crash}") for job in batch]

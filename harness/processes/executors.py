@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -14,6 +15,10 @@ from typing import Any, Final, Protocol
 
 from harness.errors import InputError, Mistake
 
+GRACE_S: Final = 5.0
+"""Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
+LIMIT_S: Final = 4 * 3600.0
+"""Time without any answer after which the workers are taken to hang: a search for an amplitude takes tens of runs."""
 AHEAD: Final = 3
 """Tasks handed out per worker at a time: enough that none waits, few enough that a crash leaves few suspects."""
 
@@ -23,6 +28,10 @@ Done = Callable[[Any, Any | BaseException], None]
 
 class Crash(Exception):
     """The worker process died during this task (not an exception of the task's own)."""
+
+
+class Hung(Crash):
+    """No worker gave an answer in the time allowed while this task was under way."""
 
 
 class Pool(Protocol):
@@ -43,10 +52,16 @@ class Pool(Protocol):
 
 
 class LocalPool:
-    """Processes on this machine, started once; a crash loses only its own task."""
+    """Processes on this machine, started once; a crash loses only its own task.
 
-    def __init__(self, jobs: int | None = None) -> None:
+    So does a worker that hangs or is stopped: where none answers for `limit_s`, all are ended, and what was
+    under way is computed again, alone.
+    """
+
+    def __init__(self, jobs: int | None = None, limit_s: float = LIMIT_S) -> None:
         self._jobs = jobs or os.cpu_count() or 1
+        self._limit_s = limit_s
+        self._cause = Crash("the process died")
         self._executor: ProcessPoolExecutor | None = None
         self._not_ours: list[int | None] = []
 
@@ -62,13 +77,11 @@ class LocalPool:
             # Every suspect again, alone: the guilty one is then known, the others are computed.
             for task in suspects:
                 if self._through(work, iter([task]), done):
-                    done(task, Crash("the process died"))
+                    done(task, self._cause)
 
     def close(self) -> None:
         """End the processes, which have nothing left to do."""
-        executor, self._executor = self._executor, None
-        if executor is not None:
-            executor.shutdown(wait=True, cancel_futures=True)
+        self._end(at_once=False)
 
     def _through(self, work: Work, waiting: Iterator[Any], done: Done) -> list[Any]:
         """Hand tasks out in order, a few ahead, until all are done (then nothing is left) or a process dies (the suspects)."""
@@ -82,11 +95,16 @@ class LocalPool:
                     under_way[self._submit(work, task)] = task
                 if not under_way:
                     return []
-                ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                ready, _ = wait(under_way, timeout=self._limit_s, return_when=FIRST_COMPLETED)
+                if not ready:
+                    self._cause = Hung(f"no answer in {self._limit_s:g} s")
+                    self._end(at_once=True)
+                    return list(under_way.values())
                 for future in ready:
                     result = future.result()
                     done(under_way.pop(future), result)
         except BrokenProcessPool:
+            self._cause = Crash("the process died")
             self.close()
             finished = [f for f in under_way if f.done() and not f.cancelled() and f.exception() is None]
             for future in finished:
@@ -94,7 +112,7 @@ class LocalPool:
             return list(under_way.values())
         except BaseException:
             # Interrupted, or a task's own exception: nobody waits for what is under way.
-            self._kill()
+            self._end(at_once=True)
             raise
 
     def _submit(self, work: Work, task: Any) -> Future[Any]:
@@ -110,18 +128,25 @@ class LocalPool:
             self.close()
             return self._submit(work, task)
 
-    def _kill(self) -> None:
+    def _end(self, at_once: bool) -> None:
+        """End the workers; those that do not, for they hang or are stopped, are killed."""
         executor, self._executor = self._executor, None
         if executor is None:
             return
         answers = getattr(executor, "_result_queue", None)
-        executor.shutdown(wait=False, cancel_futures=True)
         ours = [process for process in multiprocessing.active_children() if process.pid not in self._not_ours]
-        for process in ours:
+        executor.shutdown(wait=False, cancel_futures=True)
+        for process in ours if at_once else ():
             process.terminate()
+        end = time.monotonic() + GRACE_S
         for process in ours:
-            process.join()
-        if answers is not None:
+            process.join(max(end - time.monotonic(), 0.0))
+        for process in ours:
+            if process.is_alive():
+                at_once = True
+                process.kill()
+                process.join()
+        if answers is not None and at_once:
             # A worker that was ended in the middle of an answer leaves the pool's own thread waiting for the rest of it, and the
             # interpreter for that thread, as long as anyone holds the end that is written to: this process does, too.
             answers._writer.close()

@@ -46,6 +46,7 @@ def statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue
     changed = tuple(item.stat().st_mtime_ns for item in (file, inner) if item is not None)
     try:
         solid = _solid(file, inner, changed, mesh, table.mass_kg)
+        notes.extend(f"statue.mesh: {doubt}" for doubt in _doubts(file, changed, mesh.unit, mesh.up))
         if mesh.inner is not None:
             notes.append(_hollowed(solid, mesh, table.mass_kg))
         solid = _reconciled(solid, table, mesh, notes)
@@ -82,6 +83,18 @@ def _solid(
         azimuth_deg=mesh.azimuth_deg,
         contact_tolerance_m=mesh.contact_tolerance_m,
     )
+
+
+@lru_cache(maxsize=8)
+def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[str, ...]:
+    """What makes the surface of a mesh file doubtful as a single statue, looked at once."""
+    from meshes.doubts import doubts
+    from meshes.intake import read_mesh, to_metres_z_up
+
+    mesh = to_metres_z_up(read_mesh(file), unit, up)
+    name = str(file).replace("{", "{{").replace("}", "}}")
+    how = f"rockcheck mesh prepare {name} --unit {unit} --up {up} --out statue.ply --cut-below {{:.3g}}"
+    return doubts(mesh.vertices, mesh.faces, how)
 
 
 def _hollowed(solid: Solid, mesh: MeshTable, weighed_kg: float | None) -> str:

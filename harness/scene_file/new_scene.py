@@ -69,6 +69,15 @@ def scene_text(
         " that needed.",
         "statue = 0.6",
     ]
+    unused = [channel.name for channel in shaking.channels if channel not in channels.values()]
+    if unused:
+        lines += [
+            "",
+            f"# LEFT OUT of {motion.name}: {', '.join(unused)}; give a channel as [motion.z] if it is the vertical one.",
+        ]
+    unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
+    if len(shaking.channels) > 1 and unknown:
+        lines += ["", f"# ASSUMED: level, for the file does not say where they point: {', '.join(unknown)}."]
     for axis, channel in channels.items():
         lines += ["", *_motion_lines(axis, channel, shaking, motion, mesh.parent, unit_of_motion)]
     return "\n".join(lines) + "\n"

@@ -19,8 +19,8 @@ class Scores:
     residuals) is taken from `compared_from_s` to `compared_until_s`, at most up to `horizon_s`, the earlier of both sides'
     horizons (None: neither has one); `after_horizon` compares distributions beyond it, where no instant of one can be asked of
     the other. `impact_*` are over matched impacts, `*_alone_*` count those without a partner; `together_until_s`, outcomes and
-    no-return times are of the whole runs. `numerical_uncertainty` gives, beside each score, what the stated numerical errors
-    of both sides can change in it.
+    no-return times are of the whole runs. `outcome_agrees` for two falls whichever way; `side_agrees` is of falls alone.
+    `numerical_uncertainty` gives, beside each score, what the stated numerical errors of both sides can change in it.
     """
 
     a: str
@@ -57,6 +57,7 @@ class Scores:
     outcome_a: Outcome | None
     outcome_b: Outcome | None
     outcome_agrees: bool | None
+    side_agrees: bool | None
     no_return_time_difference_s: float | None
     after_horizon: Mapping[str, Any] | None
     numerical_uncertainty: Mapping[str, Any]

@@ -17,13 +17,7 @@ Flags = NDArray[np.bool_]
 FELL: Final = "overturned"
 """An observation that says that the statue fell, not to which side."""
 
-DECIDED: Final = (
-    Outcome.STANDS,
-    Outcome.OVERTURNED_LEFT,
-    Outcome.OVERTURNED_RIGHT,
-    Outcome.OVERTURNED_FRONT,
-    Outcome.OVERTURNED_BACK,
-)
+DECIDED: Final = tuple(outcome for outcome in Outcome if outcome.fell is not None)
 """Outcomes that say whether the statue fell; the others (a wall, a lift-off, a failure) are counted apart."""
 
 
@@ -33,12 +27,14 @@ class Case:
 
     `observed` is an outcome, or `FELL` where the side is not known.
     `within_uncertainty`: the predicted outcome flips within its stated uncertainty, so that it decides nothing.
+    `side_within_uncertainty`: both overturn, and only the side does, so that `side_accuracy` leaves it out.
     `no_return_s` are the two no-return times, None where there was none.
     """
 
     predicted: Outcome
     observed: Outcome | str
     within_uncertainty: bool = False
+    side_within_uncertainty: bool = False
     no_return_s: tuple[float | None, float | None] = (None, None)
 
     @property
@@ -90,7 +86,7 @@ def score_outcomes(cases: Sequence[Case], *, seed: int = 0) -> OutcomeScores:
     observed = np.array([case.fell for case in sure], dtype=np.bool_)
     hits = int(np.sum(predicted & observed))
     size = len(sure)
-    sided = [case for case in sure if case.observed != FELL]
+    sided = [case for case in sure if case.observed != FELL and not case.side_within_uncertainty]
     return OutcomeScores(
         cases=len(cases),
         undecided=len(cases) - len(decided),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sqlite3
 import threading
@@ -13,7 +14,8 @@ from typing import Any, Final
 
 from harness import effects3d, record
 from harness.errors import InputError, Mistake
-from harness.processes.executors import DaskPool, LocalPool, Pool
+from harness.processes.executors import LIMIT_S, DaskPool, LocalPool, Pool
+from harness.result_folder import RECORD, checksum, listing, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
@@ -21,6 +23,8 @@ from harness.studies.file import StudyFile, load_study
 from harness.studies.record import study_record
 from harness.studies.run import Summary, run_study, study_name
 from harness.studies.store import Store
+from harness.telling import Telling
+from harness.terminal import printable
 
 STORE_NAME: Final = "store.sqlite"
 
@@ -50,7 +54,8 @@ def run(
             study = load_study(path)
             _check(study, folder, jobs, resume, export)
         if pool is None:
-            pool = stack.enter_context(closing(LocalPool(jobs) if dask is None else DaskPool(dask)))
+            limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
+            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
         stack.enter_context(ending_cleanly())
         if study is None:
             told = stack.enter_context(progress(path.stem, quiet))
@@ -69,11 +74,12 @@ def _run(
     size = estimate.sentence(study, scene, pool.workers)
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as told:
         summary = run_study(study, path, store, pool, told)
-        found = study_record(study, path, store, summary, time.perf_counter() - start)
-        record.write_json(folder / "result.json", found)
+        found = study_record(study, path, store, summary, time.perf_counter() - start) | {"files": listing(())}
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
+            found["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
+        record.write_json(folder / RECORD, found)
     return found, summary
 
 
@@ -125,9 +131,18 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
     if export is not None and not export.resolve().parent.is_dir():
         raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    if export is not None and os.path.lexists(export) and not _exported(export, folder):
+        got = f"the file {export}, which this study has not written, or which was changed since"
+        raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
     if resume and not (folder / STORE_NAME).is_file():
         wanted = f"a study that was begun in {folder}"
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
+def _exported(export: Path, folder: Path) -> bool:
+    """Whether the study in `folder` wrote a file, and it is as it was written."""
+    told = (read_own(folder / RECORD) or {}).get("export")
+    return isinstance(told, dict) and told == {"file": str(export.resolve()), "sha256": checksum(export)}
 
 
 def _check_jobs(jobs: int | None) -> None:
@@ -148,17 +163,21 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
         TimeRemainingColumn,
     )
 
-    console = Console(stderr=True, quiet=quiet)
+    console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
+    title = printable(title)
     if size:
-        console.print(size, highlight=False)
+        console.print(printable(size), highlight=False)
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, disable=quiet or not console.is_terminal) as bar:
+    with ExitStack() as stack:
+        bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
+        lines = Telling(quiet or console.is_terminal)
+        stack.enter_context(lines)
         task = bar.add_task(title, total=None)
         said = -1
 
@@ -166,8 +185,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
             nonlocal said
             bar.update(task, completed=done, total=total)
             tenth = 10 * done // total if total else 10
-            if not console.is_terminal and tenth != said:
-                said = tenth
-                console.print(f"{title}: {done} of {total} runs", highlight=False)
+            (lines.now if tenth != said else lines.later)(f"{title}: {done} of {total} runs")
+            said = tenth
 
         yield told

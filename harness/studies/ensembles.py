@@ -29,7 +29,7 @@ def score_sets(
     """Scores of every other model against the reference over the cases that both answered, by model's name.
 
     `history(key)` gives a run's history where one was kept: verdicts then rest on the histories, otherwise on peaks and
-    outcomes alone. A model's entry holds `cases`, `outcomes`, `verdicts` (share of each of the four), `flips` (cases whose
+    outcomes alone. A model's entry holds `cases`, `outcomes`, `verdicts` (share of each verdict), `flips` (cases whose
     outcomes differ within the stated uncertainty) and, from 8 cases on, `peaks` (the distributions of the peak rotation).
     """
     cases: dict[tuple[Any, Any], dict[str, Row]] = defaultdict(dict)
@@ -70,6 +70,7 @@ def _judged(a: Row, b: Row, history: Callable[[str], History | None]) -> tuple[C
         Outcome(run_a["outcome"]),
         Outcome(run_b["outcome"]),
         bool(found.evidence["outcome_flips_within_uncertainty"]),
+        bool(found.evidence["side_flips_within_uncertainty"]),
         (run_a["no_return_time_s"], run_b["no_return_time_s"]),
     )
     return case, found.verdict
@@ -97,4 +98,6 @@ def _side(row: Row) -> Side:
         run["reliable_until_s"],
         left_domain_s=left_s,
         left_domain_by=by,
+        axes=None if run.get("motion_axes") is None else tuple(run["motion_axes"]),
+        no_return_s=run["no_return_time_s"],
     )

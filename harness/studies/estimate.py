@@ -8,16 +8,16 @@ from harness.errors import InputError, Mistake
 from harness.scene import Scene
 from harness.studies.asking import COARSEST, REFERENCE, map_axes
 from harness.studies.file import StudyFile
+from harness.workload import LONGEST_S, run_s, words
 
-SECONDS: Final = {"analytic": (6e-5, 6e-5), "pymunk": (0.08, 0.08), "pybullet": (0.06, 0.5), "mujoco": (0.5, 1.0)}
-"""Seconds of one core per second of motion to 1e-3 rad, without and with a pedestal: an order of magnitude (docs/studies.md)."""
 WITH_HISTORY: Final = 10.0
 """By how much a history makes an analytic run dearer; to contact engines it makes no difference."""
 BOUNDARY: Final = 4.0
 """Points of an adaptive map along the line on which the outcome changes, in points along both axes."""
-LONGEST_S: Final = 24 * 3600.0
+SHORTEST_LIMIT_S: Final = 600.0
+"""A worker that has not answered for this long may still be compiling the model, or loading a large scan."""
 MOST_CASES: Final = 2_000_000
-"""Longer studies, and larger ones, are run only when that is asked for."""
+"""Larger studies, and longer ones, are run only when that is asked for."""
 
 
 def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
@@ -25,12 +25,19 @@ def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
     total = 0.0
     for variant in study.variant:
         for engine in set(variant.engines):
-            each = SECONDS[engine][scene.pedestal is not None] * scene.duration_s
+            each = run_s(engine, scene)
             if engine == REFERENCE:
                 total += study.points * each * (WITH_HISTORY if study.ask.histories else 1.0)
             else:
                 total += _sent(study) * each
     return total / workers
+
+
+def limit_s(study: StudyFile, scene: Scene) -> float:
+    """How long a worker may go without an answer before it is taken to hang: a hundred times the estimate of its longest run."""
+    accuracy = {str(name): value for name, value in study.accuracy.items()}
+    names = {engine for variant in study.variant for engine in variant.engines}
+    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, accuracy.get(name)) for name in names)
 
 
 def _sent(study: StudyFile) -> float:
@@ -45,7 +52,7 @@ def sentence(study: StudyFile, scene: Scene, workers: int) -> str:
     """The size of a study in words."""
     cases = study.points * len(study.variant)
     at_most = "at most " if study.ask.cases != "all" else ""
-    longest = _words(seconds(study, scene, workers))
+    longest = words(seconds(study, scene, workers))
     # What is the same by its physics, or stored already, is found only on the way.
     return f"{cases} cases, {at_most}{study.runs} runs: at most about {longest} on {workers} workers"
 
@@ -55,13 +62,6 @@ def check(study: StudyFile, scene: Scene, workers: int, where: str) -> None:
     cases = study.points * len(study.variant)
     if cases <= MOST_CASES and seconds(study, scene, workers) <= LONGEST_S:
         return
-    wanted = f"at most {MOST_CASES} cases and {_words(LONGEST_S)}"
+    wanted = f"at most {MOST_CASES} cases and {words(LONGEST_S)}"
     advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
     raise InputError(Mistake(where, "vary", wanted, sentence(study, scene, workers), advice))
-
-
-def _words(seconds: float) -> str:
-    for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.0f} {unit}"
-    return f"{max(seconds, 1.0):.0f} s"

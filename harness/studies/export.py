@@ -5,22 +5,34 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from harness.errors import InputError, Mistake
 from harness.record import impacts
+from harness.result_folder import writing
 from harness.studies.store import Store
+
+FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+"""Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
 def export_csv(store: Store, study: str, path: Path) -> int:
     """Write a study's rows as CSV (one line per case and engine); returns how many."""
     lines = [flat(row) for row in store.rows(study)]
     names = list(dict.fromkeys(name for line in lines for name in line))
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, names)
-        writer.writeheader()
-        writer.writerows(lines)
+    with writing(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(map(cell, names))
+        writer.writerows([cell(line.get(name)) for name in names] for line in lines)
     return len(lines)
+
+
+def cell(value: Any) -> Any:
+    """A value for a cell of a spreadsheet: text that it would take for a formula begins with an apostrophe, which it hides.
+
+    Numbers stay numbers (OWASP, CSV injection: = + - @, tab, carriage return and line feed at the start of a text).
+    """
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
 def export_parquet(store: Store, study: str, path: Path) -> int:
@@ -32,7 +44,8 @@ def export_parquet(store: Store, study: str, path: Path) -> int:
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
     lines = [flat(row) for row in store.rows(study)]
     names = list(dict.fromkeys(name for line in lines for name in line))
-    parquet.write_table(pyarrow.table({name: [line.get(name) for line in lines] for name in names}), path)
+    with writing(path) as fresh:
+        parquet.write_table(pyarrow.table({name: [line.get(name) for line in lines] for name in names}), fresh)
     return len(lines)
 
 

@@ -15,7 +15,7 @@ from harness.scene_file.mistakes import Contradiction, mistakes_of
 from harness.scene_file.tables import Table, read
 
 Value = float | int | str | bool
-EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco"]
+EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco", "pymunk:plain", "pybullet:plain", "mujoco:plain"]
 Name = Annotated[str, Field(min_length=1)]
 
 
@@ -99,9 +99,7 @@ class StudyFile(Table):
     vary: list[Vary] = Field(default_factory=list)
     scatter: list[Scatter] = Field(default_factory=list)
     variant: list[Variant] = Field(min_length=1)
-    accuracy: dict[Literal["analytic", "pymunk", "pybullet", "mujoco"], Annotated[float, Field(ge=1e-9, le=0.1)]] = (
-        Field(default_factory=dict)
-    )
+    accuracy: dict[EngineName, Annotated[float, Field(ge=1e-9, le=0.1)]] = Field(default_factory=dict)
     ask: Ask = Ask()
     claims: Literal["paper"] | None = None
 

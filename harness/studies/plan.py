@@ -14,7 +14,8 @@ from harness.studies.file import StudyFile
 from harness.studies.jobs import Job, Jobs
 from harness.studies.store import Store
 
-COST_ORDER: Final = {"pybullet": 0, "mujoco": 1, "pymunk": 2, "analytic": 3}
+DEAREST_FIRST: Final = ("pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "analytic")
+COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 
 PlanRow = tuple[int, str, str | None, str, Mapping[str, Any]]

@@ -22,6 +22,7 @@ from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
 from harness.studies.run import Summary, study_name
 from harness.studies.store import Store
+from harness.studies.supports import supports
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ SHOWN: Final = (
     "labels",
     "warnings",
     "validity",
+    "motion_axes",
 )
 
 
@@ -59,6 +61,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "scene": describe(scene),
         "notes": scene.notes,
         "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
+        "supports": supports(study, scene, rows),
         "summary": summary.as_dict(),
         "usage": summary.usage.as_dict(),
         "seconds": seconds,
@@ -144,7 +147,7 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     run = row["run"]
     kept = None
     if run is not None:
-        kept = {name: run[name] for name in SHOWN} | {"impacts": record.impacts(run)}
+        kept = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
         kept["validity"] = _shared(run["validity"])
         kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {

@@ -18,7 +18,7 @@ from harness.history import COLUMNS, History
 from harness.record import Run, run_of, to_plain
 from harness.studies.packing import pack, unpack
 
-STORE_VERSION: Final = 2
+STORE_VERSION: Final = 3
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
@@ -26,11 +26,12 @@ BUSY_MS: Final = 60_000
 _SCHEMA: Final = """
 CREATE TABLE IF NOT EXISTS run (
     key TEXT PRIMARY KEY, engine TEXT NOT NULL, outcome TEXT NOT NULL, peak_theta_rad REAL, no_return_time_s REAL,
-    overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL
+    overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL,
+    has_history INTEGER NOT NULL, crc32 INTEGER NOT NULL
 );
 CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS history (
-    key TEXT PRIMARY KEY, columns TEXT NOT NULL, samples INTEGER NOT NULL, data BLOB NOT NULL
+    key TEXT PRIMARY KEY, columns TEXT NOT NULL, samples INTEGER NOT NULL, data BLOB NOT NULL, crc32 INTEGER NOT NULL
 );
 CREATE TABLE IF NOT EXISTS plan (
     study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
@@ -49,11 +50,21 @@ class Row:
 
 @dataclass(frozen=True)
 class Packed:
-    """One result as the store takes it: its row, the seconds that it took, its history as column names, samples and bytes."""
+    """One result as the store takes it: its row, the seconds that it took, its history as names, samples, bytes and checksum."""
 
     columns: tuple[Any, ...]
     seconds: float
-    history: tuple[str, int, bytes] | None
+    history: tuple[str, int, bytes, int] | None
+
+
+def run_sum(key: str, record: str, has_history: int) -> int:
+    """CRC-32 of what counts of a run's row."""
+    return zlib.crc32(f"{key}\0{has_history}\0{record}".encode())
+
+
+def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
+    """CRC-32 of a history's row."""
+    return zlib.crc32(data, zlib.crc32(f"{key}\0{columns}\0{samples}\0".encode()))
 
 
 def packed(key: str, run: Run, histories: bool = False) -> Packed:
@@ -61,6 +72,8 @@ def packed(key: str, run: Run, histories: bool = False) -> Packed:
     plain = run.as_dict()
     # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     seconds = plain.pop("wall_s")
+    text = json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":"))
+    has_history = int(histories and run.history is not None)
     columns = (
         key,
         run.engine,
@@ -71,12 +84,15 @@ def packed(key: str, run: Run, histories: bool = False) -> Packed:
         run.peak_slip_m,
         run.numerical_uncertainty_rad,
         run.reliable_until_s,
-        json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":")),
+        text,
+        has_history,
+        run_sum(key, text, has_history),
     )
     history = None
     if histories and run.history is not None:
         table = run.history.columns()
-        history = ",".join(table), run.history.t_s.size, pack(np.stack(list(table.values())))
+        kept = ",".join(table), run.history.t_s.size, pack(np.stack(list(table.values())))
+        history = (*kept, history_sum(key, *kept))
     return Packed(columns, seconds, history)
 
 
@@ -122,9 +138,12 @@ class Store:
         return self.keys().intersection(keys)
 
     def keys(self) -> set[str]:
-        """All keys that have a result."""
+        """All keys that have a result, with its history where one belongs to it: a run whose history is lost counts as none."""
+        query = (
+            "SELECT key FROM run WHERE NOT has_history OR EXISTS (SELECT 1 FROM history WHERE history.key = run.key)"
+        )
         with self._told("read"):
-            return {key for (key,) in self._db.execute("SELECT key FROM run")}
+            return {key for (key,) in self._db.execute(query)}
 
     def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
         """Store finished runs, each in a transaction of its own; a key that is there already is kept as it is."""
@@ -135,17 +154,28 @@ class Store:
         """Store packed results in one transaction; a key that is there already is kept as it is."""
         kept = [(item.columns[0], *item.history) for item in results if item.history is not None]
         with self._told("written"), self._transaction():
-            self._db.executemany("INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?)", [r.columns for r in results])
+            self._db.executemany(
+                "INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?,?,?)", [r.columns for r in results]
+            )
             seconds = [(item.columns[0], item.seconds) for item in results]
             self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?)", seconds)
-            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?)", kept)
+            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?,?)", kept)
 
     def get(self, key: str) -> Row | None:
         """The stored result of a key, or None."""
         with self._told("read"):
-            found = self._db.execute("SELECT record FROM run WHERE key=?", (key,)).fetchone()
+            found = self._db.execute("SELECT record, has_history, crc32 FROM run WHERE key=?", (key,)).fetchone()
+        return None if found is None else Row(key, self._decoded_record(key, *found))
+
+    def _decoded_record(self, key: str, record: str, has_history: int, crc32: int) -> dict[str, Any]:
+        """A run's record, as it was stored."""
         with self._decoded():
-            return None if found is None else Row(key, json.loads(found[0]))
+            if run_sum(key, record, has_history) != crc32:
+                raise ValueError(f"the record of {key[:12]} is not as it was stored")
+            found = json.loads(record)
+            if not isinstance(found, dict):
+                raise TypeError(f"the record of {key[:12]} is no table")
+            return found
 
     def seconds(self, key: str) -> float | None:
         """What the run took when it was computed."""
@@ -156,10 +186,13 @@ class Store:
     def history(self, key: str) -> History | None:
         """The stored history of a key, or None."""
         with self._told("read"):
-            found = self._db.execute("SELECT columns, samples, data FROM history WHERE key=?", (key,)).fetchone()
+            query = "SELECT columns, samples, data, crc32 FROM history WHERE key=?"
+            found = self._db.execute(query, (key,)).fetchone()
         if found is None:
             return None
         with self._decoded():
+            if history_sum(key, *found[:3]) != found[3]:
+                raise ValueError(f"the history of {key[:12]} is not as it was stored")
             names = found[0].split(",")
             columns = dict(zip(names, unpack(found[2], len(names), found[1]), strict=True))
             extra = {name: values for name, values in columns.items() if name not in COLUMNS}
@@ -184,13 +217,14 @@ class Store:
         """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
         with self._told("read"):
             query = (
-                "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, run.record FROM plan "
+                "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, "
+                "run.record, run.has_history, run.crc32 FROM plan "
                 "LEFT JOIN run ON run.key = plan.key WHERE study=? ORDER BY plan.number, plan.engine"
             )
-            for number, engine, key, reason, what, record in self._db.execute(query, (study,)):
+            for number, engine, key, reason, what, record, *sums in self._db.execute(query, (study,)):
+                found = None if record is None else self._decoded_record(key, record, *sums)
                 with self._decoded():
-                    found = None if record is None else json.loads(record)
-                    varied = json.loads(what)
+                    varied = dict(json.loads(what))
                 yield {
                     "number": number,
                     "engine": engine,

@@ -19,7 +19,7 @@ def score_pairs(
 ) -> list[dict[str, Any]]:
     """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
 
-    It holds what `harness.studies.ensembles.score_sets` gives (outcomes, shares of the four verdicts, flips, peaks), `a` and
+    It holds what `harness.studies.ensembles.score_sets` gives (outcomes, shares of the verdicts, flips, peaks), `a` and
     `b`, and in `unstated` those whose numerical error is not stated in every run: their verdicts take it as zero. No histories
     are kept of a validation's runs: verdicts rest on the peaks and the times at which they are reached.
     """

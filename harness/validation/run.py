@@ -14,6 +14,7 @@ from harness.errors import InputError, Mistake
 from harness.history_file import read_history
 from harness.processes.executors import LocalPool
 from harness.record import SCHEMA_VERSION
+from harness.result_folder import listing
 from harness.studies.cli import STORE_NAME, progress
 from harness.studies.store import Store
 from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
@@ -62,6 +63,7 @@ def validate(
         "versions": record.versions(),
         "machine": record.machine(),
         "seconds": time.perf_counter() - start,
+        "files": listing(()),
     }
     record.write_json(folder / "result.json", found)
     plain: dict[str, Any] = record.to_plain(found)

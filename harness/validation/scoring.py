@@ -50,7 +50,7 @@ def choose(trials: Sequence[Trial], answers: Answers) -> Choice:
 
     def right(trial: Trial, azimuth: int, friction: int) -> bool:
         variant = Variant(azimuth, friction if len(trial.frictions) > 1 else 0)
-        return Outcome(answers[trial.name, variant]["outcome"]).overturned == trial.fell
+        return Outcome(answers[trial.name, variant]["outcome"]).fell is trial.fell
 
     best = Choice(0, {}, 0, None)
     bodies = {body: list(group) for body, group in itertools.groupby(sorted(trials, key=_body), key=_body)}
@@ -92,9 +92,9 @@ def _flips(trial: Trial, variant: Variant, answer: Mapping[str, Any]) -> bool:
 
 
 def probability(trial: Trial, choice: Choice, answers: Answers, samples: int) -> float | None:
-    """Share of the nominal and perturbed runs that overturn, over those that gave an answer; None: none did."""
+    """Share of the nominal and perturbed runs that overturn, over those that say whether it fell; None: none does."""
     outcomes = [Outcome(answers[trial.name, choice.variant(trial, k)]["outcome"]) for k in range(samples + 1)]
-    known = [outcome.overturned for outcome in outcomes if not outcome.failed]
+    known = [outcome.fell for outcome in outcomes if outcome.fell is not None]
     return sum(known) / len(known) if known else None
 
 
@@ -119,7 +119,7 @@ def score_model(
         "outcomes": score_outcomes(list(cases.values())).as_dict(),
         "probability": {"samples": samples, **_brier(p, seen)},
         "by_intensity": by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
-        **curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).overturned),
+        **curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).fell),
     }
 
 
@@ -170,14 +170,18 @@ def by_intensity(
 
 
 def curves(
-    trials: Sequence[Trial], intensities: Mapping[str, Intensity], fell: Callable[[Trial], bool]
+    trials: Sequence[Trial], intensities: Mapping[str, Intensity], fell: Callable[[Trial], bool | None]
 ) -> dict[str, Any]:
-    """Fragility in PGV with its band, and the contour in PGA against PGV/PGA, of what is predicted or observed."""
-    shaken = [trial for trial in trials if intensities[trial.name].pga_g > 0.0]
-    if not shaken:
+    """Fragility in PGV with its band, and the contour in PGA against PGV/PGA, of what is predicted or observed.
+
+    Tests of which it is not known whether the body fell (None) are left out.
+    """
+    known = {
+        trial: fall for trial in trials if intensities[trial.name].pga_g > 0.0 and (fall := fell(trial)) is not None
+    }
+    if not known:
         return {"fragility_pgv": None, "contour": None}
-    each = [intensities[trial.name] for trial in shaken]
-    fallen = [fell(trial) for trial in shaken]
+    each, fallen = [intensities[trial.name] for trial in known], list(known.values())
     pgv = np.array([one.pgv_m_s for one in each])
     ratio = np.array([one.ratio_s for one in each])
     found = baseline.contour(each, fallen)

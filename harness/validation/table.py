@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from harness import paths
 from harness.errors import InputError, Mistake
 from harness.history import Outcome
 from harness.statistics.outcomes import FELL
+from harness.text_file import decimal, decoded, read_bytes
 
 COLUMNS: Final[Mapping[str, str]] = {
     "test": "name of the test, each once",
@@ -81,10 +83,13 @@ class Trial:
 
 def read_table(path: Path) -> list[Trial]:
     """Read a table of experiments; raises `InputError` with every mistake, each with its row and column."""
+    text = decoded(
+        read_bytes(path, "a table of experiments"), str(path), "a CSV file with a header and at least one test"
+    )
     try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            lines = [line for line in csv.reader(stream) if line and not line[0].lstrip().startswith("#")]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        rows = csv.reader(io.StringIO(text, newline=""))
+        lines = [line for line in rows if line and not line[0].lstrip().startswith("#")]
+    except csv.Error as error:
         raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
     if len(lines) < 2:
         raise InputError(Mistake(str(path), "", "a header line and at least one test", f"{len(lines)} lines"))
@@ -214,7 +219,7 @@ class _Row:
         found = []
         for text in self._cell(column).split(LIST_SEPARATOR) if self._cell(column) else []:
             try:
-                value = float(text)
+                value = decimal(text)
             except ValueError:
                 value = math.nan
             if not (abs(value) <= LARGEST and value > above):

@@ -13,6 +13,7 @@ import pytest
 from analytic import _cache
 
 ROOT = Path(__file__).resolve().parents[2]
+NEEDS_ROOT = pytest.mark.skipif(os.getuid() != 0, reason="only the superuser can make a folder of another user")
 
 
 @pytest.fixture
@@ -100,6 +101,13 @@ def test_where_nothing_can_be_written_nothing_is_cached(sources: Path, monkeypat
     assert _cache.folder(sources) is None
 
 
+def small_package(package: Path) -> None:
+    """A copy with one small compiled function beside a kernel that takes half a minute."""
+    shutil.copytree(ROOT / "analytic", package, ignore=shutil.ignore_patterns("__pycache__"))
+    small = "from analytic.kernel.compiler import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n"
+    (package / "kernel" / "small.py").write_text(small)
+
+
 def test_a_cache_removed_under_a_running_process_does_no_harm(tmp_path: Path) -> None:
     """The compiler of one process finds its folder gone between import and first call."""
     code = """
@@ -108,10 +116,96 @@ shutil.rmtree(c._home())
 print(analytic.kernel.small.twice(2.0))
 assert any(c._home().iterdir()), "it was written again"
 """
-    package = tmp_path / "analytic"
-    shutil.copytree(ROOT / "analytic", package, ignore=shutil.ignore_patterns("__pycache__"))
-    small = "from analytic.kernel.compiler import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n"
-    (package / "kernel" / "small.py").write_text(small)  # instead of a kernel that takes half a minute
+    small_package(tmp_path / "analytic")
     told = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stderr
     assert told.stdout.strip() == "4.0"
+
+
+PLANT = """
+import os, pickle, sys
+class Plant:
+    def __reduce__(self):
+        return os.mkdir, (sys.argv[2],)
+with open(sys.argv[1], "wb") as file:
+    pickle.dump(Plant(), file)
+"""
+
+
+def planted(kind: str, tmp_path: Path, wanted: Path) -> None:
+    """A folder where the cache would stand that someone else could have put there, or could write into."""
+    wanted.parent.mkdir(parents=True, exist_ok=True)
+    if kind == "linked":
+        (tmp_path / "elsewhere").mkdir(mode=0o700)
+        wanted.symlink_to(tmp_path / "elsewhere")
+        return
+    wanted.mkdir(mode=0o700)
+    if kind == "open":
+        wanted.chmod(0o777)
+    if kind == "foreign":
+        os.chown(wanted, 12345, 12345)
+
+
+@pytest.mark.parametrize("kind", ["linked", "open", pytest.param("foreign", marks=NEEDS_ROOT)])
+@pytest.mark.parametrize("inner", [False, True])
+def test_a_folder_that_others_could_have_filled_is_not_used(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, inner: bool
+) -> None:
+    (sources / "__pycache__").write_text("no folder")
+    (tmp_path / "cache").write_text("no folder either")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path / "temporary"))
+    home = tmp_path / "temporary" / f"rockcheck-{os.getuid()}"
+    planted(kind, tmp_path, home / (_cache.PREFIX + _cache.digest(sources)) if inner else home)
+    assert _cache.folder(sources) is None
+    left = [path for path in home.rglob("*") if path.is_file()]
+    assert left == [], "nothing is written there"
+
+
+def test_a_folder_that_can_be_replaced_is_not_used(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the sticky bit of a temporary folder anyone may rename what stands in it."""
+    (sources / "__pycache__").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache").chmod(0o777)
+    monkeypatch.setattr(_cache.tempfile, "tempdir", str(tmp_path))
+    chosen = _cache.folder(sources)
+    assert chosen is not None
+    assert chosen.parent == tmp_path / f"rockcheck-{os.getuid()}"
+    (tmp_path / "cache").chmod(0o1777)
+    chosen = _cache.folder(sources)
+    assert chosen is not None
+    assert chosen.parent.parent == tmp_path / "cache"
+    assert chosen.stat().st_mode & 0o777 == 0o700
+
+
+@NEEDS_ROOT
+def test_what_another_user_planted_is_never_unpickled(tmp_path: Path) -> None:
+    """An index file of another user's, in the temporary folder where the compiler's cache would look for it, is not read."""
+    code = """
+import pathlib, sys
+import analytic._cache as c
+c.homes = lambda sources: iter([pathlib.Path(sys.argv[1])])
+import analytic.kernel.compiler as compiler, analytic.kernel.small
+print(compiler._home(), analytic.kernel.small.twice(2.0))
+"""
+    package = tmp_path / "analytic"
+    small_package(package)
+    home = tmp_path / "planted"
+
+    def run() -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-W", "ignore", "-c", code, str(home)]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    assert run().returncode == 0
+    indices = list(home.rglob("*.nbi"))
+    assert indices, "the compiler keeps an index"
+    for index in indices:
+        subprocess.run([sys.executable, "-c", PLANT, str(index), str(tmp_path / "it_ran")], check=True)
+    for path in (home, *home.rglob("*")):
+        os.chown(path, 12345, 12345)
+    told = run()
+    assert told.stdout.strip() == "None 4.0", told.stderr
+    assert not (tmp_path / "it_ran").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import sqlite3
 import subprocess
 import sys
@@ -14,11 +15,12 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError, Mistake
-from harness.fuzz.mutate import BINARY, STL, TEXT, mutated, point
+from harness.fuzz.mutate import BINARY, BOMB_BYTES, LISTED, PACKED, STEPPED, STL, TEXT, TITLED, bomb, mutated, point
 from harness.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
 from harness.fuzz.records import at2, cosmos, esm, smc
 from harness.fuzz.run import Tried, attempt, died, fuzz, summed, tasks
 from harness.fuzz.use import WRITTEN, unfinished
+from harness.motions.recordfile import RecordFile
 
 FOUND = {
     "history": (
@@ -59,7 +61,7 @@ FOUND = {
     "motion SMC": (smc().replace(b"    -32768", b"1.0000e300", 1),),
 }
 """Inputs that once ended in a traceback or never, by kind."""
-INPUTS = 320
+INPUTS = 420
 """Mutated inputs in every CI run; `make stress` reads ten thousand."""
 
 
@@ -161,9 +163,68 @@ def test_the_search_sees_what_it_looks_for(
     late = attempt(replace(scene, read=refuses_late), b"", folder).wrong
     assert late == "left half-written: written though refused: half.csv"
     assert not (folder / WRITTEN).exists()
-    monkeypatch.setattr("harness.fuzz.run.HANG_S", 1)
-    assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
+    with monkeypatch.context() as short:
+        short.setattr("harness.fuzz.run.HANG_S", 1)
+        assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
     assert attempt(scene, SCENE, folder) == Tried()
+
+
+def test_the_search_sees_a_step_misread_and_a_folder_robbed(
+    every: dict[str, Kind], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from harness.fuzz import use
+    from harness.motions import readers
+
+    whole = readers.read_file
+
+    def a_hundred_times_too_slow(path: Path) -> RecordFile:
+        record = whole(path)
+        return replace(
+            record, channels=tuple(replace(channel, dt_s=100.0 * channel.dt_s) for channel in record.channels)
+        )
+
+    header, output = every["AT2 header"], every["output folder"]
+    monkeypatch.setattr(readers, "read_file", a_hundred_times_too_slow)
+    assert "a step of 0.0200 is read as 2.0" in (attempt(header, header.content, folder).wrong or "")
+
+    def robs(scene: Path, there: Path) -> None:
+        (there / "notes.txt").write_text("")
+
+    def robs_and_refuses(scene: Path, there: Path) -> None:
+        (there / "notes.txt").unlink()
+        raise InputError(Mistake("--out", "", "another folder", "this"))
+
+    for way, said in ((robs, "a file that is another's was changed"), (robs_and_refuses, "is not as it was")):
+        monkeypatch.setattr(use, "write_into", way)
+        assert said in (attempt(output, output.content, folder).wrong or "")
+
+
+@pytest.mark.parametrize("name", LISTED)
+def test_a_record_that_lists_what_is_no_file_of_its_folder_takes_nothing(
+    every: dict[str, Kind], folder: Path, name: bytes
+) -> None:
+    output = every["output folder"]
+    content = output.content.replace(b'"files": {', b'"files": {' + name + b": null, ", 1)
+    assert content != output.content
+    assert attempt(output, content, folder).wrong is None
+
+
+def test_a_title_that_steers_the_terminal_is_seen(
+    every: dict[str, Kind], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    titled = SCENE.replace(b"a block", b"\\u001b[31m [/] red")
+    assert attempt(every["title"], titled, folder) == Tried()
+    monkeypatch.setattr("harness.cli.printable", str)
+    assert "steers the terminal" in (attempt(every["title"], titled, folder).wrong or "")
+
+
+def test_a_bomb_costs_no_more_than_what_may_be_read(every: dict[str, Kind], folder: Path) -> None:
+    for name in ("gzip", "sister in gzip"):
+        content = bomb(every[name].content, np.random.default_rng(1))
+        assert len(content) < BOMB_BYTES / 100
+        assert "at most 64 MiB, got more than that once unpacked" in (
+            attempt(every[name], content, folder).refusal or ""
+        )
 
 
 def test_compiled_code_that_never_comes_back_ends_its_process() -> None:
@@ -190,9 +251,10 @@ def test_a_reader_that_ends_its_process_counts_as_a_failure() -> None:
     assert "seeds 100 to 199" in row["found"][0]["what"]
 
 
-@pytest.mark.parametrize("ways", [TEXT, BINARY, STL])
+@pytest.mark.parametrize("ways", [TEXT, BINARY, STL, STEPPED, TITLED, PACKED])
 def test_mutations_are_reproducible_and_do_something(ways: tuple) -> None:  # type: ignore[type-arg]
-    original = stl() if ways is STL else ply()
+    others = {STL: stl(), STEPPED: at2(), TITLED: SCENE, PACKED: gzip.compress(at2(), mtime=0)}
+    original = others.get(ways, ply())
     twice = [[mutated(original, seed, ways) for seed in range(50)] for _ in range(2)]
     assert twice[0] == twice[1]
     assert original not in twice[0]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
 import numpy as np
 import pytest
 
+from analytic.excitation import Harmonic
 from harness import engines, run
+from harness.cli import summary
 from harness.errors import InputError
 from harness.history import Outcome
 from harness.record import Run
@@ -27,6 +30,18 @@ def test_a_process_of_its_own_changes_no_result() -> None:
         assert b is not None
         assert np.array_equal(a.theta_rad, b.theta_rad)
     assert list(apart.runs) == list(alone.runs)
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
+    scene = paestum(0.3, 2.0, pedestal=False, duration_s=0.3)
+    shaken = scene.but(shake=replace(scene.shake, y=Harmonic(2.0, 3.0))) if across else scene
+    result = run_scene(shaken, ["analytic", "pymunk", "pybullet"], dt_s=1e-3)
+    given = {name: tuple(run.motion_axes or ()) for name, run in result.runs.items() if not run.outcome.failed}
+    assert given.pop("pybullet", ("x", "y")) == (("x", "y") if across else ("x",))
+    assert given == {"analytic": ("x",), "pymunk": ("x",)}
+    assert result.as_dict()["runs"]["analytic"]["motion_axes"] == ["x"]
+    assert ("given unlike motions" in summary(result)) is (across and "pybullet" in result.runs)
 
 
 def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+from harness.studies import cli
 from harness.telling import Telling
 
 
@@ -25,3 +26,15 @@ def test_quiet_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
         telling.now("drawing")
         threading.Event().wait(0.1)
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_study_is_never_long_silent(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing finishes for a while: the line of what is done comes again, with the time since."""
+    monkeypatch.setattr(cli, "Telling", lambda quiet: Telling(quiet, silent_s=0.05))
+    with cli.progress("study", quiet=False) as told:
+        told(0, 40)
+        told(1, 40)
+        threading.Event().wait(0.4)
+    said = capsys.readouterr().err.splitlines()
+    assert said[0] == "study: 0 of 40 runs"
+    assert any(line.startswith("study: 1 of 40 runs: ") and line.endswith("s so far") for line in said)

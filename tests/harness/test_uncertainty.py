@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from harness.coverage import FIRST_SEED, coverage, random_scene
+from harness.coverage import FIRST_SEED, coverage, random_scene, wide_scene
 from harness.engine import Capabilities, Engine, Settings, Want
 from harness.engines.munk2d import Munk2D
 from harness.history import History, Outcome
@@ -206,3 +206,20 @@ def test_seeded_scenes_are_reproducible_and_various() -> None:
     scenes = [random_scene(FIRST_SEED + i) for i in range(30)]
     assert {scene.pedestal is None for scene in scenes} == {True, False}
     assert len({type(scene.shake.x) for scene in scenes}) == 3
+
+
+def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None:
+    assert wide_scene(3).statue.mass_kg == wide_scene(3).statue.mass_kg
+    scenes = [wide_scene(seed) for seed in range(200)]
+    slender = [2.0 * s.statue.centroid_height_m / (s.statue.corner_left_m + s.statue.corner_right_m) for s in scenes]
+    assert min(slender) < 1.5
+    assert max(slender) > 10.0
+    assert min(s.statue.height_m for s in scenes) < 0.2
+    assert max(s.statue.height_m for s in scenes) > 3.0
+    below = [s.pedestal.mass_kg / s.statue.mass_kg for s in scenes if s.pedestal is not None]
+    assert 60 < len(below) < 180
+    assert min(below) < 0.1
+    assert max(below) > 2.0
+    assert {s.contact.floor_static == s.contact.floor_kinetic for s in scenes} == {True, False}
+    assert {s.planar for s in scenes} == {True, False}
+    assert len({type(s.shake.x) for s in scenes}) == 3

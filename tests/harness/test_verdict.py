@@ -1,8 +1,9 @@
-"""The four verdicts follow from the record, and from nothing else."""
+"""The verdicts follow from the record, and from nothing else."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -34,13 +35,71 @@ def test_apart_before_the_horizon_is_the_model() -> None:
     assert scores.verdict is Verdict.MODEL
     assert scores.evidence["exceeded_s"] == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
     assert scores.evidence["horizon_s"] == 5.0
-    assert "before the horizon at 5 s" in scores.verdict_sentence
+    assert "while both numerical errors are bounded (until 5 s)" in scores.verdict_sentence
+    near = compare(certain(doubles.parted(history, 2.0, 0.01), "a"), certain(history, "b"), horizons_s=(4.0, None))
+    assert "before the horizon at 4 s" in near.verdict_sentence
 
 
-def test_apart_after_the_horizon_is_beyond_it() -> None:
+def test_past_an_engine_s_bounded_error_is_not_beyond_the_horizon() -> None:
+    """Two causes: the engine missed its target from 5 s on, or nobody could compute it further than the measured horizon."""
     history = doubles.rocking()
-    scores = compare(certain(doubles.parted(history, 6.0, 0.01), "a", 5.0), certain(history, "b"))
-    assert scores.verdict is Verdict.HORIZON
+    a, b = certain(doubles.parted(history, 6.0, 0.01), "a", 5.0), certain(history, "b")
+    missed = compare(a, b)
+    assert missed.verdict is Verdict.UNBOUNDED
+    assert "agree up to 5 s" in missed.verdict_sentence
+    assert missed.verdict_sentence.endswith("where the numerical error of a is not bounded any more.")
+    assert "horizon" not in missed.verdict_sentence
+    assert compare(a, b, horizons_s=(None, 9.0)).verdict is Verdict.UNBOUNDED
+    unpredictable = compare(a, b, horizons_s=(None, 5.5))
+    assert unpredictable.verdict is Verdict.HORIZON
+    assert "beyond the horizon of prediction" in unpredictable.verdict_sentence
+
+
+def test_a_robust_difference_of_a_planar_model_is_the_plane_left_out() -> None:
+    """Only where the floor moved across the plane: with the same motion given to both it is their models."""
+    history = doubles.rocking()
+    b = certain(history, "space", motion_axes=("x", "y"))
+    for axes, verdict in (("x",), Verdict.PLANE), (("x", "y"), Verdict.MODEL), (None, Verdict.MODEL):
+        a = certain(doubles.parted(history, 2.0, 0.01), "plane", motion_axes=axes)
+        scores = compare(a, b)
+        assert scores.verdict is verdict
+        told = "plane was not given the floor's motion along y" in scores.verdict_sentence
+        assert told is (verdict is Verdict.PLANE)
+        assert scores.evidence["motion_not_given"] == ({"plane": ["y"]} if told else {})
+    alike = compare(certain(history, "plane", motion_axes=("x",)), b)
+    assert alike.verdict is Verdict.AGREE
+    assert "plane was not given the floor's motion along y" in alike.verdict_sentence
+
+
+def test_a_fall_across_the_plane_parts_two_models_of_the_same_rotation() -> None:
+    history = doubles.rocking()
+    fields: dict[str, Any] = {"outcome": Outcome.OVERTURNED_FRONT, "no_return_time_s": 3.0}
+    plane = certain(history, "plane", motion_axes=("x",))
+    space = certain(history, "space", motion_axes=("x", "y"), **fields)
+    scores = compare(space, plane)
+    assert scores.verdict is Verdict.PLANE
+    assert scores.evidence["exceeded_s"] == 3.0
+    assert compare(replace(space, motion_axes=("x",)), plane).verdict is Verdict.MODEL
+    assert compare(replace(space, reliable_until_s=2.0), plane).verdict is Verdict.UNBOUNDED
+
+
+def test_two_falls_to_different_sides_are_one_outcome() -> None:
+    history = doubles.rocking()
+    a, b = (
+        certain(each, name, 5.0, outcome=outcome, no_return_time_s=6.0)
+        for each, name, outcome in (
+            (doubles.parted(history, 5.5, 0.01), "a", Outcome.OVERTURNED_LEFT),
+            (history, "b", Outcome.OVERTURNED_RIGHT),
+        )
+    )
+    scores = compare(a, b)
+    assert (scores.outcome_agrees, scores.side_agrees) == (True, False)
+    assert scores.evidence["outcome_flips_within_uncertainty"] is False
+    assert scores.evidence["side_flips_within_uncertainty"] is True
+    assert "both overturn, to different sides within the stated uncertainty" in scores.verdict_sentence
+    assert "the outcome flips" not in scores.verdict_sentence
+    standing = compare(a, certain(history, "b"))
+    assert (standing.outcome_agrees, standing.side_agrees) == (False, None)
 
 
 def test_a_horizon_from_elsewhere_counts_as_well() -> None:
@@ -69,7 +128,8 @@ def test_what_came_first_decides_between_horizon_and_domain() -> None:
     early = certain(parted, "a", 5.0, validity={"left_domain_s": 4.0})
     late = certain(parted, "a", 4.0, validity={"left_domain_s": 5.0})
     assert compare(early, b).verdict is Verdict.DOMAIN
-    assert compare(late, b).verdict is Verdict.HORIZON
+    assert compare(late, b).verdict is Verdict.UNBOUNDED
+    assert compare(late, b, horizons_s=(4.0, None)).verdict is Verdict.HORIZON
 
 
 @pytest.mark.parametrize("outcome", [Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX])
@@ -87,7 +147,8 @@ def test_an_outcome_that_flips_within_the_uncertainty_is_flagged() -> None:
     assert scores.verdict is Verdict.AGREE
     assert scores.evidence["outcome_flips_within_uncertainty"] is True
     beyond = compare(certain(history, "a", 4.0, outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
-    assert beyond.verdict is Verdict.HORIZON
+    assert beyond.verdict is Verdict.UNBOUNDED
+    assert beyond.evidence["outcome_flips_within_uncertainty"] is True
     apart = compare(certain(doubles.scaled(history, 2.0), "a", outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
     assert apart.verdict is Verdict.MODEL
     assert apart.evidence["outcome_flips_within_uncertainty"] is False
@@ -105,7 +166,9 @@ def test_an_unstated_error_is_said() -> None:
     assert "numerical error of other not stated" in compare(a, certain(history, "b")).verdict_sentence
 
 
-@pytest.mark.parametrize(("peak_s", "verdict"), [(2.9, Verdict.MODEL), (3.1, Verdict.HORIZON)], ids=["before", "after"])
+@pytest.mark.parametrize(
+    ("peak_s", "verdict"), [(2.9, Verdict.MODEL), (3.1, Verdict.UNBOUNDED)], ids=["before", "after"]
+)
 def test_without_histories_the_larger_peak_s_time_tells_when_they_parted(peak_s: float, verdict: Verdict) -> None:
     """θ_b never exceeds its own peak, so where the larger peak is reached the two are apart by the difference of the peaks."""
     certain_to_3 = {"numerical_uncertainty_rad": U_RAD, "reliable_until_s": 3.0}
@@ -115,13 +178,15 @@ def test_without_histories_the_larger_peak_s_time_tells_when_they_parted(peak_s:
     assert compare(b, a).verdict is verdict
 
 
-def test_shares_of_the_four_sum_to_one() -> None:
+def test_shares_of_all_verdicts_sum_to_one() -> None:
     found = shares([Verdict.AGREE, Verdict.AGREE, Verdict.MODEL, Verdict.HORIZON])
     assert found == {
         "agree within numerical error": 0.5,
         "differ: model": 0.25,
         "differ: beyond the horizon": 0.25,
         "differ: the model left its domain": 0.0,
+        "differ: the plane left out": 0.0,
+        "differ: numerical error not bounded": 0.0,
     }
     assert math.isclose(sum(found.values()), 1.0)
     assert set(shares([]).values()) == {0.0}

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
+import resource
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -152,3 +156,75 @@ def test_a_readers_own_mistake_is_not_shown_as_the_files(tmp_path: Path, monkeyp
     with pytest.raises(MeshError, match="its content is not that of such a file") as caught:
         read_mesh(file)
     assert "local variable" not in str(caught.value)
+
+
+def _gltf(uri: str, count: int = 4, nodes: int = 1, view: bool = True) -> bytes:
+    """A tetrahedron whose buffer is `uri`, its positions said to be `count`, placed by `nodes`."""
+    positions: dict[str, object] = {"componentType": 5126, "count": count, "type": "VEC3"} | (
+        {"bufferView": 0} if view else {}
+    )
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(nodes))}],
+        "nodes": [{"mesh": 0}] * nodes,
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": len(TETRAHEDRON), "uri": uri}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 48 * k, "byteLength": 48} for k in (0, 1)],
+        "accessors": [positions, {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"}],
+    }
+    return json.dumps(document).encode()
+
+
+TETRAHEDRON = struct.pack("<12f12I", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2)
+
+
+def test_a_gltf_reads_its_own_folder_only(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    for name in ("out.bin", "in/data.bin"):
+        (tmp_path / name).write_bytes(TETRAHEDRON)
+    (tmp_path / "in" / "link.bin").symlink_to(tmp_path / "out.bin")
+    file = tmp_path / "in" / "a.gltf"
+    file.write_bytes(_gltf("data.bin"))
+    assert len(read_mesh(file).faces) == 4
+    for uri in ("../out.bin", str(tmp_path / "out.bin"), "link.bin", "file:///etc/hostname", "/etc/hostname"):
+        file.write_bytes(_gltf(uri))
+        with pytest.raises(MeshError, match="does not parse"):
+            read_mesh(file)
+
+
+def test_an_obj_s_materials_are_never_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from trimesh.resolvers import FilePathResolver
+
+    asked: list[str] = []
+    monkeypatch.setattr(FilePathResolver, "get", lambda self, name: asked.append(name))
+    file = tmp_path / "a.obj"
+    file.write_text("mtllib ../secret.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    assert len(read_mesh(file).faces) == 4
+    assert asked == []
+
+
+@pytest.mark.parametrize(("count", "nodes", "view"), [(2_000_000_000, 1, False), (4, 10_000_000, True)])
+def test_a_kilobyte_that_asks_for_gigabytes_is_refused(tmp_path: Path, count: int, nodes: int, view: bool) -> None:
+    (tmp_path / "data.bin").write_bytes(TETRAHEDRON)
+    file = tmp_path / "a.gltf"
+    file.write_bytes(_gltf("data.bin", count, min(nodes, 10), view))
+    if nodes > 10:
+        text = file.read_text().replace(', {"mesh": 0}]', ', {"mesh": 0}' * (nodes // 100) + "]")
+        file.write_text(text.replace('"count": 12', '"count": 1200'))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(MeshError, match="wanted at most 100,000,000 vertices and indices in all nodes"):
+        read_mesh(file)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19, "kB"
+
+
+def test_a_mesh_s_name_that_is_too_long_or_no_text_is_refused(tmp_path: Path) -> None:
+    odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff.ply"))
+    odd.write_bytes(b"ply\n")
+    for path, says in (
+        (tmp_path / ("a" * 300 + ".ply"), "name too long"),
+        (odd, r"\\xff.ply: wanted a file name in UTF-8"),
+    ):
+        with pytest.raises(MeshError, match=says) as caught:
+            read_mesh(path)
+        str(caught.value).encode("utf-8")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from meshes import MeshError, Solid, decomposition, kept, toadstool
+from meshes import MeshError, Solid, coacd_alone, decomposition, kept, toadstool
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.solid import solid_from_mesh
 from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M
@@ -117,3 +117,51 @@ def test_what_cannot_be_decomposed_says_so(statue: Solid, monkeypatch: pytest.Mo
     monkeypatch.setattr(decomposition, "missing", lambda: "coacd is not installed")
     with pytest.raises(MeshError, match="coacd is not installed"):
         parts_of(statue)
+
+
+@pytest.mark.parametrize(
+    ("program", "cause"),
+    [("os.kill(os.getpid(), signal.SIGSEGV)", "was ended by SIGSEGV"), ("sys.exit(3)", "ended with code 3")],
+)
+def test_a_search_that_crashes_ends_itself_alone_and_is_not_begun_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, program: str, cause: str
+) -> None:
+    count = tmp_path / "count"
+    script = tmp_path / "crash.py"
+    script.write_text(f"import os, signal, sys\nopen({str(count)!r}, 'a').write('.')\n{program}\n")
+    monkeypatch.setattr(coacd_alone, "__file__", str(script))
+    monkeypatch.setattr(decomposition, "_FAILED", {})
+    for _ in range(2):
+        with pytest.raises(MeshError, match=cause):
+            parts_of(toadstool.build())
+    assert count.read_text() == "."
+
+
+def test_a_process_of_its_own_finds_the_same_parts() -> None:
+    """The search in this process, with the very options, and in its own: the same corners to the last bit."""
+    import coacd
+
+    body = toadstool.build()
+    options = (decomposition.CONCAVITY, decomposition.MAX_PARTS, 0)
+    found = decomposition._searched(body.vertices_m, body.faces, options)
+    here = coacd.run_coacd(
+        coacd.Mesh(body.vertices_m, body.faces.astype(np.int32)), threshold=options[0], max_convex_hull=options[1],
+        preprocess_mode="off", resolution=500, mcts_iterations=50, mcts_nodes=10, mcts_max_depth=2, seed=0,
+    )  # fmt: skip
+    assert len(found) == len(here)
+    assert all(np.array_equal(a, b) for a, (b, _) in zip(found, here, strict=True))
+
+
+@pytest.mark.parametrize("kind", ["linked", "open"])
+def test_parts_that_others_could_have_put_there_are_not_taken(own_folder: Path, kind: str) -> None:
+    body = toadstool.build()
+    first = parts_of(body)
+    (file,) = own_folder.iterdir()
+    kept.store(file.stem, {"corners": np.zeros((4, 3)), "counts": np.array([4]), "misfit": np.zeros(2)})
+    if kind == "open":
+        own_folder.chmod(0o777)
+    else:
+        own_folder.rename(own_folder.with_name("elsewhere"))
+        own_folder.symlink_to(own_folder.with_name("elsewhere"))
+    parts_of.cache_clear()
+    assert same(first, parts_of(body))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 
 from harness.cli import INTERRUPTED, guarded
 from harness.errors import InputError
+from reports.cli import app
 from reports.page import write_report
 from tests.reports.invented_run import write_invented
 
@@ -57,6 +59,33 @@ def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path)
     assert "analytic_vs_pymunk" in record["scores"]
     header = (folder / "history_analytic.csv").read_text().splitlines()[0]
     assert header.startswith("t_s,theta_rad,theta_rate_rad_s,slip_m,slip_rate_m_s")
+
+
+WITHOUT_PYBULLET = "import sys; sys.modules['pybullet'] = None; from reports.cli import main; main()"
+
+
+@pytest.mark.parametrize(("named", "code"), [((), 0), (("-e", "analytic", "-e", "pybullet"), 1)])
+def test_without_pybullet_everything_else_runs_and_says_so(
+    scene: Path, tmp_path: Path, named: tuple[str, ...], code: int
+) -> None:
+    command = [sys.executable, "-c", WITHOUT_PYBULLET, "run", "block.toml", *named]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stderr
+    assert "pybullet cannot be imported" in done.stdout
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "block" / "report.html").is_file()
+    record = json.loads((tmp_path / "out" / "block" / "result.json").read_text())
+    assert record["runs"]["pybullet"]["outcome"] == "unavailable"
+    assert record["runs"]["analytic"]["outcome"] == "stands"
+
+
+def test_without_pybullet_the_engines_are_listed(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", WITHOUT_PYBULLET, "engines", "--json"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    missing = {row["engine"]: row["missing"] for row in json.loads(done.stdout)}
+    assert missing["pymunk"] is None
+    assert "pybullet cannot be imported" in missing["pybullet"]
 
 
 def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Path) -> None:
@@ -254,6 +283,57 @@ def test_a_single_instant_is_no_agreement(tmp_path: Path) -> None:
     (tmp_path / "two.csv").write_text("t_s,theta_rad\n0,0\n1,0.1\n")
     done = rockcheck("compare", "one.csv", "two.csv", cwd=tmp_path)
     assert (done.returncode, "one common instant" in done.stderr) == (2, True), done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "{}.toml"],
+        ["run", "block.toml", "--out", "{}"],
+        ["study", "{}.toml"],
+        ["validate", "{}.csv"],
+        ["compare", "{}.csv", "b.csv"],
+        ["report", "{}"],
+        ["gif", "{}"],
+        ["figures", "{}"],
+        ["mesh", "inspect", "{}.obj"],
+        ["motion", "inspect", "{}.V2"],
+        ["store", "salvage", "{}", "new"],
+    ],
+)
+def test_a_name_too_long_is_a_mistake(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str],
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    filled = [part.format("a" * 300) for part in arguments]
+    with pytest.raises(SystemExit) as ending:
+        sys.exit(guarded(lambda: app(filled)))
+    assert ending.value.code == 2
+    assert "too long" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["block.toml"]
+
+
+def test_a_name_that_is_no_text_is_carried_through(scene: Path, tmp_path: Path) -> None:
+    name = os.fsdecode(b"bl\xffock")
+    scene.rename(tmp_path / f"{name}.toml")
+    for more in ((), ("--json",)):
+        done = subprocess.run(
+            [sys.executable, "-c", "from reports.cli import main; main()", "run", f"{name}.toml", "-e", "analytic", *more],
+            cwd=tmp_path, capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "utf-8:strict"},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    record = json.loads((tmp_path / "out" / name / "result.json").read_text())
+    assert record["scene"]["file"] == f"{name}.toml"
+
+
+def test_a_file_that_may_not_grow_is_told(scene: Path, tmp_path: Path) -> None:
+    command = f"ulimit -f 8; {shlex.quote(sys.executable)} -c 'from reports.cli import main; main()' run block.toml -e analytic"
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert [path.name for path in (tmp_path / "out" / "block").iterdir()] == []
 
 
 def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:

@@ -84,11 +84,26 @@ def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None
     assert good.tone == "agree"
     assert "every model beats a bare threshold on PGV beyond chance" in good.headline
     poor = validation_verdict(read_record(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
-    assert poor.headline.endswith("no model beats a bare threshold on PGV")
+    assert "no model beats a bare threshold on PGV, and analytic and pymunk are worse" in poor.headline
+    assert "best" not in good.headline + poor.headline
     html = shown(tmp_path / "good")
     assert html.count('class="o-stands"') == 120
     assert 'class="o-overturns"' not in html
     assert 'class="o-overturns"' in shown(tmp_path / "poor")
+
+
+def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> None:
+    record = read_record(invented_records.write_validation(tmp_path))
+    names = list(record["models"])
+    for name, value in zip(names, (0.8, 0.8), strict=True):
+        record["models"][name]["outcomes"]["accuracy"] = {"value": value, "low": 0.7, "high": 0.9}
+    record["baseline"]["outcomes"]["accuracy"] = {"value": 0.85, "low": 0.75, "high": 0.92}
+    tied = validation_verdict(record)
+    assert tied.headline.startswith("All models are right equally often, in 80 % of the tests that they decide")
+    assert "no model can be told from a bare threshold on PGV (85 % (75–92 %))" in tied.headline
+    assert tied.tone == "differ"
+    record["models"][names[1]]["outcomes"]["accuracy"] = {"value": 0.81, "low": 0.7, "high": 0.9}
+    assert validation_verdict(record).headline.startswith(f"{names[1]} is right most often, in 81 %")
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
@@ -131,7 +146,7 @@ def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
 def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
     texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
     rows = [{"engine": "analytic", "run": {"warnings": [text]}} for text in texts]
-    assert study_warnings(rows) == ["analytic: From … s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
+    assert study_warnings(rows) == ["analytic: From 1.5 to 2.25 s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ import pytest
 from harness.errors import InputError
 from harness.record import write_json
 from harness.verdict import Verdict as Difference
+from reports.conservator import of_run
 from reports.display_mesh import MOST_FACES
 from reports.page import write_report
 from reports.source import read_record, run_source
@@ -140,6 +141,55 @@ def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) 
     verdict = run_verdict(run_source(folder))
     assert verdict.tone == "differ"
     assert verdict.headline.endswith("the statue stands; their motions differ")
+
+
+def changed(folder: Path, **runs: dict[str, Any]) -> Any:
+    """The source of a record with keys of its runs changed."""
+    record = read_record(folder)
+    for name, changes in runs.items():
+        record["runs"][name] |= changes
+    write_json(folder / "result.json", record)
+    return run_source(folder)
+
+
+def test_falls_to_different_sides_are_one_outcome(tmp_path: Path) -> None:
+    ends = {"analytic": "overturned_left", "pymunk": "overturned_left", "pybullet": "overturned_back"}
+    source = changed(write_invented(tmp_path), **{name: {"outcome": end} for name, end in ends.items()})
+    verdict = run_verdict(source)
+    assert verdict.tone == "agree"
+    assert verdict.headline.startswith("All three models agree that the statue overturns, to different sides: ")
+    assert (
+        "to the left (analytic, pymunk); towards the back (+y), across the rocking plane (pybullet)" in verdict.headline
+    )
+    told = of_run(source)
+    assert told["headline"] == "In this shaking the statue falls"
+    assert "and all say so; only the side differs: left in analytic and pymunk; back in pybullet." in told["points"][0]
+
+
+def test_models_that_did_not_get_the_same_motion_do_not_simply_agree(tmp_path: Path) -> None:
+    axes = {"analytic": ["x"], "pymunk": ["x"], "pybullet": ["x", "y"]}
+    source = changed(write_invented(tmp_path), **{name: {"motion_axes": given} for name, given in axes.items()})
+    said = "Not all models got the same motion: analytic and pymunk without that along y."
+    verdict = run_verdict(source)
+    assert verdict.headline == "All three models agree on the outcome: the statue stands, given unlike motions"
+    assert said in verdict.points
+    assert said in of_run(source)["points"]
+    same = changed(tmp_path, pybullet={"motion_axes": ["x"]})
+    assert "motion" not in run_verdict(same).headline
+
+
+def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    source = changed(folder, pymunk={"reliable_until_s": 6.0}, pybullet={"reliable_until_s": 4.6})
+    text = " ".join(run_verdict(source).points)
+    assert "the numerical error of pybullet is not bounded" in text
+    assert "horizon" not in text
+    assert "nobody can follow" not in " ".join(of_run(source)["points"])
+    record = read_record(folder)
+    write_json(folder / "result.json", record | {"horizons": {"analytic": {"intrinsic_s": 5.0}}})
+    source = run_source(folder)
+    assert "The horizon of prediction is 5" in " ".join(run_verdict(source).points)
+    assert "from second 5" in " ".join(of_run(source)["points"])
 
 
 def test_the_lean_is_the_histories_own(tmp_path: Path) -> None:

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from harness.contact.frame import greatest_pull_m_s2, step_count
 from harness.engine import Want
 from harness.engines.bullet import feet, loop, mirror, pose
-from harness.engines.bullet.edge import EdgeWatch
+from harness.engines.bullet.edge import Crossing, EdgeWatch
 from harness.engines.bullet.full import FullShape, full_shape
 from harness.engines.bullet.loop import MOST_FREE, Watch
 from harness.engines.bullet.march import March
 from harness.engines.bullet.schedule import Schedule
 from harness.engines.bullet.settings import BulletSettings
-from harness.engines.bullet.stepper import Record, Stepper, reader
+from harness.engines.bullet.stepper import Record, Row, Stepper, reader
 from harness.engines.bullet.touch import Touch
-from harness.engines.bullet.world import World
+from harness.engines.bullet.world import STILL, UPRIGHT, World
 from harness.plan import first_motion_s
 from harness.scene import Scene
 
@@ -43,11 +43,17 @@ class Setup:
     rest: feet.Rest
     start: pose.Body
     mirrored: bool = False
+    in_plane: bool = False
+
+    @property
+    def flat(self) -> Setup:
+        """All of a scene that mirrors itself, its bodies turning in the plane alone."""
+        return replace(self, moments=mirror.locked(self.moments), in_plane=True)
 
     @property
     def halved(self) -> Setup:
         """The half of a scene that mirrors itself."""
-        return replace(self, feet_m=mirror.halved(self.feet_m), moments=mirror.locked(self.moments), mirrored=True)
+        return replace(self.flat, feet_m=mirror.halved(self.feet_m), mirrored=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,36 +93,56 @@ def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
     if scene.pedestal is not None and not want.may_skip("base_only"):
         full = full_shape(scene, rung.full_shape)
     whole = setup
-    if full is None and want.may_skip("mirror") and mirror.halves(scene):
-        setup = setup.halved
-    watch = _watch(scene, rung, setup, want, full is not None)
-    record = _part(scene, rung, setup, schedule, watch, full=full)
+    if want.may_skip("mirror") and mirror.halves(scene):
+        whole = setup.flat
+        setup = whole if full is not None else setup.halved
+    crossing = None if full is None else _crossing(scene, setup, _first_row(scene, setup))
+    watch = _watch(scene, rung, setup, want, crossing)
+    record = _part(scene, rung, setup, schedule, watch, full=full, crossing=crossing)
     full_from = None if full is None else 0.0
-    if watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
-        # From here on the pedestal's edge can meet the body: the same state goes on in a world with its full shape.
-        full_from, full = record.t_s[-1], full_shape(scene, rung.full_shape)
-        rest_of = _part(scene, rung, whole, schedule, _watch(scene, rung, whole, want, True), full=full, done=record)
+    while watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
+        # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
+        # world with the full shape, and with these feet.
+        full_from = record.t_s[-1] if full_from is None else full_from
+        full, crossing = full or full_shape(scene, rung.full_shape), _crossing(scene, whole, record.last)
+        watch = _watch(scene, rung, whole, want, crossing)
+        rest_of = _part(scene, rung, whole, schedule, watch, full=full, crossing=crossing, done=record)
         record = _joined(record, rest_of)
-    said = _skipped(scene, first * rung.dt_s, full_from, record.rested, halved=setup.mirrored)
+    said = _skipped(scene, first * rung.dt_s, full_from, record.rested, in_plane=setup.in_plane)
     return Course(record, said, full_from, full, setup.mirrored)
 
 
-def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, full: bool) -> Watch:
+def _crossing(scene: Scene, setup: Setup, row: Row) -> Crossing | None:
+    """What tells a foot that comes over the pedestal's edges, from a row on."""
+    p = scene.pedestal
+    return None if p is None else Crossing(setup.feet_m, (0.5 * p.width_m, 0.5 * p.depth_m), row)
+
+
+def _first_row(scene: Scene, setup: Setup) -> Row:
+    """The row at t = 0 on a pedestal."""
+    p, start = scene.pedestal, setup.start
+    centre = (0.0, 0.0, 0.0) if p is None else (scene.statue.base_centre_m + p.offset_m, 0.0, p.centroid_height_m)
+    return (*start.place_m, *start.turn, *start.velocity_m_s, *start.rate_rad_s, *centre, *UPRIGHT, *STILL, *STILL)
+
+
+def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, crossing: Crossing | None) -> Watch:
+    """What the loop looks at; with `crossing` in a world of full shapes."""
     end_s = scene.shake.end_s
     may_rest = want.may_skip("quiet_end") and end_s < scene.duration_s
-    halt = None
-    if scene.pedestal is not None and not full:
+    edges = None
+    if scene.pedestal is not None:
         p = scene.pedestal
         half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-        halt = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, greatest_pull_m_s2(scene))
+        edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, greatest_pull_m_s2(scene))
     return Watch(
         axis=_vector(setup.axes[2]),
         rest=_vector(setup.rest.rotation[:, 2]),
         quiet_from=math.ceil(end_s / rung.dt_s) if may_rest else None,
         impose=scene.contact.restitution is not None,
-        halt=halt,
+        halt=edges if crossing is None else crossing,
         stop=want.stop,
-        touch=touch_of(scene, setup, rung, edges=full) if rung.events else None,
+        touch=touch_of(scene, setup, rung, edges=crossing is not None) if rung.events else None,
+        edges=None if crossing is None else edges,
     )
 
 
@@ -136,6 +162,7 @@ def _part(
     watch: Watch,
     *,
     full: FullShape | None,
+    crossing: Crossing | None,
     done: Record | None = None,
 ) -> Record:
     """One world: from the scene's start, or from where another one has come to."""
@@ -148,8 +175,9 @@ def _part(
         wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     bodies = None if full is None else full.turned(centroid, setup.axes)
-    with World(rung, mirrored=setup.mirrored) as world:
-        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+    with World(rung, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
+        whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
+        world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
         stepper = Stepper(world, scene, schedule)
         if done is None:
             march = March(stepper, reader(world)(), schedule.first, schedule.first * rung.dt_s, even=True)
@@ -168,6 +196,8 @@ def _joined(before: Record, after: Record) -> Record:
         before.repeated + after.repeated,
         before.imposed + after.imposed,
         after.rested,
+        after.plain_from_s if before.plain_from_s is None else before.plain_from_s,
+        before.plain_s + after.plain_s,
     )
 
 
@@ -176,10 +206,13 @@ def quiet_start_s(scene: Scene, setup: Setup) -> float:
     return first_motion_s(scene) if setup.rest.lean_rad == 0.0 else 0.0
 
 
-def _skipped(scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool, *, halved: bool) -> tuple[str, ...]:
+def _skipped(
+    scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool, *, in_plane: bool
+) -> tuple[str, ...]:
     said = []
-    if halved:
-        said.append("mirror: half of a scene that is its own mirror image across the rocking plane")
+    if in_plane:
+        half = "its bodies turn in the plane alone" if full_from_s == 0.0 else "half of it is computed"
+        said.append(f"mirror: the scene is its own mirror image across the rocking plane: {half}")
     if quiet_s > 0.0:
         said.append(f"quiet_start: the first {quiet_s:.4g} s, in which nothing can move")
     if full_from_s is None:

@@ -15,10 +15,42 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.contact.spatial import matrices
+
 Array = NDArray[np.float64]
 
 DEPTH_M: Final = 1e-4
 """Nearer than this a vertex counts as touching; deeper is beyond any contact's penetration, and where the inset hull begins."""
+
+
+FLUSH_M: Final = 1e-6
+"""A foot no further past an edge than this stands over the top: bases are as wide as pedestals."""
+
+
+def past_edge_m(points_m: Array, row: tuple[float, ...], across_m: tuple[float, float]) -> Array:
+    """How far points (k, 3) of the statue lie past the edges of the top, m, (k,); `across_m` are its half width and depth."""
+    top, statue = matrices(np.array([row[16:20], row[3:7]]))
+    there = (np.array(row[0:3]) - np.array(row[13:16]) + points_m @ statue.T) @ top[:, :2]
+    past: Array = (np.abs(there) - np.array(across_m)).max(axis=1)
+    return past
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """Called with a row, says whether a foot has come over the edges of the pedestal's top, or back over it, since `start`."""
+
+    feet_m: Array
+    across_m: tuple[float, float]
+    start: tuple[float, ...]
+
+    @cached_property
+    def beside(self) -> NDArray[np.bool_]:
+        """Which feet (k,) stand beside the top."""
+        return past_edge_m(self.feet_m, self.start, self.across_m) > FLUSH_M
+
+    def __call__(self, row: tuple[float, ...]) -> bool:
+        past = past_edge_m(self.feet_m, row, self.across_m)
+        return bool(np.where(self.beside, past < -DEPTH_M, past > DEPTH_M).any())
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,10 +26,17 @@ RESTING_FREE: Final = 4
 """Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
 MOST_FREE: Final = 16
 """Steps taken at once at most: so often are overturning, rest and the pedestal's edge looked at."""
+BESIDE_FREE: Final = 2
+"""Steps taken at once where the pedestal's edges may be met: a foot that slides over one stands beside it for no longer."""
 MOST_JOLTS: Final = 8
 """Events met within one step at most: what touches again and again comes to rest in a whole one."""
 LEANING: Final = 0.2
 """An axis whose vertical component is larger is far from overturned."""
+TIPPED_RAD: Final = 2e-5
+"""A pedestal that leans more than this by the end of a step tips (the sweeps leave up to 1e-6 rad in one that stands, in a
+whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
+TIPPED_RAD_S2: Final = 20.0
+"""this acceleration, of a body that tips freely, gives in two steps: of so much the sweeps of longer steps leave a part."""
 STILL_LEAN_RAD: Final = 1e-4
 """A statue at rest on its base leans less than this from its pose at rest."""
 STILL_M_S: Final = 1e-5
@@ -47,7 +54,8 @@ class Watch:
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
     run is not ended at rest). `halt` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
-    `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps.
+    `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps,
+    as they are while `edges` says that the pedestal's edges may be met.
     """
 
     axis: Vector
@@ -57,6 +65,7 @@ class Watch:
     halt: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
     touch: Touch | None = None
+    edges: Callable[[Row], bool] | None = None
 
 
 def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> Record:
@@ -64,7 +73,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
     still, record = Still(watch), march.record
-    look = halt_look = march.number
+    look, halt_look, beside = march.number, march.number, False
     while march.number < schedule.count:
         row = march.row
         zx, zy, zz = axis_of(row, watch.axis)
@@ -72,9 +81,10 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
             break
         if march.on_grid:
             if watch.halt is not None and march.number >= halt_look:
-                halt_look = march.number + MOST_FREE
                 if watch.halt(row):
                     break
+                beside = watch.edges is not None and watch.edges(row)
+                halt_look = march.number + (BESIDE_FREE if beside else MOST_FREE)
             if watch.stop is not None and march.number >= look:
                 look = march.number + LOOK_STEPS
                 if watch.stop(march.t_s, math.atan2(zx, zz)):
@@ -83,7 +93,10 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
                 record.rested = True
                 break
         free = MOST_FREE
-        if watch.touch is not None and march.jolts < MOST_JOLTS:
+        if watch.touch is not None and (beside or tips(row, march.step_s)):
+            free = BESIDE_FREE if beside else MOST_FREE
+            march.leave_plain(free)
+        elif watch.touch is not None and march.jolts < MOST_JOLTS:
             free = _touched(march, scene, watch.touch, watch)
             if free == 0:
                 continue
@@ -98,6 +111,15 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> R
             march.to_next()
     record.repeated = march.stepper.repeated
     return record
+
+
+def tips(row: Row, step_s: float) -> bool:
+    """Whether the pedestal tips: its impacts on the floor are not located, and those of the statue are none on a held support."""
+    if len(row) == ALONE:
+        return False
+    a, b, c, d = row[16:20]
+    tilt = math.hypot(2.0 * (a * c + b * d), 2.0 * (b * c - a * d))
+    return tilt + step_s * math.hypot(row[23], row[24]) > max(TIPPED_RAD, TIPPED_RAD_S2 * step_s * step_s)
 
 
 def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:

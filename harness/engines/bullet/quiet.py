@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Final
 
 STDERR: Final = 2
@@ -27,5 +27,6 @@ def _without_banner() -> Iterator[None]:
         os.close(kept)
 
 
-with _without_banner():
+# Where it is not installed, the engine is still listed, and says so itself (`Bullet3D.missing`).
+with _without_banner(), suppress(ImportError):
     import pybullet  # noqa: F401

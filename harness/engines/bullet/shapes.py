@@ -24,6 +24,7 @@ HULL_INSET_M: Final = 1.1e-3
 """Hull and parts are drawn inside the body by their margin and a tenth of a millimetre, so that the feet always touch first."""
 LEAST_THICKNESS_M: Final = 1e-5
 """A body thinner than this, once drawn inside, is left out: its neighbours or the hull's vertices touch in its place."""
+NOTHING: Final = '<mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
 MOST_IN_ARRAY: Final = 16
 """`createCollisionShapeArray` silently keeps the first 16 shapes and drops the rest."""
 
@@ -67,26 +68,63 @@ def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int, *, halve
     )
 
 
-def described_body(centres_m: Array, radius_m: float, convex_m: Sequence[Array], client: int) -> int:
+def linked_pedestal(body: Pedestal, radius_m: float, place_m: list[float], client: int) -> int:
+    """A pedestal on its spheres with two links fixed to it: the plane of its top, without end, and a box with its edges."""
+    x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
+    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    base = feet(np.array([[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]), radius_m, client)
+    box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[x, y, half], physicsClientId=client)
+    drawn = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1.0, 1.0, 1.0], physicsClientId=client)
+    still, upright = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
+    return int(
+        pybullet.createMultiBody(
+            body.mass_kg,
+            base,
+            drawn,
+            basePosition=place_m,
+            linkMasses=[0.0, 0.0],
+            linkCollisionShapeIndices=[plane((0.0, 0.0, 1.0), client), int(box)],
+            linkVisualShapeIndices=[drawn, drawn],
+            linkPositions=[[0.0, 0.0, high], [0.0, 0.0, middle]],
+            linkOrientations=[upright, upright],
+            linkInertialFramePositions=[still, still],
+            linkInertialFrameOrientations=[upright, upright],
+            linkParentIndices=[0, 0],
+            linkJointTypes=[pybullet.JOINT_FIXED, pybullet.JOINT_FIXED],
+            linkJointAxis=[[0.0, 0.0, 1.0]] * 2,
+            physicsClientId=client,
+        )
+    )
+
+
+def described_body(
+    centres_m: Array, radius_m: float, convex_m: Sequence[Array], client: int, apart_m: Sequence[Array] = ()
+) -> int:
     """A body from a description on disk: any number of spheres, and the hull of each set of points (n, 3) of `convex_m`.
 
-    Mass and inertia are set afterwards. One element stands on each line: the reader's buffer holds a line, not a file.
+    Each of `apart_m` are the centres (k, 3) of spheres on a link of their own, fixed to the body, which others can be told to
+    meet or not. Mass and inertia are set afterwards. One element stands on each line: the reader's buffer holds a line.
     """
     with tempfile.TemporaryDirectory(prefix="rockcheck-") as folder:
-        parts = [
-            f'<collision><origin xyz="{x:.17g} {y:.17g} {z:.17g}"/>'
-            f'<geometry><sphere radius="{radius_m:.17g}"/></geometry></collision>'
-            for x, y, z in centres_m
-        ]
+        parts = _spheres(centres_m, radius_m)
         for number, points in enumerate(convex_m):
             _write_points(Path(folder) / f"{number}.obj", points)
             parts.append(f'<collision><geometry><mesh filename="{number}.obj"/></geometry></collision>')
         # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
         parts.append('<visual><geometry><box size="1 1 1"/></geometry></visual>')
         unit = '<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
-        text = "\n".join(
-            ['<robot name="statue"><link name="statue">', f"<inertial>{unit}</inertial>", *parts, "</link></robot>"]
-        )
+        links = []
+        for number, centres in enumerate(apart_m):
+            links += [
+                f'<link name="{number}">',
+                f"<inertial>{NOTHING}</inertial>",
+                *_spheres(centres, radius_m),
+                "</link>",
+            ]
+            links += [f'<joint name="{number}" type="fixed"><parent link="statue"/><child link="{number}"/></joint>']
+        inside = [f"<inertial>{unit}</inertial>", *parts, "</link>", *links]
+        text = "\n".join(['<robot name="statue"><link name="statue">', *inside, "</robot>"])
         file = Path(folder) / "statue.urdf"
         file.write_text(text, encoding="ascii")
         try:
@@ -95,6 +133,15 @@ def described_body(centres_m: Array, radius_m: float, convex_m: Sequence[Array],
             raise EngineFailure(
                 f"pybullet could not build the statue from {len(centres_m)} spheres and {len(convex_m)} convex bodies: {error}"
             ) from error
+
+
+def _spheres(centres_m: Array, radius_m: float) -> list[str]:
+    """Lines of a description."""
+    return [
+        f'<collision><origin xyz="{x:.17g} {y:.17g} {z:.17g}"/>'
+        f'<geometry><sphere radius="{radius_m:.17g}"/></geometry></collision>'
+        for x, y, z in centres_m
+    ]
 
 
 def inset(points_m: Array) -> Array:

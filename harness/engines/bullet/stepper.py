@@ -44,7 +44,8 @@ HALTED: Final = 0.3
 class Record:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
-    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before. `plain_from_s` is when the layer that
+    locates events first left the engine to plain steps (None: never), `plain_s` for how long in all.
     """
 
     width: int
@@ -54,6 +55,8 @@ class Record:
     repeated: int = 0
     imposed: int = 0
     rested: bool = False
+    plain_from_s: float | None = None
+    plain_s: float = 0.0
 
     @property
     def rows(self) -> Array:
@@ -154,7 +157,7 @@ class Stepper:
         self.plain = not (schedule.moving or self.switches)
         self.stuck = True
         self.grip_limit, self.grips = contact.statue, False
-        self._anchor(held=not world.edges)
+        self._anchor(held=world.feet_over)
         self.least_reach = world.reach
         self.repeated = 0
         self.just_released = False
@@ -204,7 +207,7 @@ class Stepper:
         needed = STEPS_OFF * turning * self.schedule.step_s**2
         if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:
             self.world.set_reach(max(WIDER * needed, self.least_reach))
-        if not self.world.edges:
+        if self.world.feet_over:
             self._look_at_grip(pulls, before, after)
 
     def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
@@ -219,7 +222,8 @@ class Stepper:
 
     def _anchor(self, *, held: bool) -> None:
         self.grips = held
-        self.world.anchor(held=held)
+        if self.world.feet_over:
+            self.world.anchor(held=held)
 
     def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
         """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact.frame import greatest_pull_m_s2
-from harness.contact.spatial import matrices
+from harness.engines.bullet.edge import past_edge_m
 from harness.scene import Scene
 
 Array = NDArray[np.float64]
@@ -142,7 +142,7 @@ class Touch:
         height, motion = self._support(row, floor_m, floor_m_s)
         gap = self.feet_m @ np.array(height[:3]) + height[3]
         if self.within_m is not None:
-            gap[self._beside(row)] = math.inf
+            gap[past_edge_m(self.feet_m, row, self.within_m) > 0.0] = math.inf
         return gap, -(self.feet_m @ np.array(motion[:3]) + motion[3])
 
     def _support(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Four, Four]:
@@ -167,9 +167,3 @@ class Touch:
         ha, hb, hc = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz, nx * cx + ny * cy + nz * cz
         va, vb, vc = sx * ax + sy * ay + sz * az, sx * bx + sy * by + sz * bz, sx * cx + sy * cy + sz * cz
         return (ha, hb, hc, place), (va, vb, vc, rate)
-
-    def _beside(self, row: Row) -> NDArray[np.bool_]:
-        """Which feet stand beside the pedestal's top, shape (k,)."""
-        top, statue = matrices(np.array([row[16:20], row[3:7]]))
-        there = (np.array(row[0:3]) - np.array(row[13:16]) + self.feet_m @ statue.T) @ top[:, :2]
-        return np.asarray((np.abs(there) > np.array(self.within_m)).any(axis=1))

@@ -24,8 +24,10 @@ ALOFT_M: Final = 1e3
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 MIRRORED_RESIDUAL: Final = 1e-2
 """Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
-FULL_RADIUS_M: Final = 1e-5
-"""Radius of the feet where the pedestal's top is a box: a smaller sphere against it is missed more often."""
+FACE, BOX = 0, 1
+"""Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
+OVER, BESIDE = 0, 1
+"""Links of the statue there: its feet over the top, and those beside it."""
 WALL_REACH: Final = 1e-4
 """What meets a wall is met by no shorter step: seen from further away, more of it ends a whole step there."""
 MOVING: Final = 1
@@ -44,15 +46,15 @@ class World:
     A context manager: leaving it ends the client. Raises `EngineFailure` when no client can be had.
     """
 
-    def __init__(self, settings: BulletSettings, *, mirrored: bool = False) -> None:
-        self.settings, self.mirrored = settings, mirrored
+    def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
+        self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
         self.client = client.take()
         self.floor = -1
         self.wall: int | None = None
         self.pedestal: int | None = None
         self.statue = -1
         self.radius_m = settings.foot_radius_m
-        self.edges, self.reach = False, settings.reach
+        self.edges, self.feet_over, self.reach = False, True, settings.reach
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
@@ -106,23 +108,27 @@ class World:
         pedestal: tuple[Pedestal, float] | None,
         wall: tuple[Wall, float] | None,
         statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
+        beside: NDArray[np.bool_] | None = None,
     ) -> None:
         """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
-        and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges.
+        and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges;
+        `beside` (k,) are then the feet beside its top (None: none), the others meet its face as if that had no end.
         """
         self.edges = statue[3] is not None
-        radius = self.radius_m = FULL_RADIUS_M if self.edges else self.settings.foot_radius_m
+        radius = self.radius_m
         self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
         if wall is not None:
             self.set_reach(max(self.reach, WALL_REACH))
             sign = wall[0].sign
             self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
         if self.settings.reversed_bodies:
-            self._add_statue(statue)
+            self._add_statue(statue, beside)
             self._add_pedestal(pedestal, self.edges)
         else:
             self._add_pedestal(pedestal, self.edges)
-            self._add_statue(statue)
+            self._add_statue(statue, beside)
+        if self.pedestal is not None and not self.mirrored:
+            self._part_top(self.pedestal)
         # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
         self.surface(self.statue, contact.statue)
         if self.pedestal is not None:
@@ -178,21 +184,53 @@ class World:
         if pedestal is None:
             return
         p, centre_m = pedestal
-        shape = shapes.pedestal(p, self.radius_m, edges, self.client, halved=self.mirrored)
         squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
         moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
-        if self.mirrored:
+        if self.in_plane:
             moments = mirror.locked(moments)
-        self.pedestal = self.add(shape, p.mass_kg, moments, [centre_m, 0.0, p.centroid_height_m])
+        place = [centre_m, 0.0, p.centroid_height_m]
+        if not self.mirrored:
+            self.pedestal = shapes.linked_pedestal(p, self.radius_m, place, self.client)
+            self._inert(self.pedestal, p.mass_kg, moments)
+        else:
+            shape = shapes.pedestal(p, self.radius_m, False, self.client, halved=self.mirrored)
+            self.pedestal = self.add(shape, p.mass_kg, moments, place)
 
-    def _add_statue(self, statue: tuple[float, Array, Array, Sequence[Array] | None, Body]) -> None:
+    def _part_top(self, pedestal: int) -> None:
+        """Let the face be met by the feet over it alone, and them not by the box."""
+        pair, client, links = (
+            pybullet.setCollisionFilterPair,
+            self.client,
+            pybullet.getNumJoints(self.statue, self.client),
+        )
+        for link in range(-1, links):
+            over = self.feet_over and link == (OVER if self.edges else -1)
+            pair(self.statue, pedestal, link, FACE, int(over), client)
+            pair(self.statue, pedestal, link, BOX, int(self.edges and not over), client)
+            pair(self.statue, pedestal, link, -1, 0, client)
+        for body in (self.floor, *(() if self.wall is None else (self.wall,))):
+            pair(body, pedestal, -1, FACE, 0, client)
+            pair(body, pedestal, -1, BOX, 0, client)
+
+    def _add_statue(
+        self,
+        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
+        beside: NDArray[np.bool_] | None,
+    ) -> None:
         mass, moments, feet_m, convex_m, state = statue
         radius = self.radius_m
-        if convex_m is None and len(feet_m) <= shapes.MOST_IN_ARRAY:
+        if convex_m is not None:
+            there = np.zeros(len(feet_m), dtype=bool) if beside is None else beside
+            groups = [feet_m[~there], feet_m[there]]
+            self.feet_over = len(groups[OVER]) > 0
+            apart = [group for group in groups if len(group)]
+            self.statue = shapes.described_body(feet_m[:0], radius, convex_m, self.client, apart)
+            self._inert(self.statue, mass, moments)
+        elif len(feet_m) <= shapes.MOST_IN_ARRAY:
             shape = shapes.feet(feet_m, radius, self.client)
             self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])
         else:
-            self.statue = shapes.described_body(feet_m, radius, convex_m or (), self.client)
+            self.statue = shapes.described_body(feet_m, radius, (), self.client)
             self._inert(self.statue, mass, moments)
         self.place(self.statue, state)
 
@@ -210,19 +248,25 @@ class World:
 
     def surface(self, body: int, friction: float) -> None:
         """Coefficient of friction of a body, nothing else at its contacts."""
-        pybullet.changeDynamics(
-            body,
-            -1,
-            lateralFriction=friction,
-            spinningFriction=0.0,
-            rollingFriction=0.0,
-            restitution=0.0,
-            physicsClientId=self.client,
-        )
+        for link in self._links(body):
+            pybullet.changeDynamics(
+                body,
+                link,
+                lateralFriction=friction,
+                spinningFriction=0.0,
+                rollingFriction=0.0,
+                restitution=0.0,
+                physicsClientId=self.client,
+            )
+
+    def _links(self, body: int) -> range:
+        """Numbers of a body's links, its base's -1 first."""
+        return range(-1, pybullet.getNumJoints(body, self.client))
 
     def anchor(self, *, held: bool) -> None:
         """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
-        pybullet.changeDynamics(self.statue, -1, frictionAnchor=int(held), physicsClientId=self.client)
+        link = OVER if self.edges else -1
+        pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
 
     def set_reach(self, reach: float) -> None:
         """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
@@ -230,7 +274,8 @@ class World:
         pybullet.setPhysicsEngineParameter(contactBreakingThreshold=reach, physicsClientId=self.client)
         for body in (self.statue, self.pedestal):
             if body is not None and body >= 0:
-                pybullet.setCollisionFilterGroupMask(body, -1, MOVING, EVERYTHING, physicsClientId=self.client)
+                for link in self._links(body):
+                    pybullet.setCollisionFilterGroupMask(body, link, MOVING, EVERYTHING, physicsClientId=self.client)
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

@@ -9,11 +9,10 @@ from typing import ClassVar, Final, final
 
 import numpy as np
 
-from harness.contact import frame
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.contact.trajectory import Trajectory
 from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engines.munk2d.samples import trajectory
 from harness.engines.munk2d.world import MunkSettings
 from harness.plan import first_motion_s
 from harness.record import Run
@@ -105,7 +104,8 @@ class Munk2D(Engine):
     def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.munk2d import drive as driving
-        from harness.engines.munk2d import loop, world
+        from harness.engines.munk2d import loop, plain_spells, world
+        from harness.engines.munk2d.standing import Standing
 
         own = _own(settings)
         begin = time.perf_counter()
@@ -114,10 +114,12 @@ class Munk2D(Engine):
             grid = loop.grid_of(scene, own.dt_s)
             first, skipped = _first_step(scene, own, want, len(grid.gravity))
             drive = driving.start(scene, own, built, first * own.dt_s)
-            rested = loop.run(drive, grid, first, want)
+            standing = Standing(drive)
+            rested = loop.run(drive, standing, grid, first, want)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
-        trajectory = _trajectory(drive)
+        states, t_s = np.concatenate(drive.states), np.array(drive.times_s)
+        path = trajectory(scene, built, states, t_s, np.array(drive.lags_s))
         if rested:
             skipped = (*skipped, f"from {drive.t_s:.4g} s on the statue is at rest and the floor is still")
         report = Report(
@@ -129,12 +131,13 @@ class Munk2D(Engine):
             stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
             rested=rested,
             with_history=want.history or not want.may_skip("no_history"),
+            validity=plain_spells.plain_spells(drive, standing),
             work=drive.work,
             skipped=skipped,
             warnings=_warnings(scene, drive),
             labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
         )
-        return replace(reduce_trajectory(scene, trajectory, report), wall_s=time.perf_counter() - begin)
+        return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
 
 def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
@@ -172,43 +175,3 @@ def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
     if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
         found.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
     return tuple(found)
-
-
-def _trajectory(drive: object) -> Trajectory:
-    """Recorded states as samples in the table's frame, positions brought forward by what they lag."""
-    from harness.engines.munk2d.drive import Drive
-
-    if not isinstance(drive, Drive):
-        raise TypeError("a Drive is wanted")
-    scene, world = drive.scene, drive.world
-    states = np.concatenate(drive.states)
-    t_s, lag = np.array(drive.times_s), np.array(drive.lags_s)
-    forward = lag[:, None]
-    body = states[:, world.statue_slice]
-    place, rate = body[:, 0:2] + forward * body[:, 3:5], body[:, 3:5]
-    if drive.moving:
-        speed = frame.table_velocity(scene, t_s)[:, ::2]
-        shift = frame.table_displacement(scene, t_s - lag)[:, ::2] + forward * speed
-        place, rate = place - shift, rate - speed
-    slip, slip_rate = np.zeros(t_s.size), np.zeros(t_s.size)
-    pedestal_place, pedestal_rate, extra = None, None, {}
-    if world.pedestal is not None:
-        other = states[:, world.pedestal_slice]
-        pedestal_place, pedestal_rate = other[:, 0:2] + forward * other[:, 3:5], other[:, 3:5]
-        if drive.moving:
-            pedestal_place, pedestal_rate = pedestal_place - shift, pedestal_rate - speed
-        slip, slip_rate = pedestal_place[:, 0] - pedestal_place[0, 0], pedestal_rate[:, 0]
-        extra = {"pedestal_tilt_rad": -(other[:, 2] + lag * other[:, 5])}
-    return Trajectory(
-        t_s,
-        -(body[:, 2] + lag * body[:, 5]),
-        -body[:, 5],
-        slip,
-        slip_rate,
-        frame.apparent_gravity(scene, t_s)[:, ::2],
-        place,
-        rate,
-        pedestal_place,
-        pedestal_rate,
-        extra,
-    )

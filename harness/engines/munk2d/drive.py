@@ -189,11 +189,14 @@ def release_share(drive: Drive, gravity: Sequence[Pair]) -> float:
     return min(max((1.0 - used[1]) / grown - 0.5, -0.5), 1.0) if grown > 0.0 else 0.0
 
 
-def slid(drive: Drive, gravity: Pair) -> bool:
-    """Whether the pedestal slid in the step recorded last: its friction was at the limit. A solver's remainder is no slip."""
+def slid(drive: Drive, gravity: Pair, owed_m_s: Pair) -> bool:
+    """Whether the pedestal slid in the step recorded last: its friction was at the limit. A solver's remainder is no slip.
+
+    `owed_m_s`: what was taken from the statue's velocity before that step (`Standing.hold`).
+    """
     if drive.stuck and drive.friction.switches:
         return False
-    before, after = recorded_velocities(drive, 1), recorded_velocities(drive)
+    before, after = less(recorded_velocities(drive, 1), owed_m_s), recorded_velocities(drive)
     return bool(before) and _at_limit(drive, before, after, gravity, stuck=drive.stuck)
 
 
@@ -217,6 +220,11 @@ def recorded_velocities(drive: Drive, back: int = 0) -> list[Pair]:
     row = world.recorder.last(back)
     columns = (world.statue_column, world.pedestal_column)
     return [(row[column + 3], row[column + 4]) for column in columns] if row else []
+
+
+def less(velocities: Sequence[Pair], owed_m_s: Pair) -> list[Pair]:
+    """Velocities of statue and pedestal, the statue's less what was taken from it."""
+    return [(x - owed_m_s[0], z - owed_m_s[1]) for x, z in velocities[:1]] + list(velocities[1:])
 
 
 def set_stuck(drive: Drive, *, stuck: bool, static_share: float = 0.0) -> None:

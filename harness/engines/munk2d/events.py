@@ -37,20 +37,20 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
         impact_alone(drive, move)
         # Both were at the impact, velocities by its foreseen time; half a step on, they are half a step ahead again.
         drive.place_s = drive.t_s
-        standing.keep(0.5 * dt)
+        standing.keep(0.5 * dt, dt)
         advance(drive, 0.5 * dt, dt)
         record(drive, drive.t_s)
         drive.work["impacts_split"] += 1
     rest = end_s - drive.t_s
     while rest > MOST_SHARE * dt:
-        standing.keep(dt)
+        standing.keep(dt, dt)
         advance(drive, dt, dt)
         record(drive, drive.t_s)
         rest = end_s - drive.t_s
     move = drive.t_s + 0.5 * rest - drive.place_s
-    standing.keep(move)
+    standing.keep(move, rest)
     advance(drive, move, rest)
-    end(drive, end_s)
+    end(drive, standing, end_s)
     return found
 
 
@@ -63,47 +63,41 @@ def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_
     """Velocities to the impact on a facet `ahead_s` after the places, which are half of `part_s` behind; places half the way."""
     incoming = incoming_vertex(standing, facet)
     move = 0.5 * ahead_s + 0.25 * part_s
-    standing.keep(move)
-    advance(drive, move, ahead_s - 0.5 * part_s)
-    _turn_on(drive, standing, facet, old=2 * facet + 1 - incoming)
+    kick = ahead_s - 0.5 * part_s
+    standing.keep(move, kick)
+    advance(drive, move, kick)
+    turn_on(drive, standing, 2 * facet + 1 - incoming, standing.level_rad[facet] + standing.tilt())
     record(drive, drive.t_s, drive.t_s - drive.place_s)
     # A vertex that no longer comes down, as the part has halted it, is not taken anywhere.
     contact_s = time_to_contact(standing, incoming)
     if abs(contact_s) < drive.settings.dt_s:
-        standing.keep(contact_s, turned=True)
+        standing.keep(contact_s, 0.0, turned=True)
 
 
-def end(drive: Drive, end_s: float) -> None:
-    """End on a whole step: positions half a step behind velocities."""
+def end(drive: Drive, standing: Standing, end_s: float) -> None:
+    """End on a whole step: positions half a step behind velocities, and these the tangents there."""
     place_s = end_s - 0.5 * drive.settings.dt_s
+    angle_rad = native.get_angle(standing.statue) + native.get_spin(standing.statue) * (place_s - drive.place_s)
+    turn_on(drive, standing, standing.standing_vertex(angle_rad), angle_rad)
     for body in drive.world.movers:
         shift(body, place_s - drive.place_s)
     drive.t_s, drive.place_s = end_s, place_s
     record(drive, end_s)
 
 
-def _turn_on(drive: Drive, standing: Standing, facet: int, old: int) -> None:
-    """Give the statue's centroid the velocity that it has when it arrives on a facet, turning on vertex `old`.
+def turn_on(drive: Drive, standing: Standing, vertex: int, angle_rad: float) -> None:
+    """Give the statue's centroid the velocity that it has at `angle_rad`, turning on `vertex`; spin and support keep theirs.
 
-    The velocity found with the contact of half a part before is still that circle's tangent there. The sliding pedestal takes up
-    the momentum; friction holds one that is stuck. Nothing is turned where that contact was not `old`'s: of two facets that are
-    passed in one step the first has not been met.
+    Nothing is turned where the statue does not stand on that vertex: of two facets that are passed in one step the first has
+    not been met.
     """
     world, body = drive.world, standing.statue
-    if not standing.stands_on(old):
+    if not standing.stands_on(vertex):
         return
-    angle = standing.level_rad[facet] + standing.tilt()
-    spin, velocity = native.get_spin(body), native.get_velocity(body)
-    arm_x, arm_z = standing.arm(old, angle)
-    along, up = spin * arm_z, -spin * arm_x
-    below = world.floor if world.pedestal is None else world.pedestal
-    carried = native.get_velocity(native.body_of(below))
-    base = carried.x
-    if world.pedestal is not None and not drive.stuck:
-        statue_kg, pedestal_kg = drive.masses_kg
-        base = (pedestal_kg * carried.x + statue_kg * (velocity.x - along)) / (pedestal_kg + statue_kg)
-        native.set_velocity(native.body_of(below), (base, carried.y))
-    native.set_velocity(body, (base + along, carried.y + up))
+    spin = native.get_spin(body)
+    arm_x, arm_z = standing.arm(vertex, angle_rad)
+    carried = native.get_velocity(native.body_of(world.floor if world.pedestal is None else world.pedestal))
+    native.set_velocity(body, (carried.x + spin * arm_z, carried.y - spin * arm_x))
 
 
 def _time_level(drive: Drive, standing: Standing, facet: int) -> float:

@@ -66,12 +66,13 @@ def _pairs(rows: Array) -> list[Pair]:
     return list(zip(rows[:, 0].tolist(), rows[:, 2].tolist(), strict=True))
 
 
-def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
+def run(drive: Drive, standing: Standing, grid: Grid, first: int, want: Want) -> bool:
     """Compute from step `first` to the end; returns whether the run was ended early at rest."""
     total, k = len(grid.gravity), first
     quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
-    standing, drive.whole_from, split_from = Standing(drive), first, first + LEAST_BETWEEN
+    drive.whole_from, split_from = first, first + LEAST_BETWEEN
+    drive.spin_before_rad_s = native.get_spin(standing.statue)
     while k < total:
         k, event, share = _plain_steps(drive, standing, grid, k, look, split_from)
         if event == IMPACT:
@@ -85,6 +86,9 @@ def run(drive: Drive, grid: Grid, first: int, want: Want) -> bool:
             events.split_halt(drive, standing, share, float(grid.edges_s[k + 1]))
             # An impact may follow at once: a halt does not change how the statue turns.
             k, drive.rate_before_m_s, drive.whole_from = k + 1, math.nan, k + 1
+        if event != END:
+            # What an event changed the spin by says nothing of the steps after it.
+            drive.spin_before_rad_s = native.get_spin(standing.statue)
         if k >= look:
             look = min(k + BLOCK_STEPS, total)
             drive.states.append(drive.world.recorder.take())
@@ -131,6 +135,7 @@ def _plain_steps(
     aligned, on_pedestal = drive.aligned, world.pedestal is not None
     halts = settings.align and on_pedestal and rest > 0.0
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
+    lags = (0.5 * dt, 0.5 * dt)
     least_spin = standing.swings_rad_s if aligned else math.inf
     own, under = world.statue_slice, world.pedestal_slice
     begin, event, share, spin, row, risen = k, END, 0.0, drive.spin_before_rad_s, last(), standing.risen
@@ -158,7 +163,7 @@ def _plain_steps(
         if (
             halts
             and (rest < rate < before - rate or before - rate < rate < -rest)
-            and driving.slid(drive, gravity[k - 1])
+            and driving.slid(drive, gravity[k - 1], standing.owed_m_s)
         ):
             event, share = HALT, rate / (before - rate)
             break
@@ -169,7 +174,7 @@ def _plain_steps(
         if aligned:
             if moving and not on_pedestal:
                 top = grid.table_place[k][1] + dt * grid.table_velocity[k][1]
-            hold(state, below, dt, top, slow=k % SLOW_EVERY == 0)
+            hold(state, below, dt, lags, top, slow=k % SLOW_EVERY == 0)
         if moving:
             native.set_velocity(floor, grid.table_velocity[k])
             native.set_place(floor, grid.table_place[k])
@@ -180,7 +185,7 @@ def _plain_steps(
             before, rate = rate, row[world.pedestal_column + 3] - (grid.table_velocity[k][0] if moving else 0.0)
             if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
                 recorder.drop()
-                rate, using = _switch(drive, grid, k, rate), many
+                rate, using = _switch(drive, standing, grid, k, rate), many
                 each(space, record_with, record_to)
                 row = last()
             below = row[under]
@@ -196,7 +201,7 @@ def _plain_steps(
     return k, event, share
 
 
-def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
+def _switch(drive: Drive, standing: Standing, grid: Grid, k: int, rate: float) -> float:
     """Let the floor's coefficient follow the state after step k; returns the pedestal's rate.
 
     A step that seems to have broken loose is computed again: with many iterations first, because a solver's remainder is no
@@ -205,13 +210,17 @@ def _switch(drive: Drive, grid: Grid, k: int, rate: float) -> float:
     if not drive.stuck:
         driving.set_stuck(drive, stuck=True)
         return rate
-    before = driving.recorded_velocities(drive)
+    owed = standing.owed_m_s
+    before = driving.less(driving.recorded_velocities(drive), owed)
     if not driving.broke_loose(drive, before, grid.gravity[k]):
         return rate
     space, many = native.space_of(drive.world.space), drive.settings.impact_iterations
+    lags_s = (0.5 * drive.settings.dt_s, 0.5 * drive.settings.dt_s)
     share = driving.release_share(drive, grid.gravity[k - 2 : k]) if k >= drive.whole_from + 2 else 0.0
     for stuck in (True, False):
         driving.restore_recorded(drive)
+        if owed != (0.0, 0.0):
+            standing.hold(native.state_of(standing.statue), standing.below(), drive.settings.dt_s, lags_s)
         if drive.moving:
             native.set_place(native.body_of(drive.world.floor), grid.table_place[k])
         driving.set_stuck(drive, stuck=stuck, static_share=share)

@@ -127,7 +127,7 @@ def _swing(drive: Drive, standing: Standing, facet: int, part_s: float) -> tuple
     move, gained = 0.5 * part_s, 0.0
     for _ in range(MOST_PARTS):
         spin = native.get_spin(standing.statue)
-        standing.keep(move)
+        standing.keep(move, part_s)
         advance(drive, move, part_s)
         record(drive, drive.t_s, 0.5 * part_s)
         gained, move = native.get_spin(standing.statue) - spin, part_s
@@ -153,7 +153,7 @@ def _to_whole_step(drive: Drive, standing: Standing, edges_s: Array) -> int:
     end = int(np.searchsorted(edges_s, drive.t_s + LEAST_TAIL * drive.settings.dt_s))
     part = float(edges_s[end]) - drive.t_s
     move = drive.t_s + 0.5 * part - drive.place_s
-    standing.keep(move)
+    standing.keep(move, part)
     advance(drive, move, part)
-    events.end(drive, float(edges_s[end]))
+    events.end(drive, standing, float(edges_s[end]))
     return end

@@ -79,7 +79,7 @@ class Standing:
     beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come, `steady` whether its
     rate hardly changes; impacts are met at rates above `swings_rad_s`, and at those below `least_of_all_rad_s` the statue stands
     on a whole facet in a halt. `depth_m` is the depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and
-    above; `lost` the spin that a step would lose, over itself and the turn squared, by vertex.
+    above; `gained_rad_s` what the spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
     """
 
     def __init__(self, drive: Drive) -> None:
@@ -99,7 +99,7 @@ class Standing:
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
         self.facet, self.steady, self.risen = NEAR, False, False
-        self.lost = [0.5 * scene.statue.mass_kg * (x * x + z * z) / scene.statue.inertia_kg_m2 for x, z in self.points]
+        self.drive, self.gained_rad_s, self.owed_m_s = drive, 0.0, (0.0, 0.0)
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
         self.asked = -2
@@ -121,6 +121,7 @@ class Standing:
             if not -TIPPED_RAD <= tilt <= TIPPED_RAD:
                 return NEAR
             turned -= tilt
+        self.gained_rad_s = spin - before_rad_s
         above = bisect_left(level, turned)
         facet, behind = (above - 1, above) if spin < 0.0 else (above, above - 1)
         if 0 <= facet < len(level):
@@ -154,7 +155,7 @@ class Standing:
         place_x, place_z, angle, _, rise, spin = native.state_of(self.statue)
         x, z = self.points[vertex]
         cos, sin = math.cos(angle), math.sin(angle)
-        below = self._below()
+        below = self.below()
         top, top_rise = 0.0, 0.0
         if below is not None:
             top, top_rise = self._top(below, place_x + x * cos - z * sin, 0.0, below[2]), below[4]
@@ -164,7 +165,7 @@ class Standing:
         """Whether the vertex moves with its support, but for `HELD_SHARE` of its rate about the centroid."""
         _, _, angle, along, rise, spin = native.state_of(self.statue)
         arm_x, arm_z = self.arm(vertex, angle)
-        below = self._below()
+        below = self.below()
         if below is not None:
             along, rise = along - below[3], rise - below[4]
         slide, lift = along - spin * arm_z, rise + spin * arm_x
@@ -183,27 +184,32 @@ class Standing:
         """Rotation of the pedestal, rad."""
         return 0.0 if self.pedestal is None else float(native.get_angle(self.pedestal))
 
-    def keep(self, length_s: float, *, turned: bool = False) -> None:
+    def keep(self, length_s: float, kick_s: float, *, turned: bool = False) -> None:
         """Place the statue so that a move of `length_s` takes its standing vertex to its depth, unless it hardly turns.
 
-        `turned`: its velocity is already that of the circle where it arrives.
+        `kick_s`: by how much its velocities go on; `turned`: they are already those of the circle where it arrives.
         """
-        self.hold(native.state_of(self.statue), self._below(), length_s, turned=turned)
+        self.gained_rad_s = 0.0
+        lag_s = self.drive.t_s - self.drive.place_s
+        lags_s = None if turned else (lag_s, lag_s + kick_s - length_s)
+        self.hold(native.state_of(self.statue), self.below(), length_s, lags_s)
 
     def hold(
         self,
         state: Row,
         below: Row | None,
         length_s: float,
+        lags_s: Pair | None,
         support_m: float | None = None,
         *,
         slow: bool = False,
-        turned: bool = False,
     ) -> None:
         """The same from the states of the statue and of what moves below it; one at rest is settled, only if `slow`.
 
-        `support_m`: the support's height after that move, where the table's own motion gives it.
+        `lags_s`: by how much its places lag its velocities before and after that move, None where these are already the circle's
+        where it arrives; `support_m`: the support's height after that move, where the table's own motion gives it.
         """
+        self.owed_m_s = (0.0, 0.0)
         place_x, place_z, angle, rate_x, rate_z, spin = state
         if -self.slow_rad_s < spin < self.slow_rad_s:
             at_rest = -self.swings_rad_s < spin < self.swings_rad_s
@@ -233,12 +239,35 @@ class Standing:
                 support_m = self._top(below, place_x + rate_x * length_s + x * cos - z * sin, length_s, tilt)
         depth = self.depth_at(spin)
         excess = place_z + rate_z * length_s + x * sin + z * cos - support_m + depth
-        if -self.slop_m < excess < RISES * (depth + self.height_m * turn * turn):
-            native.set_place(self.statue, (place_x, place_z - excess))
-            if not turned:
-                # The velocity is the tangent of the circle where the last contact was: the next turns it on and keeps what of
-                # it lies along, I ω' + m R² ω' = I ω + m R² ω cos(turn). What that loses is given to the spin beforehand.
-                native.set_spin(self.statue, spin * (1.0 + self.lost[vertex] * turn * turn))
+        if not -self.slop_m < excess < RISES * (depth + self.height_m * turn * turn):
+            return
+        ahead_x, ahead_z = 0.0, 0.0
+        if lags_s is not None:
+            arm_x, arm_z = x * cos - z * sin, x * sin + z * cos
+            owed_x, owed_z = self._owed(spin, turn, lags_s, arm_x, arm_z)
+            slides = rate_x - spin * (arm_z - turn * arm_x) - (0.0 if below is None else below[3])
+            if abs(slides) <= HELD_SHARE * abs(spin) * self.height_m:
+                # Along the support, too, the arc from the tangent: else the statue would walk over it.
+                ahead_x = 0.5 * turn * turn * arm_x + owed_x * length_s
+            else:
+                # A vertex that slides along its support is tied to it in height alone.
+                owed_x = 0.0
+            self.owed_m_s, ahead_z = (owed_x, owed_z), owed_z * length_s
+            native.set_velocity(self.statue, (rate_x - owed_x, rate_z - owed_z))
+        native.set_place(self.statue, (place_x + ahead_x, place_z - excess + ahead_z))
+
+    def _owed(self, spin: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:
+        """What to take from the centroid's velocity before a turn so that support and spin have their own at its end, m/s.
+
+        A velocity is the tangent of the circle where its contact was solved, a lag behind its instant: it lacks lag ω² arm. A
+        pedestal that slides shares that momentum, and it and the spin are off by it at first order. What the lack changes by in
+        a turn, with arm' for ω × arm over ω, is ω² ((lag₁ − lag₀) arm + lag₀ turn arm') + 2 ω Δω lag₁ arm. Its part across the
+        arm is also what the spin would lose: a solution keeps of a velocity only what lies along the new tangent.
+        """
+        lag_s, after_s = lags_s
+        along = spin * (spin * (after_s - lag_s) + 2.0 * self.gained_rad_s * after_s)
+        across = spin * spin * lag_s * turn
+        return along * arm_x - across * arm_z, along * arm_z + across * arm_x
 
     def depth_at(self, spin_rad_s: float) -> float:
         """Depth, m, at which the standing vertex of a statue that turns so is kept."""
@@ -267,7 +296,7 @@ class Standing:
             vertex < len(level) and level[vertex] - leaning_rad < clear[vertex]
         )
 
-    def _below(self) -> Row | None:
+    def below(self) -> Row | None:
         """State of what moves below the statue, if anything does."""
         below = self.floor if self.pedestal is None and self.moving else self.pedestal
         return None if below is None else native.state_of(below)

@@ -160,12 +160,13 @@ def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     turned = rotated(section, theta)
     lowest = np.flatnonzero(turned[:, 1] <= np.min(turned[:, 1]) + FLAT_M)
     pivot = int(lowest[np.argmax(side * section[lowest, 0])])
-    centre = np.array([section[pivot, 0], top - settings.depth_m]) - turned[pivot]
-    velocity = rate * np.array([-turned[pivot, 1], turned[pivot, 0]])
     half = 0.5 * settings.dt_s
+    # Half a step earlier, turning about that vertex, with the velocity of its circle there.
+    earlier = rotated(section, theta - rate * half)[pivot]
+    velocity = rate * np.array([-earlier[1], earlier[0]])
+    start = np.array([section[pivot, 0], top - settings.depth_m]) - earlier
     body.angle = -(theta - rate * half)
     body.angular_velocity = -rate
-    start = centre - velocity * half
     body.position = (float(start[0]), float(start[1]))
     body.velocity = (float(velocity[0]), float(velocity[1]))
     return body

@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, Protocol
 
+from harness.errors import InputError
 from harness.motions import check
 from harness.motions.readers import at2, cosmos, csv, esm, smc, v2, v2a
 from harness.motions.recordfile import UNITS_M_S2, RecordFile
@@ -60,10 +61,9 @@ def read_file(path: Path, *, unit: str | None = None) -> RecordFile:
 def read_record(path: Path, *, unit: str | None = None) -> RecordFile:
     """The whole record: this file's channels, those of its sister files where a file holds one, and all findings."""
     record = read_file(path, unit=unit)
-    sisters = [read_file(other) for other in _sisters(path)] if record.group else []
-    sisters = [other for other in sisters if other.group == record.group and other.format == record.format]
+    sisters, unread = _read_sisters(record, path) if record.group else ([], [])
     channels = (*record.channels, *(channel for other in sisters for channel in other.channels))
-    warnings = (*record.warnings, *(said for other in sisters for said in other.warnings))
+    warnings = (*record.warnings, *(said for other in sisters for said in other.warnings), *unread)
     names = [channel.name for channel in channels]
     if len(set(names)) < len(names):
         channels, warnings = record.channels, (*record.warnings, "sister files repeat a component: they are left out")
@@ -76,10 +76,31 @@ def read_record(path: Path, *, unit: str | None = None) -> RecordFile:
     )
 
 
+def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], list[str]]:
+    """Other files of the same record, and what is to be said of those beside it that are damaged."""
+    sisters: list[RecordFile] = []
+    unread: list[str] = []
+    for other in _sisters(path):
+        try:
+            sister = read_file(other)
+            check.check(sister)
+        except InputError as error:
+            name = ascii(other.name)[1:-1]
+            unread.append(f"{name} beside it is left out: {str(error).splitlines()[0].removeprefix(f'{other}: ')}")
+            continue
+        if sister.group == record.group and sister.format == record.format:
+            sisters.append(sister)
+    return sisters, unread
+
+
 def _sisters(path: Path) -> list[Path]:
     """Files beside this one whose names differ in their middle only, sorted."""
     found: list[Path] = []
-    for other in sorted(path.parent.iterdir()):
+    try:
+        beside = sorted(path.parent.iterdir())
+    except OSError:  # a folder that may be entered but not listed: the file itself was read
+        beside = []
+    for other in beside:
         if other == path or other.suffixes[-1:] != path.suffixes[-1:] or not other.is_file():
             continue
         same = _alike(path.stem, other.stem)

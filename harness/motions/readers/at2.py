@@ -7,14 +7,13 @@ from typing import Final
 
 from harness.motions.orientation import parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
-from harness.motions.text import free_format, mistake
+from harness.motions.text import free_format, header_count, header_number, mistake
 
 NAME: Final = "PEER AT2"
 TESTED_ON_ORIGINALS: Final = False
 
-_FLOAT = r"(\d*\.\d+(?:[eE][+-]?\d+)?|\d+\.?)"
-_NAMED = re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*" + _FLOAT, re.IGNORECASE)
-_TRAILING = re.compile(r"^\s*(\d+)\s+" + _FLOAT + r"\s+NPTS\s*,\s*DT", re.IGNORECASE)
+_NAMED = re.compile(r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?)(?=[\s,]|SEC|$)", re.IGNORECASE)
+_TRAILING = re.compile(r"^\s*(\S+)\s+(\S+)\s+NPTS\s*,\s*DT", re.IGNORECASE)
 _UNITS = re.compile(r"UNITS?\s+OF\s+(\S+)", re.IGNORECASE)
 _HEADER_LINES = 4
 
@@ -25,18 +24,20 @@ def recognises(text: str) -> bool:
     return len(head) == _HEADER_LINES and _points(head[3]) is not None and "ACCEL" in head[2].upper()
 
 
-def _points(line: str) -> tuple[int, float] | None:
+def _points(line: str) -> tuple[str, str] | None:
+    """Number of points and step, as they are written."""
     match = _NAMED.search(line) or _TRAILING.search(line)
-    return (int(match.group(1)), float(match.group(2))) if match else None
+    return (match.group(1), match.group(2)) if match else None
 
 
 def read(text: str, where: str) -> RecordFile:
     """The one channel of an AT2 file; InputError where values are missing or the unit is not g."""
     lines = text.splitlines()
     points = _points(lines[3])
-    if points is None or points[1] <= 0.0:
+    if points is None:
         raise mistake(where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip()))
-    count, dt_s = points
+    count = header_count(points[0], where, "line 4", "NPTS")
+    dt_s = header_number(points[1], where, "line 4", "DT in seconds")
     unit = _UNITS.search(lines[2])
     if unit is None or unit.group(1).upper().strip(".,") != "G":
         raise mistake(where, "line 3", "an acceleration in units of g", repr(lines[2].strip()), "AT2 is always in g")

@@ -21,9 +21,11 @@ _DATA = re.compile(
     r"\s*Format\s*=\s*\(\s*(\d*)[FEG](\d+)",
     re.IGNORECASE,
 )
-_CHANNEL = re.compile(r"Sta Chan\s+\d+:\s*(\S+)", re.IGNORECASE)
+_CHANNEL = re.compile(r"Sta Chan?:?\s+\S+:\s*(\S+)", re.IGNORECASE)
 _UNITS: Final = {"cm/s^2": "cm/s2", "cm/sec2": "cm/s2", "cm/sec/sec": "cm/s2", "cm/s/s": "cm/s2", "g": "g"}
-_DIRECTION, _STEP = 53, 33  # places in the integer and the real header, from 0
+_DIRECTION, _STEP = 53, (61, 33)  # places in the integer and the real header, from 0: of the data, of the raw file
+_PEAK, _PEAK_TIME = 63, 64
+_UNKNOWN = -999.0
 _UP, _DOWN = 400, 401
 _DURATION_TOLERANCE_S = 1.5  # "approx" is in whole seconds
 
@@ -69,23 +71,25 @@ def _channel(
             where, f"line {i + 1}", "accelerations in cm/s² or g", repr(unit), "raw counts (V0): take V1 or V2"
         )
     integers, reals = numbers.get("integer", []), numbers.get("real", [])
-    if len(integers) <= _DIRECTION or len(reals) <= _STEP or count < 2:
+    if len(integers) <= _DIRECTION or len(reals) <= _PEAK_TIME or count < 2:
         raise mistake(where, f"line {i + 1}", "whole integer and real headers before the data", "shorter ones")
-    dt_s = _step_s(reals[_STEP], count, duration, where)
+    dt_s = _step_s([reals[place] for place in _STEP], count, duration, where)
     values = fixed_width(lines[i + 1 : i + 1 + -(-count // per_line)], width, count, where=where, first_line=i + 2)
     name, orientation = _direction(int(integers[_DIRECTION]), head)
-    samples = values * UNITS_M_S2[_UNITS[unit]] * orientation.sign
-    return Channel(name, orientation, dt_s, samples), _UNITS[unit]
+    factor = UNITS_M_S2[_UNITS[unit]] * orientation.sign
+    known = _UNKNOWN not in (reals[_PEAK], reals[_PEAK_TIME])
+    stated = (reals[_PEAK] * factor, reals[_PEAK_TIME]) if known else (None, None)
+    return Channel(name, orientation, dt_s, values * factor, 0.0, *stated), _UNITS[unit]
 
 
-def _step_s(stated: float, count: int, duration_s: float, where: str) -> float:
+def _step_s(stated: list[float], count: int, duration_s: float, where: str) -> float:
     """The step in seconds, which some networks write in seconds and some in milliseconds: the stated duration decides."""
-    for dt_s in (stated, stated * 1e-3):
+    for dt_s in (value * unit for value in stated for unit in (1e-3, 1.0)):
         if dt_s > 0.0 and abs(count * dt_s - duration_s) <= _DURATION_TOLERANCE_S:
             return dt_s
-    raise mistake(
-        where, "real header 34", f"a step with which {count} points last about {duration_s:g} s", f"{stated:g}"
-    )
+    got = " and ".join(f"{value:g}" for value in stated)
+    wanted = f"a step with which {count} points last about {duration_s:g} s"
+    raise mistake(where, "real headers 62 and 34", wanted, got)
 
 
 def _direction(code: int, head: str) -> tuple[str, Orientation]:

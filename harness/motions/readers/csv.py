@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from harness.motions.orientation import Orientation, parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
 from harness.motions.text import mistake
+from harness.text_file import decimal, decimals
 
 NAME: Final = "CSV"
 TESTED_ON_ORIGINALS: Final = True
@@ -24,6 +25,7 @@ _UNIT_ENDINGS: Final = {
 }  # fmt: skip
 _TIME = re.compile(r"^(t|time|zeit|tempo)([\s_\-]*[\[(]?(s|sec|seconds)?[\])]?)$", re.IGNORECASE)
 _PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
+_COMMENT: Final = ("#", "%")
 _JITTER = 0.02  # of a step: times printed with few digits
 _GAP = 5.0  # steps
 
@@ -39,7 +41,7 @@ class _Table:
 
 def recognises(text: str) -> bool:
     """Whether the last row that is no comment begins with a number."""
-    rows = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "%"))]
+    rows = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(_COMMENT)]
     return bool(rows) and bool(re.match(r"^\s*[+-]?\.?\d", rows[-1]))
 
 
@@ -94,21 +96,21 @@ def _split(line: str) -> list[str]:
 
 def _numeric(part: str) -> bool:
     try:
-        float(part)
+        decimal(part)
     except ValueError:
         return False
     return True
 
 
 def _table(text: str, where: str) -> _Table:
-    rows = [(i + 1, line) for i, line in enumerate(text.splitlines()) if line.strip()]
-    rows = [(i, line) for i, line in rows if not line.lstrip().startswith(("#", "%"))]
+    every = [(i + 1, line) for i, line in enumerate(text.splitlines()) if line.strip()]
+    rows = [(i, line) for i, line in every if not line.lstrip().startswith(_COMMENT)]
     first = _split(rows[0][1])
     trailing = first[-1] == ""  # every line ends with the separator
     first = first[:-1] if trailing else first
     headed = not all(_numeric(part) for part in first)
-    headers = tuple(part.strip('"') for part in first) if headed else tuple(str(i + 1) for i in range(len(first)))
     body = rows[1:] if headed else rows
+    headers = tuple(part.strip('"') for part in first) if headed else _commented(every, rows[0][0], len(first))
     if len(set(headers)) < len(headers):
         raise mistake(where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers))
     if len(body) < 2:
@@ -120,12 +122,11 @@ def _table(text: str, where: str) -> _Table:
             advice = "the file is cut off" if row == len(body) - 1 else "the file is damaged, or has decimal commas"
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
         try:
-            values[row] = [float(part) for part in parts]
+            values[row] = decimals(parts)
         except ValueError:
-            bad = next(part for part in parts if not _numeric(part))
-            raise mistake(
-                where, f"line {number}", "numbers with a decimal point", repr(bad), "empty cells are gaps"
-            ) from None
+            header, bad = next(pair for pair in zip(headers, parts, strict=True) if not _numeric(pair[1]))
+            place, advice = f"line {number}, {header}", "fill or cut a gap in the program that made the record"
+            raise mistake(where, place, "a finite number with a decimal point", repr(bad), advice) from None
     if not np.isfinite(values).all():
         row, column = (int(i[0]) for i in np.nonzero(~np.isfinite(values)))
         advice = "fill or cut the gap in the program that made the record"
@@ -133,6 +134,18 @@ def _table(text: str, where: str) -> _Table:
             where, f"line {body[row][0]}, {headers[column]}", "a finite number", str(values[row, column]), advice
         )
     return _Table(headers, values, tuple(number for number, _ in body))
+
+
+def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[str, ...]:
+    """Headers of columns that no header line names: the last comment above row `first` that names `count` of them, one the time.
+
+    Without such a comment the columns are numbered.
+    """
+    for line in reversed([line for number, line in every if number < first]):
+        names = tuple(part.strip('"') for part in _split(line.lstrip(" #%")))
+        if len(names) == count and any(_TIME.match(name) for name in names):
+            return names
+    return tuple(str(place + 1) for place in range(count))
 
 
 def _time_column(table: _Table, where: str) -> int:

@@ -10,6 +10,7 @@ from typing import Final
 from harness.motions.orientation import parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
 from harness.motions.text import free_format, mistake
+from harness.text_file import decimal
 
 NAME: Final = "ITACA/ESM ASCII"
 TESTED_ON_ORIGINALS: Final = False
@@ -75,7 +76,7 @@ def _stated(header: dict[str, str], key: str, where: str) -> float | None:
     if not header.get(key):
         return None
     try:
-        value = float(header[key])
+        value = decimal(header[key])
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

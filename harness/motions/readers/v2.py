@@ -7,17 +7,20 @@ from typing import Final
 
 from harness.motions.orientation import parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
-from harness.motions.text import fixed_width, mistake
+from harness.motions.text import fixed_width, header_count, header_number, mistake, stated_peak
 
 NAME: Final = "CSMIP V2"
 TESTED_ON_ORIGINALS: Final = True
 
-_FLOAT = r"(-?\d*\.\d*)"
+_FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(
-    r"^\s*(\d+)\s+POINTS OF ACCEL DATA EQUALLY SPACED AT\s+" + _FLOAT + r"\s+SEC\.\s+\(UNITS:\s*([^)]+)\)", re.MULTILINE
+    r"^\s*(\d+)\s+POINTS OF ACCEL DATA EQUALLY SPACED AT\s+"
+    + _FLOAT
+    + r"\s+SEC[.,]\s+(?:\(UNITS:\s*|IN\s+)([^\s).]+)[).]?\.?\s*(?:\((\d+)F(\d+)\.)?",
+    re.MULTILINE | re.IGNORECASE,
 )
-_CHANNEL = re.compile(r"CHAN\s+\d+:\s*(\S+)")
-_PEAK = re.compile(r"PEAK ACCELERATION\s*=\s*" + _FLOAT + r"\s+\S+\s+AT\s+" + _FLOAT)
+_CHANNEL = re.compile(r"CHAN\s+\d+:\s*(\S+)", re.IGNORECASE)
+_PEAK = re.compile(r"PEAK ACCELERATION\s*=\s*" + _FLOAT + r"\s+\S+\s+AT\s+" + _FLOAT, re.IGNORECASE)
 _UNITS: Final = {"CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2", "G": "g"}
 _WIDTH, _PER_LINE = 10, 8
 
@@ -41,17 +44,19 @@ def read(text: str, where: str) -> RecordFile:
 
 
 def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
-    count, dt_s, unit = int(block.group(1)), float(block.group(2)), block.group(3).strip()
-    if unit not in _UNITS:
+    place, unit = f"line {start + 1}", block.group(3).strip()
+    count = header_count(block.group(1), where, place, "number of points")
+    dt_s = header_number(block.group(2), where, place, "step in seconds")
+    if unit.upper() not in _UNITS:
         raise mistake(where, f"line {start + 1}", "accelerations in cm/sec/sec or g", repr(unit))
-    if dt_s <= 0.0 or count < 2:
-        raise mistake(where, f"line {start + 1}", "two points or more at a positive step", f"{count} at {dt_s} s")
-    data = lines[start + 1 : start + 1 + -(-count // _PER_LINE)]
-    values = fixed_width(data, _WIDTH, count, where=where, first_line=start + 2)
+    # Files of today state their format; the older ones all have the same.
+    per_line, width = max(int(block.group(4) or _PER_LINE), 1), int(block.group(5) or _WIDTH)
+    data = lines[start + 1 : start + 1 + -(-count // per_line)]
+    values = fixed_width(data, width, count, where=where, first_line=start + 2)
     head = "\n".join(line for line in lines[head_from:start] if not line.startswith("/&"))
     name = next(iter(_CHANNEL.findall(head)), "1")
     orientation = parse_orientation(name)
-    factor = UNITS_M_S2[_UNITS[unit]] * orientation.sign
+    factor = UNITS_M_S2[_UNITS[unit.upper()]] * orientation.sign
     peak = _PEAK.search(head)
-    stated = (float(peak.group(1)) * factor, float(peak.group(2))) if peak else (None, None)
+    stated = stated_peak(peak, factor)
     return Channel(name, orientation, dt_s, values * factor, 0.0, *stated)

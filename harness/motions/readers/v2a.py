@@ -7,15 +7,15 @@ from typing import Final
 
 from harness.motions.orientation import parse_orientation
 from harness.motions.recordfile import UNITS_M_S2, Channel, RecordFile
-from harness.motions.text import fixed_width, mistake
+from harness.motions.text import fixed_width, header_count, header_number, mistake, stated_peak
 
 NAME: Final = "GeoNet V2A"
 TESTED_ON_ORIGINALS: Final = True
 
 _COMPONENT = re.compile(r"^Component\s+(\S+)", re.IGNORECASE)
 _POINTS = re.compile(r"Number of points\s+(\d+)", re.IGNORECASE)
-_STEP = re.compile(r"data at\s+(\d*\.\d+)\s+sec", re.IGNORECASE)
-_PEAK = re.compile(r"^Acceleration:\s+peak\s+(-?\d+\.\d*)\s*(\S+)\s+at\s+(\d+\.\d*)\s+sec", re.IGNORECASE)
+_STEP = re.compile(r"data at\s+(\S+)\s+sec", re.IGNORECASE)
+_PEAK = re.compile(r"^Acceleration:\s+peak\s+([-+.\deEdD]+)\s*\S+\s+at\s+(\S+)\s+sec", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10
 _COMPONENT_LINE, _BLOCKS = 12, 3
 
@@ -42,9 +42,9 @@ def read(text: str, where: str) -> RecordFile:
 def _channel(lines: list[str], start: int, where: str) -> tuple[Channel, int]:
     head = lines[start : start + _TEXT_LINES]
     points, step = (_search(pattern, head, where, start) for pattern in (_POINTS, _STEP))
-    count, dt_s = int(points.group(1)), float(step.group(1))
-    if dt_s <= 0.0 or count < 2:
-        raise mistake(where, f"line {start + 1}", "two points or more at a positive step", f"{count} at {dt_s} s")
+    place = f"lines {start + 1} to {start + len(head)}"
+    count = header_count(points.group(1), where, place, "number of points")
+    dt_s = header_number(step.group(1), where, place, "step in seconds")
     name = _search(_COMPONENT, head, where, start).group(1)
     orientation = parse_orientation(name)
     factor = UNITS_M_S2["mm/s2"] * orientation.sign
@@ -52,7 +52,7 @@ def _channel(lines: list[str], start: int, where: str) -> tuple[Channel, int]:
     rows = -(-count // _PER_LINE)
     values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
     peak = next((match for line in head if (match := _PEAK.match(line))), None)
-    stated = (float(peak.group(1)) * factor, float(peak.group(3))) if peak else (None, None)
+    stated = stated_peak(peak, factor)
     return Channel(name, orientation, dt_s, values * factor, 0.0, *stated), first - start + _BLOCKS * rows
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, Pulse
 from harness.contact import forces, frame
-from harness.contact.reduce import Report, no_return_time_s, reduce_trajectory
+from harness.contact.falling import last_outward
+from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.rocking import rocking
 from harness.contact.trajectory import Trajectory
 from harness.history import Outcome
@@ -90,12 +91,7 @@ def test_overturning_ends_the_run_between_samples(sign: int, outcome: Outcome) -
 def test_no_return_is_the_last_crossing() -> None:
     alpha = PAESTUM.slenderness_rad(1)
     theta = np.interp(TIMES, [0.0, 0.5, 1.0, 2.0], [0.0, 2.0 * alpha, 0.0, 2.0 * alpha])
-    assert no_return_time_s(paestum(), TIMES, theta) == pytest.approx(1.5, abs=budget.EVENT_TIME_S)
-
-
-def test_leaning_beyond_the_balance_point_is_undecided() -> None:
-    lean = 1.1 * PAESTUM.slenderness_rad(1)
-    assert reduced(np.full_like(TIMES, lean), np.zeros_like(TIMES)).outcome is Outcome.UNDECIDED
+    assert last_outward(TIMES, theta - alpha)[1] == pytest.approx(1.5, abs=budget.EVENT_TIME_S)
 
 
 def test_numbers_that_are_not_finite_are_a_divergence() -> None:

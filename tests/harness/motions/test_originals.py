@@ -13,7 +13,7 @@ from harness.motions.readers import read_record
 from harness.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.motions.records import load
 from harness.motions.spec import Source
-from tests.budgets_motions import CSV_DIGITS, STATED_VELOCITY
+from tests.budgets_motions import CSV_DIGITS, HEADER_DIGITS, STATED_VELOCITY
 
 GEONET, GEONET_CSV = "20161113_110259_WTMC_20.V2A.gz", "kaikoura2016_WTMC.csv"
 CSMIP, CSMIP_CSV = "ce36456p_CE36456.V2.gz", "coalinga1983_PFZ14.csv"
@@ -92,3 +92,22 @@ def test_a_motion_is_told_what_concerns_its_own_channel(records: Path) -> None:
 
     assert {warning.split(":")[0] for warning in told(column="S62W")} == {"S62W"}
     assert {warning.split(":")[0] for warning in told(azimuth_deg=30.0)} >= {"N28W", "S62W"}
+
+
+@pytest.mark.parametrize(
+    ("file", "peaks_cm_s2", "dt_s"),
+    [
+        ("CIWLT.V2.gz", (82.584, -115.845, 69.662), 0.02),
+        ("CE58667.V2.gz", (27.114, 11.244, -26.411), 0.01),
+        ("Cosmos12TimeSeriesTest.v1", (-161.962,), 0.01),
+        ("us1000hyfh_akbmrp_AKBMR--n.1000hyfh.BNZ.--.acc.V2c.gz", (-6.851512,), 0.005),
+        ("0111a.smc", (104.4078,), 0.005),
+    ],
+)
+def test_files_as_networks_write_them_today_have_the_peaks_of_their_headers(
+    records: Path, file: str, peaks_cm_s2: tuple[float, ...], dt_s: float
+) -> None:
+    channels = read_record(records / "originals" / file).channels
+    found = [100.0 * float(c.accel_m_s2[np.argmax(np.abs(c.accel_m_s2))]) for c in channels]
+    np.testing.assert_allclose(found, peaks_cm_s2, rtol=HEADER_DIGITS)
+    assert {c.dt_s for c in channels} == {dt_s}

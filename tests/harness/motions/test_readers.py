@@ -26,7 +26,8 @@ DIGITS = WRITTEN_DIGITS_G * GRAVITY
         ("N28W", Orientation(332.0)), ("S62W", Orientation(242.0)), ("N60E", Orientation(60.0)), ("S10E", Orientation(170.0)),
         ("067", Orientation(67.0)), ("360", Orientation(0.0)), ("UP", Orientation(vertical=True)),
         ("Z", Orientation(vertical=True)),
-        ("HNE", Orientation(90.0)), ("HNN", Orientation(0.0)), ("HLZ", Orientation(vertical=True)), ("EW", Orientation(90.0)),
+        ("HNE", Orientation(90.0)), ("HNN", Orientation(0.0)), ("HLZ", Orientation(vertical=True)),
+            ("EW", Orientation(90.0, sense_assumed=True)),
         ("DWN", Orientation(vertical=True, sign=-1)), ("L", Orientation()), ("400", Orientation()),
     ],
 )  # fmt: skip

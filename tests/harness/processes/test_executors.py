@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from harness.processes import executors
 from harness.processes.executors import AHEAD, Crash, LocalPool
 from tests.harness.processes.endings import ended
 
+MAIN = threading.main_thread().ident or 0
+LIMIT_S = 5.0
+"""Long enough for a fresh process to answer on a busy machine, short enough to wait for in a test."""
 CRASH = "__import__('os')._exit(3)"
 
 
@@ -110,3 +117,27 @@ def test_a_pool_that_is_interrupted_in_the_middle_of_an_answer_leaves_no_thread_
     for thread in left:
         thread.join(timeout=10.0)
     assert not [thread.name for thread in left if thread.is_alive()]
+
+
+STOPPED = "__import__('os').kill(__import__('os').getpid(), __import__('signal').SIGSTOP)"
+
+
+def test_a_stopped_worker_costs_only_its_own_task_and_no_more_than_the_limit() -> None:
+    found: dict[str, Any] = {}
+    tasks = ["1 + 1", STOPPED, *(f"{i} + 0" for i in range(6))]
+    with closing(LocalPool(2, limit_s=LIMIT_S)) as pool:
+        pool.run(eval, tasks, found.__setitem__)
+    assert isinstance(found.pop(STOPPED), executors.Hung)
+    assert all(result == eval(task) for task, result in found.items())
+    assert len(found) == len(tasks) - 1
+
+
+def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stopped process does not hear a request to end: until it is killed, whoever waits for it waits for ever."""
+    monkeypatch.setattr(executors, "GRACE_S", 0.5, raising=False)
+    timer = threading.Timer(LIMIT_S, lambda: signal.pthread_kill(MAIN, signal.SIGINT))
+    before = {process.pid for process in multiprocessing.active_children()}
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
+    assert {process.pid for process in multiprocessing.active_children()} == before

@@ -94,3 +94,15 @@ def test_brier_by_hand() -> None:
 def test_what_is_no_probability_is_refused(bad: list[float]) -> None:
     with pytest.raises(ValueError, match="from 0 to 1"):
         brier(bad, [1])
+
+
+def test_a_side_that_flips_within_the_uncertainty_leaves_the_outcome_s_score() -> None:
+    """Both fall: the outcome is right; which way it fell is not decided, so it counts in no accuracy of sides."""
+    open_side = Case(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT, side_within_uncertainty=True)
+    wrong_side = Case(Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+    right = Case(Outcome.STANDS, Outcome.STANDS)
+    found = score_outcomes([open_side, wrong_side, right])
+    assert found.accuracy is not None
+    assert found.side_accuracy is not None
+    assert (found.accuracy.value, found.side_accuracy.value) == (1.0, 0.5)
+    assert found.within_uncertainty == 0

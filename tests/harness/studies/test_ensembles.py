@@ -27,7 +27,7 @@ def row(number: int, engine: str, history: History, **fields: Any) -> dict[str, 
 
 
 def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
-    """Of twelve cases three are 20 % larger, one of which falls; one falls after its horizon; the rest agree."""
+    """Of twelve cases three are 20 % larger, one of which falls; one falls after its error's bound; the rest agree."""
     rows, histories = [], {}
     for number in range(CASES):
         reference = doubles.rocking(amplitude_rad=0.05 + 0.005 * number)
@@ -46,8 +46,10 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
     assert found["verdicts"] == {
         Verdict.AGREE.value: pytest.approx(8 / 12),
         Verdict.MODEL.value: pytest.approx(3 / 12),
-        Verdict.HORIZON.value: pytest.approx(1 / 12),
+        Verdict.UNBOUNDED.value: pytest.approx(1 / 12),
+        Verdict.HORIZON.value: 0.0,
         Verdict.DOMAIN.value: 0.0,
+        Verdict.PLANE.value: 0.0,
     }
     assert found["flips"] == 1
     assert found["outcomes"]["within_uncertainty"] == 1

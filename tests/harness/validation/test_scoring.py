@@ -16,6 +16,7 @@ from harness.validation.scoring import (
     by_intensity,
     case_of,
     choose,
+    curves,
     probability,
     score_baseline,
     score_model,
@@ -75,6 +76,9 @@ def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() 
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
     choice = Choice(0, {}, 0, None)
     assert probability(one, choice, answers, 4) == 0.75
+    outcomes[1] = {**answer(True), "outcome": "undecided"}
+    answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
+    assert probability(one, choice, answers, 4) == 1.0
     crashed = {(one.name, Variant()): {**answer(True), "outcome": "crashed"}}
     assert probability(one, choice, crashed, 0) is None
 
@@ -144,3 +148,13 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     assert "all tests but" in alone["fitted_on"]
     # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
     assert alone["outcomes"]["accuracy"]["value"] == 1.0
+
+
+def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
+    undecided = {**answer(True), "outcome": "undecided"}
+    trials = [trial("stood", False, azimuths=2), trial("fell", True, azimuths=2)]
+    answers = {(each.name, Variant(0)): undecided for each in trials}
+    answers |= {(each.name, Variant(1)): answer(each.name == "fell") for each in trials}
+    assert choose(trials, answers) == Choice(0, {"a": 1}, 2, 1.0)
+    shaken = {each.name: Intensity(0.3, 0.2 * (k + 1)) for k, each in enumerate(trials)}
+    assert curves(trials, shaken, lambda each: None)["fragility_pgv"] is None

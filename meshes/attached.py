@@ -1,0 +1,114 @@
+"""A floor or plate scanned together with a statue: seen by its width under a body, and cut off where the caller says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+from meshes.mesh import RawMesh
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+WIDER: Final = 3.0
+"""Area under the body over that of the whole body above, from which the lowest layer is a floor.
+
+The plinth of a scanned standing figure has 2.1 times the figure's own area seen from above, a bust's base 1.0.
+"""
+LAYER: Final = 0.15
+"""Share of the height in which a floor ends: a block as high is a pedestal, and no mistake of scanning."""
+STEPS: Final = 60
+FILLET: Final = 0.95
+"""The cut lies where the area of what is above falls by less than a twentieth a step: above the fillet that a scan leaves."""
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A lowest layer that is `times` as wide in area as all that stands on it, and the height at which to cut it off."""
+
+    times: float
+    cut_m: float
+
+    def __str__(self) -> str:
+        return (
+            f"the lowest {self.cut_m:.3g} m spread over {self.times:.3g} times the area of all that stands on them:"
+            " a floor or a plate scanned together with the statue"
+        )
+
+
+def attached_floor(vertices_m: Array, faces: Faces) -> Floor | None:
+    """The floor under a body with z up, or None; its areas are those of convex hulls seen from above."""
+    bottom, height = float(vertices_m[:, 2].min()), float(np.ptp(vertices_m[:, 2]))
+    levels = bottom + LAYER * height * np.arange(1, STEPS + 1) / STEPS
+    start, end = vertices_m[faces.ravel()], vertices_m[np.roll(faces, -1, axis=1).ravel()]
+    areas = [_areas(vertices_m, start, end, level) for level in levels]
+    below, above = (np.array(column) for column in zip(*areas, strict=True))
+    if not above.min() > 0.0:
+        return None
+    times = float(below[-1] / above.min())
+    if times < WIDER:
+        return None
+    first = int(np.argmax(above <= below[-1] / WIDER))
+    while first + 1 < STEPS and above[first + 1] < FILLET * above[first]:
+        first += 1
+    return Floor(times, float(levels[first] - bottom))
+
+
+def _areas(vertices: Array, start: Array, end: Array, level: float) -> tuple[float, float]:
+    """Areas of the hulls of what is below a level and of what is above it, the section itself in both."""
+    through = (start[:, 2] - level) * (end[:, 2] - level) < 0.0
+    a, b = start[through], end[through]
+    section = a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)
+    low = vertices[:, 2] <= level
+    return _area(np.vstack([vertices[low], section])), _area(np.vstack([vertices[~low], section]))
+
+
+def _area(points: Array) -> float:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return float(ConvexHull(points[:, :2]).volume)
+    except (QhullError, ValueError):  # on a line, or too few
+        return 0.0
+
+
+def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
+    """The mesh in metres, z up, without what lies lower than `height_m` above its lowest point; open there.
+
+    Raises MeshError where nothing would be left.
+    """
+    low, size = float(mesh.vertices[:, 2].min()), float(np.ptp(mesh.vertices[:, 2]))
+    if not 0.0 < height_m < size:
+        raise MeshError(
+            f"{mesh.source}: wanted a cut between the lowest and the highest point, {size:.4g} m above it, got {height_m:g} m"
+        )
+    level = low + height_m
+    above = mesh.vertices[:, 2] > level
+    count = above[mesh.faces].sum(axis=1)
+    faces = mesh.faces[count > 0]
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    through = above[start] != above[end]
+    # One point for an edge, whichever of its faces asks: the cut stays closed.
+    ends = np.sort(np.column_stack([start, end]), axis=1)
+    edges, number = np.unique(ends[through], axis=0, return_inverse=True)
+    a, b = mesh.vertices[edges[:, 0]], mesh.vertices[edges[:, 1]]
+    points = a + ((level - a[:, 2]) / (b[:, 2] - a[:, 2]))[:, None] * (b - a)
+    points[:, 2] = level
+    middle = np.full(len(start), -1, dtype=np.int64)
+    middle[through] = len(mesh.vertices) + number.ravel()
+    clipped = [_clipped(face, above[face], cut) for face, cut in zip(faces, middle.reshape(-1, 3), strict=True)]
+    kept = np.array([triangle for triangles in clipped for triangle in triangles], dtype=np.int64)
+    return RawMesh(np.vstack([mesh.vertices, points]), mesh.faces, mesh.source).with_faces(kept)
+
+
+def _clipped(face: Faces, above: NDArray[np.bool_], cut: Faces) -> list[list[int]]:
+    """The triangles left of one face: its corners above and, between a corner above and one below, the point of the cut."""
+    ring: list[int] = []
+    for k in range(3):
+        ring += [int(face[k])] if above[k] else []
+        ring += [int(cut[k])] if cut[k] >= 0 else []
+    return [[ring[0], ring[k], ring[k + 1]] for k in range(1, len(ring) - 1)]

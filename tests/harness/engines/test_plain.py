@@ -1,0 +1,94 @@
+"""Engines as they come: nothing is written to a body after the start, and they converge to the model where it is unambiguous."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.engine import Engine, Want
+from harness.scene import Scene
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import paestum
+
+MUNK_WRITES = ("set_place", "set_angle", "set_velocity", "set_spin")
+BULLET_WRITES = ("resetBasePositionAndOrientation", "resetBaseVelocity", "changeDynamics", "setPhysicsEngineParameter")
+
+
+def ready(name: str) -> Engine:
+    engine = engines.load(name)
+    reason = engine.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    return engine
+
+
+def counted(monkeypatch: pytest.MonkeyPatch, module: Any, names: tuple[str, ...]) -> dict[str, int]:
+    """Calls by name of a simulator's functions that write to bodies, from now on."""
+    calls = dict.fromkeys(names, 0)
+
+    def counting(name: str, own: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*values: Any, **named: Any) -> Any:
+            calls[name] += 1
+            return own(*values, **named)
+
+        return call
+
+    for name in names:
+        monkeypatch.setattr(module, name, counting(name, getattr(module, name)))
+    return calls
+
+
+def writes(engine: Engine, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """Calls that write to bodies in the longer of two runs and not in the shorter: those of the start are in both."""
+    if engine.name.startswith("pymunk"):
+        from harness.engines.munk2d import native
+
+        calls = counted(monkeypatch, native, MUNK_WRITES)
+    else:
+        import pybullet
+
+        calls = counted(monkeypatch, pybullet, BULLET_WRITES)
+    engine.simulate(scene.but(duration_s=0.6), engine.settings_for_dt(scene, 1e-3), Want())
+    short = dict(calls)
+    engine.simulate(scene.but(duration_s=0.9), engine.settings_for_dt(scene, 1e-3), Want())
+    return {name: count - 2 * short[name] for name, count in calls.items()}
+
+
+@pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
+def test_nothing_is_written_to_a_body_after_the_start(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert set(writes(ready(name), paestum(0.429, 3.0, mu=0.15), monkeypatch).values()) == {0}
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_the_count_of_writes_sees_those_of_the_other_engines(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert max(writes(ready(name), paestum(0.429, 3.0, mu=0.15), monkeypatch).values()) > 0
+
+
+@pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
+def test_where_one_coefficient_acts_it_converges_to_the_model(name: str) -> None:
+    engine, model = ready(name), engines.load("analytic")
+    scene = paestum(0.429, 3.0, mu=0.15, duration_s=1.0)
+    exact = model.simulate(scene, model.ladder(scene)[-1], Want()).history
+    history = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), Want()).history
+    assert exact is not None
+    assert history is not None
+    apart = np.abs(history.theta_rad - exact.at(history.t_s))
+    assert apart.max() <= budget.PLAIN_RAD, f"{apart.max():.2e} rad"
+    slip = np.abs(history.slip_m - np.interp(history.t_s, exact.t_s, exact.slip_m))
+    assert slip.max() <= budget.PLAIN_SLIP_M, f"{slip.max():.2e} m"
+
+
+@pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
+def test_the_coefficient_follows_the_sliding_pedestal(name: str) -> None:
+    """A static coefficient that holds: no slip. One that does not: the pedestal slides with the kinetic one."""
+    engine = ready(name)
+    held, loose, static = (
+        engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), Want()).peak_slip_m
+        for scene in (paestum(0.3, 2.0, mu=mu, duration_s=0.5) for mu in ((0.9, 0.1), (0.2, 0.1), (0.2, 0.2)))
+    )
+    assert held <= budget.PLAIN_SLIP_M
+    assert loose > static > budget.PLAIN_SLIP_M

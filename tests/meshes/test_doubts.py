@@ -1,0 +1,147 @@
+"""A floor scanned with the statue, and surfaces that cross themselves: seen, refused with the cut, else no alarm."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.scene_file.load import load_scene
+from meshes import MeshError, Solid, toadstool
+from meshes.attached import WIDER, attached_floor, cut_below
+from meshes.crossing import pinched, wrongly_sided
+from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
+from meshes.inspection import inspect
+from meshes.loft import Part, loft, union
+from meshes.mesh import RawMesh
+from meshes.prepare import Wanted, prepare, prepare_mesh
+from meshes.scanner import Faults, scan, write
+from meshes.topology import EdgeCount
+from tests.budgets_meshes import CUT_VOLUME_REL
+
+FLOOR_M = 6.0
+SLAB_M = 0.04
+
+
+def plate(width_m: float, low_m: float, high_m: float) -> Part:
+    square = 0.5 * width_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return loft(np.stack([np.column_stack([square, np.full(4, height)]) for height in (low_m, high_m)]))
+
+
+def hourglass(around: int, levels: int, top_m: float) -> Part:
+    """Rings whose radius goes from 0.3 m through nought to `top_m` < 0: the wall crosses itself at the neck."""
+    turn = 2.0 * np.pi * np.arange(around) / around
+    rings = [
+        np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(around, height)])
+        for radius, height in zip(np.linspace(0.3, top_m, levels), np.linspace(0.0, 1.5, levels), strict=True)
+    ]
+    return loft(np.stack(rings))
+
+
+@pytest.fixture(scope="module")
+def on_a_slab(statue: Solid) -> RawMesh:
+    """The generated statue with 6 m by 6 m of floor, closed below."""
+    body = (np.array(statue.vertices_m), np.array(statue.faces))
+    return RawMesh(*union([body, plate(FLOOR_M, -0.5 * SLAB_M, 0.5 * SLAB_M)]), "slab")
+
+
+@pytest.fixture(scope="module")
+def on_a_sheet(on_a_slab: RawMesh) -> RawMesh:
+    """The same as a scanner sees it: the floor from above only, open all round."""
+    seen = on_a_slab.vertices[on_a_slab.faces][:, :, 2].min(axis=1) > 0.0
+    return on_a_slab.with_faces(on_a_slab.faces[seen])
+
+
+@pytest.mark.parametrize("name", ["on_a_slab", "on_a_sheet"])
+def test_a_floor_is_refused_with_the_cut_that_takes_it_off(
+    name: str, statue: Solid, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    file = write(request.getfixturevalue(name), tmp_path / "floor.ply")
+    with pytest.raises(MeshError, match="a floor or a plate scanned together with the statue") as caught:
+        inspect(file, Wanted(unit="m", up="z"), density_kg_m3=2700.0)
+    told = re.search(r"--cut-below ([0-9.]+) \(", str(caught.value))
+    assert told is not None
+    found = inspect(file, Wanted(unit="m", up="z", cut_below_m=float(told.group(1))), density_kg_m3=2700.0)
+    assert found.solid is not None
+    lost = 0.5 * SLAB_M if name == "on_a_slab" else SLAB_M
+    assert found.solid.height_m == pytest.approx(statue.height_m - lost, abs=lost)
+    assert found.solid.mass_kg == pytest.approx(statue.mass_kg, rel=CUT_VOLUME_REL)
+    assert "cut: the lowest" in str(found)
+
+
+def test_a_cut_within_the_floor_leaves_a_floor(on_a_slab: RawMesh) -> None:
+    with pytest.raises(MeshError, match="a floor or a plate"):
+        prepare_mesh(on_a_slab, Wanted(unit="m", up="z", cut_below_m=0.5 * SLAB_M))
+    with pytest.raises(MeshError, match=r"wanted a cut between .* got 3 m"):
+        prepare_mesh(on_a_slab, Wanted(unit="m", up="z", cut_below_m=3.0))
+
+
+def test_a_floor_that_is_the_statue_s_own_is_kept_when_told(on_a_slab: RawMesh) -> None:
+    mesh = prepare_mesh(on_a_slab, Wanted(unit="m", up="z", cut_below_m=0.0)).mesh
+    assert float(np.ptp(mesh.vertices[:, 0])) == pytest.approx(FLOOR_M)
+
+
+def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) -> None:
+    from scipy.spatial import ConvexHull
+
+    floor = attached_floor(on_a_slab.vertices, on_a_slab.faces)
+    assert floor is not None
+    assert SLAB_M <= floor.cut_m <= 2.0 * SLAB_M
+    assert floor.times >= FLOOR_M**2 / float(ConvexHull(statue.vertices_m[:, :2]).volume)
+    # A plate of a little less than the limit is a plinth.
+    box = plate(1.0, 0.0, 2.0)
+    for times, seen in ((0.98 * WIDER, False), (1.02 * WIDER, True)):
+        stepped = union([box, plate(times**0.5, -0.05, 0.05)])
+        assert (attached_floor(*stepped) is not None) is seen
+
+
+def test_a_cut_is_level_and_open_only_there(statue: Solid) -> None:
+    mesh = cut_below(RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue"), 0.3)
+    count = EdgeCount.of(mesh.faces)
+    assert count.boundary > 0
+    assert count.branching == count.misoriented == 0
+    edges = np.sort(np.vstack([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]]), axis=1)
+    ends, uses = np.unique(edges, axis=0, return_counts=True)
+    assert np.ptp(mesh.vertices[ends[uses == 1].ravel(), 2]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("around", "levels", "top_m"), [(4, 2, -0.24), (16, 4, -0.15), (64, 160, -0.15), (64, 200, -0.2)]
+)
+def test_an_hourglass_is_no_body(around: int, levels: int, top_m: float, tmp_path: Path) -> None:
+    part = hourglass(around, levels, top_m)
+    assert EdgeCount.of(part[1]).closed
+    file = write(RawMesh(*part, "hourglass"), tmp_path / "hourglass.ply")
+    with pytest.raises(MeshError, match=r"wanted (one solid body|a surface that does not pass through itself)"):
+        prepare(file, Wanted(unit="m", up="z"))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'title = "t"\nduration_s = 1.0\n[statue]\nmesh = { file = "hourglass.ply", unit = "m", density_kg_m3 = 2700.0 }\n'
+        '[motion.x]\nkind = "pulse"\nshape = "one_sine"\namplitude_g = 0.1\nduration_s = 0.5\n'
+    )
+    assert any("wanted one solid body" in note or "pass through" in note for note in load_scene(scene).notes)
+
+
+def test_what_is_inside_out_or_buried_is_measured() -> None:
+    vertices, faces = plate(1.0, 0.0, 2.0)
+    assert wrongly_sided(vertices, faces) == pinched(vertices, faces) == 0.0
+    inner = plate(0.5, 0.5, 1.5)
+    buried = (np.vstack([vertices, inner[0]]), np.vstack([faces, inner[1] + len(vertices)]))
+    share = 2.5 / 12.5  # areas of the inner and of both boxes
+    assert wrongly_sided(*buried) == pytest.approx(share, abs=3.0 * (share * (1.0 - share) / 400) ** 0.5)
+
+
+def test_good_bodies_raise_no_alarm(statue: Solid) -> None:
+    noisy = prepare_mesh(scan(statue, Faults(edge_m=0.02)), Wanted(unit="mm", max_faces=20_000)).mesh
+    for vertices, faces in ((statue.vertices_m, statue.faces), toadstool.surface(), (noisy.vertices, noisy.faces)):
+        assert attached_floor(vertices, faces) is None
+        assert pinched(vertices, faces) < 0.2 * MOST_PINCHED
+        assert wrongly_sided(vertices, faces) < 0.5 * MOST_WRONG
+
+
+@pytest.mark.parametrize("name", ["maria.obj", "maria_acephalous.obj", "demosthenes-low-res.obj"])
+def test_real_scans_raise_no_alarm(name: str, data_dir: Path) -> None:
+    mesh = prepare(data_dir / "meshes" / name, Wanted(height_m=1.5)).mesh
+    assert doubts(mesh.vertices, mesh.faces, "{}") == ()

@@ -1,0 +1,153 @@
+"""A study's pages count every variant and model, and tell the supports of all its cases, not those of its scene."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.studies import cli as study_cli
+from harness.studies.cases import base_of, expand
+from harness.studies.file import load_study
+from reports.conservator import context
+from reports.page import write_report
+from reports.page_study import study_verdict
+from reports.source import read_record
+from reports.study_rows import conditions
+from tests.reports.claim_scenes import content, write_scene
+
+VARIED = """
+title = "two keys"
+scene = "scene.toml"
+[[vary]]
+key = "motion.x.amplitude_g"
+values = [0.05, 0.2, 0.3, 0.4]
+[[vary]]
+key = "{key}"
+values = {values}
+{also}
+"""
+SLIPPERY_AND_ROUGH = """
+[[variant]]
+name = "slippery [/]"
+engines = ["analytic"]
+set = { "contact.floor_static" = 0.2, "contact.floor_kinetic" = 0.1 }
+[[variant]]
+name = "=rough"
+engines = ["analytic"]
+set = { "contact.floor_static" = 0.6, "contact.floor_kinetic" = 0.5 }
+"""
+ONE = """
+[[variant]]
+name = "own"
+engines = ["analytic"]
+"""
+STUDIES = {
+    "frictions by variant": ("motion.x.frequency_hz", "[1.5, 3.0]", "", SLIPPERY_AND_ROUGH),
+    "with and without": ("pedestal", '["none", "keep"]', "", ONE),
+    "friction and what follows": (
+        "contact.floor_kinetic",
+        "[0.05, 0.3]",
+        'also = { "contact.floor_static" = 1.5 }',
+        ONE,
+    ),
+    "the statue": ("statue.corner_right_m", "[0.05, 0.2]", "", ONE),
+    "under the statue": ("contact.statue", "[0.04, 0.3]", "", ONE),
+    "statue and pedestal": ("pedestal", '["none", "keep"]', "", SLIPPERY_AND_ROUGH),
+}
+
+
+@pytest.fixture(scope="module", params=STUDIES)
+def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The study's file and its result folder, run by the analytic model."""
+    key, values, also, variants = STUDIES[request.param]
+    folder = tmp_path_factory.mktemp("study")
+    write_scene(folder, content(0) | standing())
+    path = folder / "study.toml"
+    path.write_text(VARIED.format(key=key, values=values, also=also) + variants, encoding="utf-8")
+    study_cli.run(path, folder / "out", jobs=1, quiet=True)
+    write_report(folder / "out")
+    return path, folder / "out"
+
+
+def standing() -> dict[str, Any]:
+    """A block on its pedestal under a harmonic motion: it stands at the least amplitude tried and may fall at the others."""
+    mass, h, left, right = 700.0, 0.77, 0.35, 0.1
+    statue = {"mass_kg": mass, "centroid_height_m": h, "corner_left_m": left, "corner_right_m": right, "depth_m": 0.7}
+    inertia = {"inertia_kg_m2": mass * ((left + right) ** 2 + 4.0 * h * h) / 12.0, "height_m": 2.0 * h}
+    return {
+        "statue": statue | inertia,
+        "pedestal": {"mass_kg": 250.0, "width_m": 0.8, "depth_m": 0.8, "height_m": 0.2},
+        "contact": {"floor_static": 0.25, "floor_kinetic": 0.2, "statue": 1.0},
+        "motion": {"x": {"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 1.5}},
+    }
+
+
+def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Path, Path]) -> None:
+    record = read_record(study[1])
+    said = context(study[1], record)
+    falls: dict[str, list[bool]] = {}
+    for row in record["rows"]:
+        falls.setdefault(row["varied"]["variant"], []).append(row["run"]["outcome"].startswith("overturned"))
+    counts = sorted({sum(each) for each in falls.values()})
+    asked = len(next(iter(falls.values())))
+    expected = (
+        f"falls in {counts[0]} of {asked}" if len(counts) == 1 else f"falls in {counts[0]} to {counts[-1]} of {asked}"
+    )
+    assert expected in said["headline"]
+    for variant, each in falls.items():
+        assert any(f"({variant})”: it falls in {sum(each)} of {len(each)}" in point for point in said["points"])
+    stands = [row["run"]["outcome"] == "stands" for row in record["rows"]]
+    assert (said["tone"] == "agree") is all(stands)
+    # One model alone cannot agree with itself: the engineer's page takes its colour from the outcomes too.
+    assert (study_verdict(record, *conditions(record["rows"])).tone == "agree") is all(stands)
+
+
+def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:
+    record = read_record(study[1])
+    said = " ".join(context(study[1], record)["points"])
+    levels: dict[float, set[str]] = {}
+    for row in record["rows"]:
+        levels.setdefault(row["varied"]["motion.x.amplitude_g"], set()).add(row["run"]["outcome"])
+    borne = [level for level in levels if all(levels[low] == {"stands"} for low in levels if low <= level)]
+    match = re.search(r"Up to a shaking of (\S+) % of its weight it stood", said)
+    assert bool(match) is bool(borne)
+    if match is not None:
+        assert float(match.group(1)) == pytest.approx(100.0 * max(borne))
+
+
+def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> None:
+    record = read_record(study[1])
+    file = load_study(study[0])
+    base = base_of(file, study[0])
+    scenes = [base.scene(case.setting) for case in expand(file, base)]
+    floors = [scene.contact.floor_static for scene in scenes if scene.pedestal is not None]
+    told = record["supports"]
+    assert told["floor_static"] == pytest.approx([min(floors), max(floors)])
+    assert told["statue"] == [min(s.contact.statue for s in scenes), max(s.contact.statue for s in scenes)]
+    assert told["pedestal"] == sorted({scene.pedestal is not None for scene in scenes})
+    words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
+    slips = {
+        scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
+        for scene in scenes
+    }
+    for slip in (min(slips), max(slips)):
+        assert slip >= 1.0 or re.search(rf"slides.* {100.0 * slip:.2g} %", words), slip
+    sent_away = "shown by a study of the statue with and without it" in words
+    assert sent_away is (told["pedestal"] == [True])
+    assert ("of the statue that varies" in words or "what was varied of it" in words) is bool(told["statue_keys"])
+
+
+def test_what_the_pedestal_changes_is_told_without_a_frequency_too(study: tuple[Path, Path]) -> None:
+    record = read_record(study[1])
+    words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
+    varied = "pedestal" in record["vary"]
+    assert ("of these are prevented" in words) is varied
+
+
+def test_no_warning_of_a_study_leaves_numbers_out(study: tuple[Path, Path]) -> None:
+    page = (study[1] / "report.html").read_text(encoding="utf-8")
+    warnings = re.findall(r'<ul class="warnings">(.*?)</ul>', page, re.S)
+    assert "…" not in "".join(warnings)
