@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from analytic.kernel.codes import (
     AT_LIMIT,
@@ -21,28 +22,49 @@ from analytic.kernel.memory import load_double, set_term, term
 from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
 from analytic.kernel.records import Floats, Task
 
-FirstEvent = tuple[float, int, int, int, float]
-"""Fraction of the step, kind, side, depth of the search, and the residual relative to the function's terms; of an impact or a
-stick onset these terms themselves: its residual is what the state has left that is moved there anyway."""
 
-Bounds = tuple[float, float, float, float]
-"""How far the terms from the second on can carry θ, V, N, and F (stuck) or u̇ (sliding)."""
+class FirstEvent(NamedTuple):
+    """The earliest event so far.
+
+    residual: the event function's remainder relative to its terms; of an impact or a stick onset these terms themselves: what is
+    left there is what the state has left that is moved to zero anyway.
+    """
+
+    fraction: float
+    """Of the step; NO_ROOT without an event."""
+    kind: int
+    side: int
+    """1 right, −1 left; of an impact the facet."""
+    level: int
+    """Depth of the search."""
+    residual: float
+
+
+class Bounds(NamedTuple):
+    """How far the terms from the second on can carry a series within the step."""
+
+    theta: float
+    pivot_normal: float
+    floor_normal: float
+    friction: float
+    """Of F while the pedestal is stuck, of u̇ while it slides."""
 
 
 @inlined
 def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: FirstEvent) -> FirstEvent:
-    """The earlier of best and the first root of the function in the EVENT row, of which lo leading terms are zero."""
+    """The earlier of best and the first root of the event function, of which lo leading terms are zero."""
     x, level, terms = first_root(task.series.event, lo, n, h)
-    if x >= best[0]:
-        return best[0], best[1], best[2], max(best[3], level), best[4]
+    level = max(best.level, level)
+    if x >= best.fraction:
+        return FirstEvent(best.fraction, best.kind, best.side, level, best.residual)
     residual = terms
     if kind != IMPACT and kind != STICK_ONSET:
         residual = remainder(task.series.event, n, x) / terms if terms > 0.0 else 0.0
-    return x, kind, side, max(best[3], level), residual
+    return FirstEvent(x, kind, side, level, residual)
 
 
 @inlined
-def _level(task: Task, row: Floats, n: int, sign: float, level: float) -> None:
+def _measure(task: Task, row: Floats, n: int, sign: float, level: float) -> None:
     """Make sign (row − level) the event function."""
     event = task.series.event
     event[0] = sign * (row[0] - level)
@@ -59,32 +81,32 @@ def _clear(row: Floats, h: float, sign: float, level: float, rest: float) -> boo
 
 @inlined
 def _bounds(task: Task, n: int, h: float) -> Bounds:
+    """Bounds of a step of length h, by the sums of the terms' absolute values: most event functions are cleared by them, without
+    a search for a root."""
     series = task.series
-    row = series.floor_force if task.state.slide == 0 else series.slip_rate
-    theta, pivot, third, theta1, pivot1, third1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for column in (n, n + 1):  # pairs of terms, without an odd one out
-        set_term(series.pivot_normal, column, 0.0)
-        set_term(series.floor_force, column, 0.0)
+    theta, normal = series.theta, series.pivot_normal
+    friction = series.floor_force if task.state.slide == 0 else series.slip_rate
+    for k in (n, n + 1):  # pairs of terms, without an odd one out
+        set_term(series.pivot_normal, k, 0.0)
+        set_term(series.floor_force, k, 0.0)
     set_term(series.theta, n + 1, 0.0)
     set_term(series.slip_rate, n + 1, 0.0)
+    a, b, c, a1, b1, c1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     k, power, square = 2, h * h, h * h
     while k <= n:
         power1 = power * h
-        theta, theta1 = theta + abs(term(series.theta, k)) * power, theta1 + abs(term(series.theta, k + 1)) * power1
-        pivot, pivot1 = (
-            pivot + abs(term(series.pivot_normal, k)) * power,
-            pivot1 + abs(term(series.pivot_normal, k + 1)) * power1,
-        )
-        third, third1 = third + abs(term(row, k)) * power, third1 + abs(term(row, k + 1)) * power1
+        a, a1 = a + abs(term(theta, k)) * power, a1 + abs(term(theta, k + 1)) * power1
+        b, b1 = b + abs(term(normal, k)) * power, b1 + abs(term(normal, k + 1)) * power1
+        c, c1 = c + abs(term(friction, k)) * power, c1 + abs(term(friction, k + 1)) * power1
         power *= square
         k += 2
-    theta, pivot, third, normal = theta + theta1, pivot + pivot1, third + third1, pivot + pivot1
+    of_floor = b + b1
     if task.motion_z.degree > 1:  # else N has no other terms than V from the second on
-        normal, power = 0.0, h
+        of_floor, power = 0.0, h
         for k in range(2, n):
             power *= h
-            normal += abs(term(series.floor_normal, k)) * power
-    return theta, pivot, normal, third
+            of_floor += abs(term(series.floor_normal, k)) * power
+    return Bounds(a + a1, b + b1, of_floor, c + c1)
 
 
 @inlined
@@ -97,13 +119,13 @@ def _rotation(task: Task, n: int, h: float, rest: float, best: FirstEvent) -> Fi
             angle = load_double(task.base.facets, j)
             if _clear(series.theta, h, -side, angle, rest):
                 continue
-            _level(task, series.theta, n, -side, angle)
+            _measure(task, series.theta, n, -side, angle)
             lo = 0
             if series.event[0] == 0.0:
                 lo = 1 if series.theta_rate[0] != 0.0 else 1 + theta_rate_zeros(task, n)
             best = _search(task, n, h, lo, IMPACT, j, best)
         elif not _clear(series.theta, h, -side, side * task.params.overturn_rad, rest):
-            _level(task, series.theta, n, -side, side * task.params.overturn_rad)
+            _measure(task, series.theta, n, -side, side * task.params.overturn_rad)
             best = _search(task, n, h, 0, AT_LIMIT, side, best)
     return best
 
@@ -133,14 +155,14 @@ def _contact(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> 
     state, series = task.state, task.series
     if state.pivot < 0:
         if task.motion_z.degree > 0 or series.gravity[0] <= 0.0:
-            _level(task, series.gravity, n, 1.0, 0.0)
+            _measure(task, series.gravity, n, 1.0, 0.0)
             return _search(task, n, h, 0, LOST_CONTACT, 0, best)
         return best
-    if not _clear(series.pivot_normal, h, 1.0, 0.0, bounds[1]) and not falling(task):
-        _level(task, series.pivot_normal, n - 1, 1.0, 0.0)
+    if not _clear(series.pivot_normal, h, 1.0, 0.0, bounds.pivot_normal) and not falling(task):
+        _measure(task, series.pivot_normal, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, h, 0, LOST_CONTACT, 0, best)
-    if task.params.has_pedestal and not _clear(series.floor_normal, h, 1.0, 0.0, bounds[2]):
-        _level(task, series.floor_normal, n - 1, 1.0, 0.0)
+    if task.params.has_pedestal and not _clear(series.floor_normal, h, 1.0, 0.0, bounds.floor_normal):
+        _measure(task, series.floor_normal, n - 1, 1.0, 0.0)
         best = _search(task, n - 1, h, 0, LOST_CONTACT, 1, best)
     if state.slide != 0 and not _solvable(task, n):
         best = _search(task, n - 1, h, 0, NO_SOLUTION, 0, best)
@@ -162,12 +184,16 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
     """Slip onset of the stuck pedestal to either side, or stick onset of the sliding one."""
     state, series, params = task.state, task.series, task.params
     if state.slide != 0:
-        if not _clear(series.slip_rate, h, state.slide, 0.0, bounds[3]):
+        if not _clear(series.slip_rate, h, state.slide, 0.0, bounds.friction):
             lo = slip_rate_zeros(task, n) if series.slip_rate[0] == 0.0 else 0
-            _level(task, series.slip_rate, n, state.slide, 0.0)
+            _measure(task, series.slip_rate, n, state.slide, 0.0)
             best = _search(task, n, h, lo, STICK_ONSET, state.slide, best)
         return best
-    rest = math.inf if not params.dynamic_normal or state.pivot < 0 else params.floor_static * bounds[2] + bounds[3]
+    rest = (
+        math.inf
+        if not params.dynamic_normal or state.pivot < 0
+        else params.floor_static * bounds.floor_normal + bounds.friction
+    )
     held, change = params.floor_static * series.floor_normal[0], params.floor_static * series.floor_normal[1]
     for side in (1, -1):
         if held + side * series.floor_force[0] + min(h * (change + side * series.floor_force[1]), 0.0) > rest:
@@ -182,20 +208,20 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
 def first_event(task: Task, n: int, h: float) -> FirstEvent:
     """The first event within the step of length h whose coefficients stand in the workspace."""
     state, series = task.state, task.series
-    best = (NO_ROOT, NO_EVENT, 0, 0, 0.0)
-    bounds = (0.0, 0.0, 0.0, 0.0)
+    best = FirstEvent(NO_ROOT, NO_EVENT, 0, 0, 0.0)
+    bounds = Bounds(0.0, 0.0, 0.0, 0.0)
     if state.pivot < 0:
         best = _uplift(task, n, h, best)
     else:
         bounds = _bounds(task, n, h)
-        best = _rotation(task, n, h, bounds[0], best)
+        best = _rotation(task, n, h, bounds.theta, best)
     if task.params.has_pedestal:
         if state.pivot < 0 and state.slide != 0:
-            bounds = (0.0, 0.0, 0.0, math.inf)
+            bounds = Bounds(0.0, 0.0, 0.0, math.inf)  # no bound of u̇ was summed up: it is searched
         best = _friction(task, n, h, bounds, best)
     best = _contact(task, n, h, bounds, best)
     side = task.params.wall_side
-    if side != 0 and state.pivot >= 0 and not _clear(series.theta, h, -side, side * task.params.wall_rad, bounds[0]):
-        _level(task, series.theta, n, -side, side * task.params.wall_rad)
+    if side != 0 and state.pivot >= 0 and not _clear(series.theta, h, -side, side * task.params.wall_rad, bounds.theta):
+        _measure(task, series.theta, n, -side, side * task.params.wall_rad)
         best = _search(task, n, h, 0, AT_WALL, side, best)
     return best

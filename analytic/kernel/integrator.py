@@ -200,10 +200,11 @@ def _step(task: Task) -> None:
     limit = state.limit_s
     room = limit - state.time_s
     n, h = _expand_step(task, min(room, params.step_cap_s))
-    x, kind, side, level, residual = first_event(task, n, h)
-    if level >= TANGENT_LEVEL:
+    first = first_event(task, n, h)
+    kind = first.kind
+    if first.level >= TANGENT_LEVEL:
         counts.tangents += 1
-    tau = h if kind == NO_EVENT else x * h
+    tau = h if kind == NO_EVENT else first.fraction * h
     until = limit if kind == NO_EVENT and h == room else state.time_s + tau
     advance(task, n, tau, until)
     if params.keep_validity:
@@ -212,7 +213,7 @@ def _step(task: Task) -> None:
     state.time_s = until
     state.fresh, state.floor_loaded = False, False
     if kind != NO_EVENT:
-        _handle(task, kind, side, residual)
+        _handle(task, kind, first.side, first.residual)
     if state.outcome == RUNNING and state.time_s >= limit and _pass_breaks(task):
         change_state(task, BREAK, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, 0.0)
     if counts.stalled > MAX_STALL or counts.steps > MAX_STEPS:
