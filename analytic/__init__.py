@@ -5,8 +5,10 @@ equations and what they assume: a rigid body in one plane, no slip between statu
 pedestal on the floor, impacts by angular momentum (or a prescribed ratio).
 
 1. Describe the body: `Block.two_corners`, `Block.rectangle` or `Block.from_profile`; if it stands on one, a `Pedestal`.
-2. Describe the floor's acceleration, m/s²: `Harmonic`, `Pulse`, `Record` (yours, linear between samples) or `Rest`.
-3. `simulate` gives a `Solution`: outcome, history, events, limits of the model. `certify` adds how far its numbers hold.
+2. Describe the floor's acceleration, m/s²: `Harmonic`, `Pulse`, `SampledAcceleration` (a record: linear between samples) or
+   `ZeroExcitation`; `Record` and `Rest` are other names of the last two.
+3. `simulate` gives a `Solution`: outcome, history, events, limits of the model; `solve` does the same for one `Problem` and its
+   `Options`. `certify` adds how far its numbers hold.
    `ensemble` runs many parameter sets for their outcome.
 
 A block 0.2 m wide and 1 m high, let go from half its balance angle, lands after 0.347 s and keeps 94 % of its rate:
@@ -15,7 +17,7 @@ A block 0.2 m wide and 1 m high, let go from half its balance angle, lands after
 >>> import analytic
 >>> block = analytic.Block.rectangle(width_m=0.2, height_m=1.0, mass_kg=500.0)
 >>> alpha_rad = block.alpha_rad(1)
->>> run = analytic.simulate(block, analytic.Rest(), theta0_rad=0.5 * alpha_rad, duration_s=2.0)
+>>> run = analytic.simulate(block, analytic.ZeroExcitation(), theta0_rad=0.5 * alpha_rad, duration_s=2.0)
 >>> first = run.impacts[0]
 >>> print(f"{first.time_s:.5f} s, {first.theta_rate_after_rad_s / first.theta_rate_before_rad_s:.4f}")
 0.34709 s, 0.9423
@@ -38,13 +40,13 @@ True
 Which amplitudes and frequencies of a sine pulse overturn it:
 
 >>> amplitude_m_s2, frequency_hz = [[2.0], [6.0]], [1.0, 8.0]
->>> found = analytic.ensemble(
+>>> runs = analytic.ensemble(
 ...     block,
 ...     analytic.Pulse("one_sine", 1.0, 1.0),
 ...     sweep={"amplitude_m_s2": amplitude_m_s2, "frequency_hz": frequency_hz},
 ...     duration_s=5.0,
 ... )
->>> found.overturned.tolist()
+>>> runs.overturned.tolist()
 [[False, False], [True, False]]
 
 Closed-form answers are in `analytic.closed_form` (free rocking, Newmark sliding, similarity) and `analytic.pulse_response`
@@ -72,6 +74,12 @@ if TYPE_CHECKING:
     from analytic.excitation import Pulse as Pulse
     from analytic.excitation import Record as Record
     from analytic.excitation import Rest as Rest
+    from analytic.excitation import SampledAcceleration as SampledAcceleration
+    from analytic.excitation import ZeroExcitation as ZeroExcitation
+    from analytic.problem import CommonKeywords as CommonKeywords
+    from analytic.problem import Keywords as Keywords
+    from analytic.problem import Options as Options
+    from analytic.problem import Problem as Problem
     from analytic.solution import Event as Event
     from analytic.solution import EventKind as EventKind
     from analytic.solution import Interval as Interval
@@ -79,6 +87,7 @@ if TYPE_CHECKING:
     from analytic.solution import Solution as Solution
     from analytic.solution import Validity as Validity
     from analytic.solver import simulate as simulate
+    from analytic.solver import solve as solve
     from analytic.sweep import Ensemble as Ensemble
     from analytic.sweep import ensemble as ensemble
 
@@ -86,6 +95,7 @@ _HOME: Final = {
     "AnalyticInputError": "analytic.errors",
     "Block": "analytic.block",
     "Certified": "analytic.certainty",
+    "CommonKeywords": "analytic.problem",
     "Ensemble": "analytic.sweep",
     "Event": "analytic.solution",
     "EventKind": "analytic.solution",
@@ -94,17 +104,23 @@ _HOME: Final = {
     "Friction": "analytic.block",
     "Harmonic": "analytic.excitation",
     "Interval": "analytic.solution",
+    "Keywords": "analytic.problem",
+    "Options": "analytic.problem",
     "Outcome": "analytic.solution",
     "Pedestal": "analytic.block",
+    "Problem": "analytic.problem",
     "Pulse": "analytic.excitation",
     "Record": "analytic.excitation",
     "Rest": "analytic.excitation",
+    "SampledAcceleration": "analytic.excitation",
     "Solution": "analytic.solution",
     "Validity": "analytic.solution",
     "Wall": "analytic.block",
+    "ZeroExcitation": "analytic.excitation",
     "certify": "analytic.certainty",
     "ensemble": "analytic.sweep",
     "simulate": "analytic.solver",
+    "solve": "analytic.solver",
 }
 __all__ = sorted(_HOME)
 
@@ -113,7 +129,8 @@ def __getattr__(name: str) -> object:
     """Load a public name from its module."""
     if name not in _HOME:
         raise AttributeError(f"module 'analytic' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    globals()[name] = value = getattr(import_module(_HOME[name]), name)
+    return value
 
 
 def __dir__() -> list[str]:

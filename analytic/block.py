@@ -11,6 +11,7 @@ from typing import Final, Literal, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.errors import AnalyticInputError
 
 FLAT_RAD: Final = 1e-12
@@ -103,9 +104,13 @@ class Block:
         x, z = self.profile_m[-1 if side > 0 else 0]
         return abs(x), self.centroid_height_m - z
 
+    @cached_property
+    def _radii_m(self) -> tuple[float, float]:
+        return math.hypot(*self._outer(1)), math.hypot(*self._outer(-1))
+
     def radius_m(self, side: int) -> float:
         """R of the outer corner on that side (1 right, −1 left), m."""
-        return math.hypot(*self._outer(side))
+        return self._radii_m[0 if side > 0 else 1]
 
     def alpha_rad(self, side: int) -> float:
         """α of the outer corner on that side (1 right, −1 left), rad."""
@@ -115,7 +120,7 @@ class Block:
         """J about the outer corner on that side, kg m²."""
         return self.inertia_kg_m2 + self.mass_kg * self.radius_m(side) ** 2
 
-    def p_rad_s(self, side: int, gravity_m_s2: float = 9.81) -> float:
+    def p_rad_s(self, side: int, gravity_m_s2: float = GRAVITY_M_S2) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
         radius_m = self.radius_m(side)
         return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / (self.inertia_kg_m2 + self.mass_kg * radius_m**2))

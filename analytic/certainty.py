@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, final
+from typing import Final, Unpack, final
 
 import numpy as np
 
 from analytic.block import Block
-from analytic.excitation import Excitation, Rest
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation, ZeroExcitation
+from analytic.problem import CommonKeywords
 from analytic.solution import Solution
 from analytic.solver import simulate
 
@@ -56,7 +58,7 @@ def certify(
     accuracy_rad: float = 1e-9,
     base_accuracy_rad: float = BASE_ACCURACY_RAD,
     step_cap_s: float = math.inf,
-    **scene: Any,
+    **scene: Unpack[CommonKeywords],
 ) -> Certified:
     """Run the model three times (finer local error, shorter steps) and say how far the numbers hold.
 
@@ -66,9 +68,9 @@ def certify(
     own time only; the slip's uncertainty is then that of its peak over the whole run.
     Raises AnalyticInputError as ``simulate`` does.
     """
-    motion_z = motion_z if motion_z is not None else Rest()
+    motion_z = motion_z if motion_z is not None else ZeroExcitation()
     base = min(accuracy_rad, base_accuracy_rad)
-    gravity = scene.get("gravity_m_s2", 9.81)
+    gravity = scene.get("gravity_m_s2", GRAVITY_M_S2)
     cap = min(step_cap_s, CAP / max(block.p_rad_s(1, gravity), block.p_rad_s(-1, gravity)))
     quick = scene | {"events": False, "validity": False}
     checks: tuple[tuple[float, float], ...] = ((base * FINER, step_cap_s), (base, 0.5 * cap))

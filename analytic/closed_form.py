@@ -23,6 +23,7 @@ import math
 from dataclasses import dataclass
 from typing import final
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.errors import AnalyticInputError
 
 __all__ = [
@@ -63,7 +64,7 @@ def _tilt(theta0_rad: float, alpha_rad: float) -> None:
 
 
 def frequency_parameter_rad_s(
-    mass_kg: float, radius_m: float, inertia_kg_m2: float, gravity_m_s2: float = 9.81
+    mass_kg: float, radius_m: float, inertia_kg_m2: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> float:
     """p = √(m g R / J), J about the pivot = inertia_kg_m2 + m R² (Housner 1963, eq. 3)."""
     _positive(mass_kg=mass_kg, radius_m=radius_m, inertia_kg_m2=inertia_kg_m2, gravity_m_s2=gravity_m_s2)
@@ -140,7 +141,7 @@ def rectangular_pulse_threshold(p_t_d: float) -> float:
 
 
 def rectangular_pulse_slip_m(
-    accel_m_s2: float, duration_s: float, friction: float, gravity_m_s2: float = 9.81
+    accel_m_s2: float, duration_s: float, friction: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> float:
     """Total slip of a rigid block under one rectangular pulse: ½ (A − μg) t_d² A/(μg), 0 if A ≤ μg (Newmark 1965)."""
     _positive(accel_m_s2=accel_m_s2, duration_s=duration_s, friction=friction, gravity_m_s2=gravity_m_s2)
@@ -159,7 +160,7 @@ class HarmonicSlip:
 
 
 def harmonic_first_slip(
-    accel_m_s2: float, frequency_hz: float, static: float, kinetic: float, gravity_m_s2: float = 9.81
+    accel_m_s2: float, frequency_hz: float, static: float, kinetic: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> HarmonicSlip | None:
     """The first excursion of a block that starts from rest, None if A ≤ μ_s g; it starts at ωt = asin(μ_s g/A).
 
@@ -188,7 +189,7 @@ def harmonic_first_slip(
 
 
 def harmonic_steady_slip_range_m(
-    accel_m_s2: float, frequency_hz: float, kinetic: float, gravity_m_s2: float = 9.81
+    accel_m_s2: float, frequency_hz: float, kinetic: float, gravity_m_s2: float = GRAVITY_M_S2
 ) -> float:
     """Peak-to-peak slip of steady sliding without sticking: (2A/ω²) √(1 − (πη/2)²), η = μ_k g/A.
 
@@ -250,7 +251,12 @@ class RollingCylinder:
 
 
 def rolling_cylinder(
-    radius_m: float, half_height_m: float, tilt_rad: float, *, path_radius_m: float = 0.0, gravity_m_s2: float = 9.81
+    radius_m: float,
+    half_height_m: float,
+    tilt_rad: float,
+    *,
+    path_radius_m: float = 0.0,
+    gravity_m_s2: float = GRAVITY_M_S2,
 ) -> RollingCylinder:
     """Precession of a homogeneous cylinder (a disk for a small height) rolling without slip on its rim.
 

@@ -14,10 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.errors import AnalyticInputError
-from analytic.motion import Excitation, Floats, Rest, require_finite
-from analytic.sampled import Record
+from analytic.motion import Excitation, Floats, ZeroExcitation, require_finite
+from analytic.sampled import SampledAcceleration
 
-__all__ = ["Excitation", "Harmonic", "Pulse", "Record", "Rest"]
+__all__ = ["Excitation", "Harmonic", "Pulse", "Record", "Rest", "SampledAcceleration", "ZeroExcitation"]
+
+Rest = ZeroExcitation
+"""The zero excitation, by the name that scenes give it."""
+Record = SampledAcceleration
+"""A sampled acceleration, by its everyday name."""
 
 PulseShape = Literal["rectangular", "one_sine", "one_cosine", "ricker"]
 

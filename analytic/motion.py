@@ -28,7 +28,7 @@ class Excitation(ABC):
     """A floor acceleration a(t) in m/s², zero before t = 0.
 
     To add a motion: give the members below; if the compiled kernel is to follow it exactly, give it a code in
-    ``analytic.forcing``; otherwise sample it into a ``Record``.
+    ``analytic.kernel.forcing``; otherwise sample it into a ``SampledAcceleration``.
     """
 
     @abstractmethod
@@ -64,7 +64,7 @@ class Excitation(ABC):
 
 @final
 @dataclass(frozen=True)
-class Rest(Excitation):
+class ZeroExcitation(Excitation):
     """No motion."""
 
     def accel_m_s2(self, t_s: ArrayLike) -> Floats:

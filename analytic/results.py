@@ -4,141 +4,188 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Final, NamedTuple, final
+from struct import Struct
+from typing import Any, Final, NamedTuple, Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from analytic import layout as at
+from analytic.kernel.layout import TASK, packing
+from analytic.kernel.records import Counts, EventRow, MotionParams, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
 """Sentence of each of the kernel's codes for a limit passed."""
 
 
-class Finished(NamedTuple):
-    """A task and all that the kernel's ``run`` is called with."""
+def _offset(*names: str) -> int:
+    """Where a record stands in a task, bytes."""
+    place, record = 0, TASK
+    for name in names:
+        assert record.fields is not None
+        place, record = place + record.fields[name][1], record.fields[name][0]
+    return place
 
-    runs: at.Runs
-    arguments: tuple[at.Floats, ...]
-    """Parameters, two motions, base (3), samples (4), history (5, n), events (m, N_EVENT)."""
+
+_PARAMS, _STATE, _RESULTS = _offset("params"), _offset("state"), _offset("results")
+_COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _offset("output", "next_sample")
+_MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
+_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, State, Results, Counts)}
+_INTEGER: Final = Struct("q")
+
+
+class Prepared(NamedTuple):
+    """The memory of a task, and the arrays that the kernel's ``run`` is called with beside it."""
+
+    memory: bytearray
+    arrays: tuple[NDArray[Any], ...]
+    """Base (3), times (2) and samples (2) of the motions, history (5, n), events (m,)."""
+
+    @classmethod
+    def of(cls, params: Params, x: MotionParams, z: MotionParams, *arrays: NDArray[Any]) -> Self:
+        """A task with its parameters written."""
+        memory = bytearray(TASK.itemsize)
+        for place, record in ((_PARAMS, params), (_MOTION_X, x), (_MOTION_Z, z)):
+            _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
+        return cls(memory, arrays)
 
     @property
-    def s(self) -> at.Floats:
-        """State."""
-        return np.asarray(self.runs[0]["s"])
+    def tasks(self) -> Records:
+        """The task as the one item of an array."""
+        return np.frombuffer(self.memory, TASK)
 
     @property
-    def c(self) -> at.Ints:
-        """Counts."""
-        return np.asarray(self.runs[0]["c"])
+    def state(self) -> State:
+        """The state that the run ended in."""
+        return State(*_PACKING[State].unpack_from(self.memory, _STATE))
+
+    @property
+    def results(self) -> Results:
+        """What the run left behind."""
+        return Results(*_PACKING[Results].unpack_from(self.memory, _RESULTS))
+
+    @property
+    def counts(self) -> Counts:
+        """How often what happened."""
+        return Counts(*_PACKING[Counts].unpack_from(self.memory, _COUNTS))
+
+    @property
+    def n_samples(self) -> int:
+        """Output samples written."""
+        return int(_INTEGER.unpack_from(self.memory, _SAMPLES)[0])
+
+    @property
+    def n_events(self) -> int:
+        """Events of the run, whether or not the table had room for them."""
+        return int(_INTEGER.unpack_from(self.memory, _EVENTS)[0])
 
 
 def _optional(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _event(row: list[float]) -> Event:
-    pivot = int(row[at.E_PIVOT])
+def _event(given: tuple[Any, ...]) -> Event:
+    event = EventRow(*given)
     return Event(
-        time_s=row[at.E_TIME],
-        kind=KINDS[int(row[at.E_KIND])],
-        pivot=pivot if pivot >= 0 else None,
-        facet=int(row[at.E_FACET]),
-        slide=int(row[at.E_SLIDE]),
-        theta_rad=row[at.E_THETA],
-        theta_rate_before_rad_s=row[at.E_OMEGA_BEFORE],
-        theta_rate_after_rad_s=row[at.E_OMEGA_AFTER],
-        slip_m=row[at.E_SLIP],
-        slip_rate_before_m_s=row[at.E_RATE_BEFORE],
-        slip_rate_after_m_s=row[at.E_RATE_AFTER],
-        energy_j=row[at.E_ENERGY],
-        feasible_states=int(row[at.E_TIED]),
-        residual=row[at.E_RESIDUAL],
+        time_s=event.time_s,
+        kind=KINDS[event.kind],
+        pivot=event.pivot if event.pivot >= 0 else None,
+        facet=event.facet,
+        slide=event.slide,
+        theta_rad=event.theta_rad,
+        theta_rate_before_rad_s=event.theta_rate_before_rad_s,
+        theta_rate_after_rad_s=event.theta_rate_after_rad_s,
+        slip_m=event.slip_m,
+        slip_rate_before_m_s=event.slip_rate_before_m_s,
+        slip_rate_after_m_s=event.slip_rate_after_m_s,
+        energy_j=event.energy_j,
+        feasible_states=event.feasible_states,
+        residual=event.residual,
     )
 
 
 @final
-class Kept:
-    """The kernel's results r, counts c and event rows, told as objects when they are asked for."""
+class RunDetails:
+    """The kernel's results, counts and event rows, as objects when they are asked for."""
 
-    def __init__(self, r: list[float], c: list[int], rows: at.Floats, based: bool, valid: bool) -> None:
-        """Keep them; based: on a pedestal; valid: whether the validity was kept."""
-        self._r, self._c, self._rows, self._based, self._valid = r, c, rows, based, valid
+    def __init__(self, params: Params, results: Results, finished: Prepared) -> None:
+        """Keep them."""
+        self._params, self._results, self._finished = params, results, finished
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every event."""
-        return tuple(_event(row) for row in self._rows[: self._c[at.EVENTS]].tolist())
+        rows: Records = self._finished.arrays[-1]
+        return tuple(_event(each) for each in rows[: self._finished.n_events].tolist())
 
     @cached_property
     def validity(self) -> Validity | None:
         """How far the run stayed inside the model, None where that was not kept."""
-        r, based = self._r, self._based
-        if not self._valid:
+        r, on_pedestal = self._results, self._params.has_pedestal
+        if not self._params.keep_validity:
             return None
         return Validity(
-            pivot_friction_needed=r[at.PIVOT_FRICTION],
-            pivot_friction_needed_at_impact=r[at.PIVOT_FRICTION_IMPACT],
-            least_pivot_force_n=r[at.LEAST_V],
-            least_floor_force_n=r[at.LEAST_N],
-            pedestal_tipping_margin_m=_optional(r[at.TIP_MARGIN]) if based else None,
-            pedestal_tipping_margin_at_impact_m=_optional(r[at.TIP_MARGIN_IMPACT]) if based else None,
-            left_domain_s=_optional(r[at.LEFT_TIME]),
-            left_domain_by=LEFT_BY[int(r[at.LEFT_BY])],
+            pivot_friction_needed=r.pivot_friction,
+            pivot_friction_needed_at_impact=r.pivot_friction_at_impact,
+            least_pivot_force_n=r.least_pivot_normal_n,
+            least_floor_force_n=r.least_floor_normal_n,
+            pedestal_tipping_margin_m=_optional(r.tipping_margin_m) if on_pedestal else None,
+            pedestal_tipping_margin_at_impact_m=_optional(r.tipping_margin_at_impact_m) if on_pedestal else None,
+            left_domain_s=_optional(r.left_domain_s),
+            left_domain_by=LEFT_BY[r.left_domain_by],
         )
 
     @cached_property
     def work(self) -> Work:
         """What the run cost and what it left out."""
-        c = self._c
+        c = self._finished.counts
         return Work(
-            steps=c[at.STEPS],
-            taylor_coefficients=c[at.COEFFICIENTS],
-            events=c[at.EVENTS],
-            impacts=c[at.IMPACTS],
-            quiet_samples_skipped=c[at.QUIET_SAMPLES],
-            skipped_s=self._r[at.SKIPPED_S],
-            ended_by_energy=bool(c[at.BY_ENERGY]),
+            steps=c.steps,
+            taylor_coefficients=c.coefficients,
+            events=c.events,
+            impacts=c.impacts,
+            quiet_samples_skipped=c.quiet_samples,
+            skipped_s=self._results.skipped_s,
+            ended_by_energy=c.energy_endings > 0,
         )
 
     @cached_property
     def doubts(self) -> Doubts:
         """What may make the run's numbers unsafe."""
-        r, c = self._r, self._c
+        r, c = self._results, self._finished.counts
         return Doubts(
-            ambiguous_states=c[at.TIES],
-            near_tangent_steps=c[at.TANGENTS],
-            dropped_rebounds=c[at.ZENO],
-            worst_residual=r[at.RESIDUAL],
-            outcome_margin=_optional(r[at.OUTCOME_MARGIN]),
-            gave_up=bool(c[at.GAVE_UP]),
+            ambiguous_states=c.ties,
+            near_tangent_steps=c.tangents,
+            dropped_rebounds=c.dropped_rebounds,
+            worst_residual=r.event_residual,
+            outcome_margin=_optional(r.outcome_margin),
+            gave_up=c.given_up > 0,
         )
 
 
-def read(task: Finished) -> Solution:
+def read(params: Params, finished: Prepared) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    record, p, history, table = task.runs[0], task.arguments[0], task.arguments[-2], task.arguments[-1]
-    s, r, q, c = (record[name].tolist() for name in "srqc")
+    state, results, history = finished.state, finished.results, finished.arrays[-2]
     history.setflags(write=False)
-    t, theta, theta_rate, slip, slip_rate = history[:, : q[at.GRID]]
-    outcome = OUTCOMES[q[at.OUTCOME]]
-    fell = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
+    t, theta, theta_rate, slip, slip_rate = history[:, : finished.n_samples]
+    outcome = OUTCOMES[state.outcome]
+    overturned = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
     return Solution(
         outcome=outcome,
-        end_s=s[at.T],
+        end_s=state.time_s,
         t_s=t,
         theta_rad=theta,
         theta_rate_rad_s=theta_rate,
         slip_m=slip,
         slip_rate_m_s=slip_rate,
-        peak_theta_rad=abs(r[at.PEAK]),
-        peak_signed_rad=r[at.PEAK],
-        peak_time_s=r[at.PEAK_TIME],
-        peak_slip_m=r[at.PEAK_SLIP],
-        final_slip_m=s[at.S_U],
-        overturn_time_s=_optional(r[at.OVERTURN_TIME]),
-        no_return_time_s=_optional(r[at.NO_RETURN]) if fell else None,
-        energy_lost_j=r[at.ENERGY_LOST],
-        energy_gained_j=r[at.ENERGY_GAINED],
-        details=Kept(r, c, table, p[at.HAS_BASE] > 0.0, p[at.WANT_VALIDITY] > 0.0),
+        peak_theta_rad=abs(results.peak_theta_rad),
+        peak_signed_rad=results.peak_theta_rad,
+        peak_time_s=results.peak_time_s,
+        peak_slip_m=results.peak_slip_m,
+        final_slip_m=state.slip_m,
+        overturn_time_s=_optional(results.overturn_time_s),
+        no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
+        energy_lost_j=results.energy_lost_j,
+        energy_gained_j=results.energy_gained_j,
+        details=RunDetails(params, results, finished),
     )

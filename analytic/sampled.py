@@ -15,7 +15,7 @@ from analytic.motion import Excitation, Floats, require_finite
 
 @final
 @dataclass(frozen=True, eq=False)
-class Record(Excitation):
+class SampledAcceleration(Excitation):
     """Samples joined by straight lines, zero before the first and after the last.
 
     t_s (n,) strictly increasing from ≥ 0, s; accel_m_s2 of the samples (n,), m/s², kept as ``samples_m_s2``.
@@ -45,7 +45,7 @@ class Record(Excitation):
 
     def __eq__(self, other: object) -> bool:
         """Equal samples at equal times."""
-        if not isinstance(other, Record):
+        if not isinstance(other, SampledAcceleration):
             return NotImplemented
         return np.array_equal(self.t_s, other.t_s) and np.array_equal(self.samples_m_s2, other.samples_m_s2)
 

@@ -42,7 +42,9 @@ class EventKind(StrEnum):
 
     START = "start"
     UPLIFT = "uplift"
-    SLIP = "slip"
+    SLIP_ONSET = "slip"
+    STICK_ONSET = "halt"
+    SLIP = "slip"  # further names of these two
     HALT = "halt"
     IMPACT = "impact"
     BREAK = "break"
@@ -56,8 +58,8 @@ class EventKind(StrEnum):
 KINDS = (
     EventKind.END,
     EventKind.UPLIFT,
-    EventKind.SLIP,
-    EventKind.HALT,
+    EventKind.SLIP_ONSET,
+    EventKind.STICK_ONSET,
     EventKind.IMPACT,
     EventKind.BREAK,
     EventKind.OVERTURN,

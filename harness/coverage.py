@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from harness import engines
 from harness.engine import Engine, Want
@@ -23,7 +24,6 @@ from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 from harness.uncertainty import run_to_accuracy
 
 DURATION_S: Final = 3.0
-GRAVITY_M_S2: Final = 9.81
 FINER: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the ladder's own two."""
 FIRST_SEED: Final = 20_900

@@ -7,20 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, Rest
 
 if TYPE_CHECKING:
     from meshes import Solid
 
 Array = NDArray[np.float64]
-
-OVERTURN_RAD: Final = 1.5
-"""Rotation at which a statue counts as overturned, the same in every model; flat is π/2 less the contact's slop."""
 
 
 @dataclass(frozen=True)

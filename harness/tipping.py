@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse
-from harness.coverage import GRAVITY_M_S2, block
+from harness.coverage import block
 from harness.scene import Contact, Form, Pedestal, Scene, Shake
 
 DURATION_S: Final = 2.0

@@ -16,11 +16,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Block, Excitation, Form, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
-from analytic import layout as at
-from analytic.kernel import run
-from analytic.solver import OVERTURN_RAD, parameters, prepare
-from harness.benchmark.rivals import GRAVITY_M_S2, Model, heyoka_solver, scipy_run
+from analytic import Block, Excitation, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
+from analytic.constants import GRAVITY_M_S2
+from analytic.encode import encode
+from analytic.kernel.entries import run
+from analytic.problem import Options, Problem
+from analytic.results import Prepared
+from analytic.solver import prepare
+from harness.benchmark.rivals import Model, heyoka_solver, scipy_run
 from harness.benchmark.turns import Answer, Entry, take_turns
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
@@ -166,9 +169,9 @@ def taylor() -> tuple[list[Entry], list[dict[str, Any]]]:
     for tolerance in HEYOKA_TOLERANCES:
         task = packed(FORCED, tolerance)
 
-        def kernel(task: Any = task) -> Answer:
-            run(task.runs, *task.arguments)
-            return task.s[at.S_TH : at.S_TH + 1].copy(), int(task.c[at.STEPS])
+        def kernel(task: Prepared = task, tasks: Any = task.tasks) -> Answer:
+            run(tasks, *task.arrays)
+            return np.array([task.state.theta_rad]), task.counts.steps
 
         entries.append(Entry("analytic, kernel alone", tolerance, kernel))
         assert isinstance(FORCED.motion, Harmonic)
@@ -180,15 +183,20 @@ def taylor() -> tuple[list[Entry], list[dict[str, Any]]]:
     return entries, absent
 
 
-def packed(case: Case, tolerance: float) -> Any:
+def packed(case: Case, tolerance: float) -> Prepared:
     """The kernel's task of a case, for the outcome only."""
-    p = parameters(
-        case.block, pedestal=case.pedestal, friction=case.friction, statue_friction=math.inf, form=Form(),
-        theta0_rad=case.theta0_rad, theta_rate0_rad_s=0.0, duration_s=case.duration_s, gravity_m_s2=GRAVITY_M_S2, wall=None,
-        overturn_rad=OVERTURN_RAD, accuracy_rad=tolerance, dt_s=None, step_cap_s=math.inf, skip_start=True, skip_rest=True,
-        skip_energy=True, validity=False,
-    )  # fmt: skip
-    return prepare(case.block, p, case.motion, Rest(), 0)
+    problem = Problem(
+        case.block,
+        case.motion,
+        Rest(),
+        case.duration_s,
+        case.pedestal,
+        case.friction.static,
+        case.friction.kinetic,
+        theta0_rad=case.theta0_rad,
+        gravity_m_s2=GRAVITY_M_S2,
+    )
+    return prepare(problem, encode(problem, Options(accuracy_rad=tolerance, dt_s=None, validity=False)), 0)
 
 
 def _map(size: int, pedestal: bool) -> dict[str, Any]:

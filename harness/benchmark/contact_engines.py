@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness import engines
 from harness.engine import Settings, Want
 from harness.record import Run
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 
-GRAVITY_M_S2: Final = 9.81
 CASES: Final = ((0.334, 2.0), (0.334, 3.0), (0.429, 2.0), (0.429, 3.0))
 """Amplitude in g and frequency in Hz of the paper's cases that every setting is measured on."""
 BEST_OF: Final = 5

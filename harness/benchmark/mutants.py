@@ -16,6 +16,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.benchmark.faults import expose
 from harness.record import Run
@@ -23,7 +24,6 @@ from harness.run import simulate
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 from harness.scene_file.load import load_scene
 
-GRAVITY_M_S2: Final = 9.81
 DURATION_S: Final = 5.0
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Final, final
 
 import analytic
+from analytic.constants import GRAVITY_M_S2
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "paper_forms.md"
-GRAVITY: Final = 9.81
 DURATION_S: Final = 10.0
 RATIO: Final = 0.875
 FREQUENCIES_HZ: Final = (1.5, 2.0, 3.0, 4.5, 6.0)
@@ -91,13 +91,13 @@ def run(reading: Reading, amplitude_g: float, frequency_hz: float, *, pedestal: 
     )
     return analytic.simulate(
         block,
-        analytic.Harmonic(factor * amplitude_g * GRAVITY, frequency_hz, reading.phase_rad),
+        analytic.Harmonic(factor * amplitude_g * GRAVITY_M_S2, frequency_hz, reading.phase_rad),
         pedestal=analytic.Pedestal(250.0, 0.60, 0.20) if pedestal else None,
         floor_static=reading.floor_static,
         floor_kinetic=0.15,
         form=form,
         duration_s=DURATION_S,
-        gravity_m_s2=GRAVITY,
+        gravity_m_s2=GRAVITY_M_S2,
         dt_s=None,
     )
 
@@ -168,7 +168,7 @@ def printed_signs() -> str:
         printed = _instant(side, coupling=side, friction=side, corner_m=corner)
         right = _instant(side, coupling=-1, friction=sliding, corner_m=corner)
         speed = 0.1 * sliding
-        power = [-957.0 * 0.15 * GRAVITY * sign * speed for sign in (side, sliding)]
+        power = [-957.0 * 0.15 * GRAVITY_M_S2 * sign * speed for sign in (side, sliding)]
         rows.append(
             [f"{0.05 * side:+.2f}", f"{speed:+.1f}"]
             + [f"{p:+.2f} / {c:+.2f}" for p, c in zip((*printed, power[0]), (*right, power[1]), strict=True)]
@@ -184,7 +184,7 @@ def _instant(side: int, *, coupling: int, friction: int, corner_m: float) -> tup
     radius, phi = math.hypot(corner_m, h), math.atan2(corner_m, h) - theta
     lever, lift = m * radius * math.cos(phi), m * radius * math.sin(phi)
     inertia = 152.4 + m * radius**2
-    first, second = -side * lift * GRAVITY, side * lift * rate**2 - friction * total * mu * GRAVITY
+    first, second = -side * lift * GRAVITY_M_S2, side * lift * rate**2 - friction * total * mu * GRAVITY_M_S2
     determinant = inertia * total + coupling * lever**2
     return (first * total + lever * second) / determinant, (inertia * second - coupling * lever * first) / determinant
 

@@ -11,6 +11,7 @@ from typing import Final, final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Rest
 from harness import engines
 from harness.benchmark.contact_engines import apart
@@ -22,7 +23,6 @@ from harness.scene import Contact, Form, Initial, Scene, Shake, Statue
 from harness.scene_file.mesh_statue import statue_of
 from meshes.solid import solid_from_mesh
 
-GRAVITY_M_S2: Final = 9.81
 WIDTH_M: Final = 0.4
 HEIGHT_M: Final = 1.2
 DEPTH_M: Final = 0.4

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Block, Friction, Harmonic, Pedestal
+from analytic.constants import GRAVITY_M_S2, OVERTURN_RAD
 
-GRAVITY_M_S2: Final = 9.81
-OVERTURN_RAD: Final = 1.5
 MAX_EVENTS: Final = 100_000
 """Events after which a run is given up."""
 

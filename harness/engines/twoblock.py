@@ -16,7 +16,7 @@ from harness.record import Pattern, Run
 from harness.scene import OVERTURN_RAD, Scene
 
 if TYPE_CHECKING:
-    from analytic import Block, Certified, Form, Pedestal, Solution, Wall
+    from analytic import Block, Certified, CommonKeywords, Form, Pedestal, Solution, Wall
 
 ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
 """The ladder: aimed error of the rotation before it is amplified by the problem itself."""
@@ -73,6 +73,13 @@ class TwoBlock(Engine):
 
         chosen = _own(settings)
         keep = want.history or not want.may_skip("no_history")
+        given: CommonKeywords = {
+            **keywords(scene),
+            "dt_s": scene.output_dt_s if keep else None,
+            "skip_start": want.may_skip("quiet_start"),
+            "skip_rest": want.may_skip("quiet_end"),
+            "skip_energy": want.may_skip("energy_outcome"),
+        }
         start = time.perf_counter()
         try:
             certified = certify(
@@ -82,11 +89,7 @@ class TwoBlock(Engine):
                 accuracy_rad=RELIABLE_RAD,
                 base_accuracy_rad=chosen.accuracy_rad,
                 step_cap_s=chosen.step_cap_s,
-                dt_s=scene.output_dt_s if keep else None,
-                skip_start=want.may_skip("quiet_start"),
-                skip_rest=want.may_skip("quiet_end"),
-                skip_energy=want.may_skip("energy_outcome"),
-                **keywords(scene),
+                **given,
             )
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
@@ -130,7 +133,7 @@ def _wall(scene: Scene) -> Wall | None:
     return None if scene.wall is None or rotation is None else Wall(scene.wall.side, rotation)
 
 
-def keywords(scene: Scene) -> dict[str, Any]:
+def keywords(scene: Scene) -> CommonKeywords:
     """The keywords of ``analytic.simulate`` that a scene decides."""
     return {
         "pedestal": _pedestal(scene),

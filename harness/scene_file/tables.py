@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
+from analytic.constants import GRAVITY_M_S2
 from harness.errors import InputError, Mistake
 from harness.motions.spec import Motion, list_to_tuple
 from harness.scene_file.mistakes import Contradiction, mistakes_of
@@ -139,7 +140,7 @@ class SceneFile(Table):
 
     title: Annotated[str, Field(min_length=1)]
     duration_s: Annotated[float, Field(gt=0.0, le=3600.0)]
-    gravity_m_s2: Annotated[float, Field(ge=1e-3, le=1e3)] = 9.81
+    gravity_m_s2: Annotated[float, Field(ge=1e-3, le=1e3)] = GRAVITY_M_S2
     table: Literal["frame", "moving"] = "frame"
     model: ModelTable = ModelTable()
     statue: StatueTable

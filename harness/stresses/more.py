@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Record
 from harness import engines
 from harness.benchmark.precision import error
@@ -46,7 +47,6 @@ FAR_STEP_S: Final = 0.01
 HULLS: Final = (8, 1000, 10_000)
 HULL_RAD: Final = 1e-3
 """What more vertices on the same two corners may change of the peak, over the peak."""
-GRAVITY_M_S2: Final = 9.81
 SAME: Final = Want(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
 

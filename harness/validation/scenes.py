@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 import meshes
+from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
 from analytic.excitation import Excitation, Rest
 from harness import motions
 from harness.engine import Capabilities
@@ -33,7 +34,6 @@ BASE_SD_M: Final = 0.001
 """Scatter of the base's edge: what a scan resolves and a placement crushes."""
 FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
-GRAVITY_M_S2: Final = 9.81
 
 
 @dataclass(frozen=True)

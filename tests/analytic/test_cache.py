@@ -21,8 +21,7 @@ def sources(tmp_path: Path) -> Path:
     """A folder with one compiled source."""
     here = tmp_path / "package"
     here.mkdir()
-    (here / "kernel.py").write_text("from analytic._jit import jit\n")
-    (here / "page.py").write_text("nothing compiled\n")
+    (here / "integrator.py").write_text("one = 1\n")
     return here
 
 
@@ -30,11 +29,11 @@ def folders(home: Path) -> list[str]:
     return sorted(each.name for each in home.glob("compiled-*"))
 
 
-def test_only_compiled_sources_name_the_folder(sources: Path) -> None:
+def test_every_source_of_the_folder_names_its_cache(sources: Path) -> None:
     before = _cache.digest(sources)
-    (sources / "page.py").write_text("something else\n")
+    (sources.parent / "page.py").write_text("not of the folder\n")
     assert _cache.digest(sources) == before
-    (sources / "kernel.py").write_text("from analytic._jit import jit  # changed\n")
+    (sources / "integrator.py").write_text("one = 2\n")
     assert _cache.digest(sources) != before
 
 
@@ -103,22 +102,19 @@ def test_where_nothing_can_be_written_nothing_is_cached(sources: Path, monkeypat
 
 
 def small_package(package: Path) -> None:
-    """A copy with one small compiled function instead of a kernel that takes a minute."""
+    """A copy with one small compiled function beside a kernel that takes half a minute."""
     shutil.copytree(ROOT / "analytic", package, ignore=shutil.ignore_patterns("__pycache__"))
-    for source in package.glob("*.py"):
-        if source.stem not in ("_jit", "_cache"):
-            source.unlink()
-    (package / "__init__.py").write_text("")
-    (package / "solver.py").write_text("from analytic._jit import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n")
+    small = "from analytic.kernel.compiler import jit\n\n@jit\ndef twice(x):\n    return 2.0 * x\n"
+    (package / "kernel" / "small.py").write_text(small)
 
 
 def test_a_cache_removed_under_a_running_process_does_no_harm(tmp_path: Path) -> None:
     """The compiler of one process finds its folder gone between import and first call."""
     code = """
-import shutil, analytic._jit as j, analytic.solver
-shutil.rmtree(j._home())
-print(analytic.solver.twice(2.0))
-assert any(j._home().iterdir()), "it was written again"
+import shutil, analytic.kernel.compiler as c, analytic.kernel.small
+shutil.rmtree(c._home())
+print(analytic.kernel.small.twice(2.0))
+assert any(c._home().iterdir()), "it was written again"
 """
     small_package(tmp_path / "analytic")
     told = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -192,8 +188,8 @@ def test_what_another_user_planted_is_never_unpickled(tmp_path: Path) -> None:
 import pathlib, sys
 import analytic._cache as c
 c.homes = lambda sources: iter([pathlib.Path(sys.argv[1])])
-import analytic._jit as j, analytic.solver
-print(j._home(), analytic.solver.twice(2.0))
+import analytic.kernel.compiler as compiler, analytic.kernel.small
+print(compiler._home(), analytic.kernel.small.twice(2.0))
 """
     package = tmp_path / "analytic"
     small_package(package)

@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from analytic._jit import jit
-from analytic.elementary import FAR, coarse_root, sine_cosine
+from analytic.kernel.compiler import jit
+from analytic.kernel.elementary import FAR, coarse_root, sine_cosine
 from tests.budgets_analytic import COARSE_ROOT, SINE_RELATIVE
 
 

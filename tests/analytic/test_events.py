@@ -72,7 +72,7 @@ def test_uplift_starts_where_the_overturning_moment_is_balanced(amplitude_g: flo
 @pytest.mark.parametrize(("amplitude_g", "frequency_hz"), CASES)
 def test_halt_and_impact_are_exact(amplitude_g: float, frequency_hz: float) -> None:
     run = shaken(amplitude_g, frequency_hz)
-    halts = run.of_kind(EventKind.HALT)
+    halts = run.of_kind(EventKind.STICK_ONSET)
     assert halts
     for event in halts:
         assert abs(event.slip_rate_after_m_s) == HALT_M_S
@@ -112,7 +112,7 @@ def test_pattern_a_ends_where_16_says_and_c_starts_where_18_and_19_say() -> None
     assert ("rest", "rocking") in seen, "(16): A h = g b starts the rocking"
     assert ("rocking", "both") in seen, "(19) ceases to hold: from (a) to (c)"
     for before, event in pairs(run):
-        if event.kind is EventKind.SLIP and before.pivot is not None and event.pivot is not None:
+        if event.kind is EventKind.SLIP_ONSET and before.pivot is not None and event.pivot is not None:
             just_before = Event(**{**event.__dict__, "theta_rate_before_rad_s": event.theta_rate_before_rad_s})
             f, n = forces(just_before, float(Harmonic(-0.334 * GRAVITY, 3.0).accel_m_s2(event.time_s)))
             assert abs(f) / (0.20 * n) == pytest.approx(1.0, rel=EVENT_REL)
@@ -212,5 +212,5 @@ def test_every_event_leaves_nothing_of_its_function_but_rounding(block: Block) -
     scene = {"pedestal": PEDESTAL, "floor_static": 0.20, "floor_kinetic": 0.15, "gravity_m_s2": GRAVITY}
     run = simulate(block, Harmonic(0.429 * GRAVITY, 3.0), duration_s=4.0, **scene)  # type: ignore[arg-type]
     left = {event.kind: event.residual for event in run.events}
-    assert {EventKind.IMPACT, EventKind.HALT, EventKind.SLIP} <= set(left)
+    assert {EventKind.IMPACT, EventKind.STICK_ONSET, EventKind.SLIP_ONSET} <= set(left)
     assert 0.0 < run.doubts.worst_residual == max(event.residual for event in run.events) <= RESIDUAL_REL

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from analytic import Record, solver
-from analytic import layout as at
+from analytic.kernel.records import Params
 from tests import budgets_reference as budget
 from tests.analytic import reference_kernel, reference_newton
 from tests.analytic.reference_case import Case, Path, full_period, record
@@ -61,18 +61,18 @@ def test_without_a_mutant_the_two_agree(name: str, truth: dict[str, Path]) -> No
     assert not parted(kernel(CASES[name]), truth[name])
 
 
-PARAMETERS: Final[dict[str, tuple[str, int, Callable[[float], float]]]] = {
-    "ratio off by 1 %": ("prescribed", at.RATIO, lambda r: 1.01 * r),
-    "ratio not used": ("prescribed", at.RATIO, lambda r: -1.0),
-    "inertia off by one in a million": ("pedestal", at.INERTIA, lambda j: j * (1.0 + 1e-6)),
-    "pedestal's mass left out": ("pedestal", at.BASE_MASS, lambda m: 1e-6),
-    "gravity off by one in a million": ("pedestal", at.GRAVITY, lambda g: g * (1.0 + 1e-6)),
-    "slip at the kinetic limit": ("pedestal", at.MU_STATIC, lambda mu: 0.15),
-    "sliding at the static limit": ("pedestal", at.MU_KINETIC, lambda mu: 0.20),
-    "friction of a static normal force": ("pedestal", at.DYNAMIC, lambda flag: 0.0),
-    "pedestal's velocity unchanged at impact": ("pedestal", at.MOMENTUM, lambda flag: 0.0),
-    "pedestal held to the floor": ("pedestal", at.HAS_BASE, lambda flag: 0.0),
-    "tolerance of 1e-4": ("pedestal", at.TOLERANCE, lambda tol: 1e-4),
+PARAMETERS: Final[dict[str, tuple[str, str, Callable[[Any], Any]]]] = {
+    "ratio off by 1 %": ("prescribed", "restitution", lambda r: 1.01 * r),
+    "ratio not used": ("prescribed", "restitution", lambda r: -1.0),
+    "inertia off by one in a million": ("pedestal", "inertia_kg_m2", lambda j: j * (1.0 + 1e-6)),
+    "pedestal's mass left out": ("pedestal", "pedestal_mass_kg", lambda m: 1e-6),
+    "gravity off by one in a million": ("pedestal", "gravity_m_s2", lambda g: g * (1.0 + 1e-6)),
+    "slip at the kinetic limit": ("pedestal", "floor_static", lambda mu: 0.15),
+    "sliding at the static limit": ("pedestal", "floor_kinetic", lambda mu: 0.20),
+    "friction of a static normal force": ("pedestal", "dynamic_normal", lambda flag: False),
+    "pedestal's velocity unchanged at impact": ("pedestal", "momentum_at_impact", lambda flag: False),
+    "pedestal held to the floor": ("pedestal", "has_pedestal", lambda flag: False),
+    "tolerance of 1e-4": ("pedestal", "tolerance_rad", lambda tol: 1e-4),
 }
 
 
@@ -80,16 +80,15 @@ PARAMETERS: Final[dict[str, tuple[str, int, Callable[[float], float]]]] = {
 def test_a_wrong_number_in_the_kernel_is_seen(
     mutant: str, truth: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name, index, wrong = PARAMETERS[mutant]
-    right = solver.parameters
+    case, field, wrong = PARAMETERS[mutant]
+    right = solver.encode
 
-    def parameters(*given: Any, **named: Any) -> at.Floats:
-        p = right(*given, **named)
-        p[index] = wrong(float(p[index]))
-        return p
+    def encode(*given: Any) -> Params:
+        params = right(*given)
+        return replace(params, **{field: wrong(getattr(params, field))})
 
-    monkeypatch.setattr(solver, "parameters", parameters)
-    assert parted(kernel(CASES[name]), truth[name])
+    monkeypatch.setattr(solver, "encode", encode)
+    assert parted(kernel(CASES[case]), truth[case])
 
 
 def test_swapped_corners_are_seen(truth: dict[str, Path]) -> None:

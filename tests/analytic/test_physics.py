@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import simpson
 
 from analytic import Block, Excitation, Form, Harmonic, Pedestal, Pulse, Record, Rest, simulate
-from analytic.impact import impact
+from analytic.kernel.impact import impact
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, rectangle, shaken
 from tests.budgets_analytic import ENERGY_REL, ENERGY_RISE_REL, IMPACT_REL
 

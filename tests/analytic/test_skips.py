@@ -90,7 +90,7 @@ def test_no_history_leaves_the_outcome_and_the_peak() -> None:
 
 
 def test_every_motion_runs_the_same_compiled_code() -> None:
-    from analytic.kernel import run
+    from analytic.kernel.entries import run
 
     for motion in (RECORD, Harmonic(2.0, 2.0), Pulse("ricker", 2.0, 1.0), Rest()):
         simulate(STATUE, motion, duration_s=1.0)

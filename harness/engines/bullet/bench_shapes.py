@@ -15,6 +15,7 @@ from typing import Final, Literal
 import numpy as np
 import pybullet
 
+from analytic.constants import GRAVITY_M_S2
 from harness import paths
 from harness.engine import Want
 from harness.engines import load
@@ -29,7 +30,6 @@ from harness.shape_need import shape_needed
 from meshes import Solid
 from meshes.bench_shapes import contact_row, shape_row, statues
 
-GRAVITY_M_S2: Final = 9.81
 STEP_S: Final = 1e-3
 UNDER_THE_CAP_M: Final = 0.45
 BESIDE_M: Final = 0.15

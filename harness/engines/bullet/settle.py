@@ -17,6 +17,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.contact.trajectory import Trajectory
 from harness.engine import Want
@@ -39,7 +40,6 @@ Build = Callable[[World, Scene, course.Setup], None]
 
 PAGE: Final = Path(__file__).resolve().parents[3] / "docs" / "pybullet_contact.md"
 CASES: Final = ((0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0))
-GRAVITY_M_S2: Final = 9.81
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
 
 

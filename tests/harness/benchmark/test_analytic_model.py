@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from analytic import Friction, Harmonic, Pedestal
-from analytic.kernel import run
-from analytic.layout import S_TH
+from analytic.kernel.entries import run
 from harness.benchmark import analytic_model as bench
 from harness.benchmark import start
 from harness.benchmark.rivals import Model, heyoka_solver, scipy_run
@@ -80,8 +79,8 @@ def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> Non
 
 def test_the_kernel_alone_is_the_same_run() -> None:
     task = bench.packed(bench.FORCED, 1e-10)
-    run(task.runs, *task.arguments)
-    assert task.s[S_TH] == bench.FORCED.ours(1e-10).theta_rad[-1]
+    run(task.tasks, *task.arrays)
+    assert task.state.theta_rad == bench.FORCED.ours(1e-10).theta_rad[-1]
 
 
 def test_work_of_an_overturning_map() -> None:

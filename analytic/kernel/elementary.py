@@ -9,7 +9,7 @@ from typing import Any, Final
 from numba import types
 from numba.extending import intrinsic
 
-from analytic._jit import inlined
+from analytic.kernel.compiler import inlined
 
 FAR: Final = 1e5
 """Angle, rad, up to which its quarter turns are subtracted exactly; beyond, the C library does it."""

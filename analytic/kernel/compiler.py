@@ -24,19 +24,19 @@ def _home() -> Path | None:
     """Folder of the compiled code of these very sources; None, with a warning, where nothing can be written."""
     chosen = folder(Path(__file__).resolve().parent)
     if chosen is None:
-        told = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
-        warnings.warn(told, RuntimeWarning, stacklevel=2)
+        message = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
     return chosen
 
 
 def _compiled(function: Callable[P, R], cache: bool, forceinline: bool) -> Callable[P, R]:
     config: Any = numba.config
     theirs = config.CACHE_DIR
-    kept = theirs or _home()
-    config.CACHE_DIR = str(kept or "")
+    place = theirs or _home()
+    config.CACHE_DIR = str(place or "")
     try:
         make: Any = numba.njit(
-            cache=cache and bool(kept), forceinline=forceinline, nogil=True, error_model="numpy", fastmath=FUSED
+            cache=cache and bool(place), forceinline=forceinline, nogil=True, error_model="numpy", fastmath=FUSED
         )
         compiled: Callable[P, R] = make(function)
     finally:

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic._jit import inlined, jit
-from analytic.borrowed import set_term, term
-from analytic.layout import Floats
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.memory import set_term, term
+from analytic.kernel.records import Floats
 
 NO_ROOT: Final = 2.0
 """Returned where the polynomial keeps its sign on [0, 1]."""
@@ -20,6 +20,11 @@ CONVERGED: Final = 1e-6
 STRAIGHT: Final = 1e-4
 """Halley's step, in the bracket's width, and what the slope changes over it at most, in the slope, at which the next error (the
 step's cube times squares of that change) is below rounding."""
+ROUNDING: Final = 1e-10
+"""Share of its own terms below which a coefficient at an event counts as zero: it stands there for a difference of terms that
+cancel to 1e-16, amplified by what an event's place is known to."""
+MAX_ITERATIONS: Final = 60
+"""Of a root: bisections alone, which Halley's steps fall back to, reach rounding in 53."""
 BOWED: Final = 3.999
 """Below four: the second derivative's first term, 2 c₂, is more than the sum of all others, which then cannot change its sign."""
 TANGENT_LEVEL: Final = 12
@@ -30,54 +35,54 @@ Search = tuple[float, int, float]
 
 
 @inlined
-def value(w: Floats, row: int, n: int, x: float) -> float:
-    """Value at x of the polynomial with coefficients w[row, 0..n]."""
-    s = term(w, row, n)
+def value(row: Floats, n: int, x: float) -> float:
+    """Value at x of the polynomial with coefficients row[0..n]."""
+    s = term(row, n)
     for k in range(n - 1, -1, -1):
-        s = s * x + term(w, row, k)
+        s = s * x + term(row, k)
     return s
 
 
 @inlined
-def _stripped(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    """Σ w[row, lo + k] x^k, k = 0..n − lo, which is odd."""
+def _stripped(row: Floats, lo: int, n: int, x: float) -> float:
+    """Σ row[lo + k] x^k, k = 0..n − lo, which is odd."""
     y, k, even, odd = x * x, n, 0.0, 0.0
     while k > lo:
-        odd = odd * y + term(w, row, k)
-        even = even * y + term(w, row, k - 1)
+        odd = odd * y + term(row, k)
+        even = even * y + term(row, k - 1)
         k -= 2
     return even + x * odd
 
 
 @inlined
-def _slope(w: Floats, row: int, lo: int, n: int, x: float) -> float:
-    """First derivative at x of Σ w[row, lo + k] x^k, k = 0..n − lo, which is odd."""
+def _slope(row: Floats, lo: int, n: int, x: float) -> float:
+    """First derivative at x of Σ row[lo + k] x^k, k = 0..n − lo, which is odd."""
     y, k, even, odd, even1, odd1 = x * x, n, 0.0, 0.0, 0.0, 0.0
     while k > lo:
         odd1, even1 = odd1 * y + odd, even1 * y + even
-        odd, even = odd * y + term(w, row, k), even * y + term(w, row, k - 1)
+        odd, even = odd * y + term(row, k), even * y + term(row, k - 1)
         k -= 2
     return odd + 2.0 * (x * even1 + y * odd1)
 
 
 @jit
-def _refine(w: Floats, row: int, lo: int, n: int, bend: float, a: float, b: float, fa: float, fb: float) -> float:
+def _refine(row: Floats, lo: int, n: int, bend: float, a: float, b: float, fa: float, fb: float) -> float:
     """The one root of a polynomial that is fa > 0 at a and fb ≤ 0 at b, its second derivative at most bend: Halley's steps kept
     inside the bracket."""
     width = b - a
     x = a + width * fa / (fa - fb) if fa > fb else b
     if a == 0.0 and lo < n:  # the parabola through both ends with the slope of this one
-        slope = term(w, row, lo + 1)
+        slope = term(row, lo + 1)
         left = slope * slope - 4.0 * fa * ((fb - fa) / b - slope) / b
         guess = 2.0 * fa / (math.sqrt(left) - slope) if left > 0.0 else x
         x = guess if 0.0 < guess < b else x
-    for _ in range(60):
+    for _ in range(MAX_ITERATIONS):
         y, k = x * x, n
         e, e1, e2, o, o1, o2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         while k > lo:
             o2, e2 = o2 * y + o1, e2 * y + e1
             o1, e1 = o1 * y + o, e1 * y + e
-            o, e = o * y + term(w, row, k), e * y + term(w, row, k - 1)
+            o, e = o * y + term(row, k), e * y + term(row, k - 1)
             k -= 2
         f = e + x * o
         d = o + 2.0 * (x * e1 + y * o1)
@@ -99,22 +104,22 @@ def _refine(w: Floats, row: int, lo: int, n: int, bend: float, a: float, b: floa
 
 
 @jit
-def _isolate(w: Floats, row: int, lo: int, n: int, bend: float, f_right: float) -> tuple[float, int]:
+def _isolate(row: Floats, lo: int, n: int, bend: float, f_right: float) -> tuple[float, int]:
     """First root in [0, 1] of the stripped polynomial and the depth of the search; bend: sum of the second derivative's terms,
     f_right: value at 1."""
     level, i, deepest = 0, 0, 0
     left, width, right = 0.0, 1.0, 1.0
-    f_left, curve = term(w, row, lo), (term(w, row, lo + 2) if lo + 2 <= n else 0.0)
+    f_left, curve = term(row, lo), (term(row, lo + 2) if lo + 2 <= n else 0.0)
     if f_left > 0.0 and BOWED * abs(curve) > bend and (f_right <= 0.0 or curve < 0.0):  # bowed one way all along
-        return (_refine(w, row, lo, n, bend, 0.0, 1.0, f_left, f_right) if f_right <= 0.0 else NO_ROOT), 0
+        return (_refine(row, lo, n, bend, 0.0, 1.0, f_left, f_right) if f_right <= 0.0 else NO_ROOT), 0
     while True:
         turn = bend * width  # what the slope can change over the interval
         clear = f_right > 0.0 and min(f_left, f_right) > 0.125 * turn * width
         if not clear:
             chord = abs(f_left - f_right)
-            if chord >= turn * width or abs(_slope(w, row, lo, n, left + 0.5 * width)) >= 0.5 * turn:  # monotone
+            if chord >= turn * width or abs(_slope(row, lo, n, left + 0.5 * width)) >= 0.5 * turn:  # monotone
                 if f_right <= 0.0:
-                    return _refine(w, row, lo, n, bend, left, right, f_left, f_right), level
+                    return _refine(row, lo, n, bend, left, right, f_left, f_right), level
                 clear = True
         if not clear and level < DEEPEST:
             level, i, width = level + 1, 2 * i, 0.5 * width
@@ -128,12 +133,12 @@ def _isolate(w: Floats, row: int, lo: int, n: int, bend: float, f_right: float) 
             if level == 0 and i == 1:
                 return NO_ROOT, deepest
         right = (i + 1) * width
-        f_right = _stripped(w, row, lo, n, right)
+        f_right = _stripped(row, lo, n, right)
 
 
 @jit
-def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
-    """First x in [0, 1] at which Σ w[row, lo + k] (x h)^k, k = 0..n − lo, is not positive; the row takes on the powers of h, and
+def first_root(row: Floats, lo: int, n: int, h: float) -> Search:
+    """First x in [0, 1] at which Σ row[lo + k] (x h)^k, k = 0..n − lo, is not positive; the row takes on the powers of h, and
     may get a zero as term n + 1, for which it must have room.
 
     The search is exact: an interval is left only when the bound min(f(a), f(b)) − B w²/8 > 0 or a slope beyond B w/2
@@ -144,23 +149,23 @@ def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
         return NO_ROOT, 0, 0.0
     if (n - lo) % 2 == 0:  # the sums below go by pairs of terms
         n += 1
-        set_term(w, row, n, 0.0)
+        set_term(row, n, 0.0)
     power, terms = 1.0, 0.0
     for k in range(lo):
-        c = term(w, row, k) * power
-        set_term(w, row, k, c)
+        c = term(row, k) * power
+        set_term(row, k, c)
         terms += abs(c)
         power *= h
-    at, slope = term(w, row, lo) * power, term(w, row, lo + 1) * (power * h)
-    set_term(w, row, lo, at)
-    set_term(w, row, lo + 1, slope)
+    at, slope = term(row, lo) * power, term(row, lo + 1) * (power * h)
+    set_term(row, lo, at)
+    set_term(row, lo + 1, slope)
     bend, rest, rise, bend1, rest1, rise1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     k, i, square = lo + 2, 2.0, h * h
     while k < n:
         power *= square
-        c, c1 = term(w, row, k) * power, term(w, row, k + 1) * (power * h)
-        set_term(w, row, k, c)
-        set_term(w, row, k + 1, c1)
+        c, c1 = term(row, k) * power, term(row, k + 1) * (power * h)
+        set_term(row, k, c)
+        set_term(row, k + 1, c1)
         rise, rise1 = rise + c, rise1 + c1
         rest, rest1 = rest + abs(c), rest1 + abs(c1)
         bend, bend1 = bend + i * (i - 1.0) * abs(c), bend1 + i * (i + 1.0) * abs(c1)
@@ -171,24 +176,24 @@ def first_root(w: Floats, row: int, lo: int, n: int, h: float) -> Search:
     if at >= 0.0:
         if at + min(slope, 0.0) + fall > 0.0:
             return NO_ROOT, 0, 0.0
-        x, level = _isolate(w, row, lo, n, bend, end)
+        x, level = _isolate(row, lo, n, bend, end)
         if x > 1.0:
             return x, level, 0.0
     return x, level, terms + abs(at) + abs(slope) + rest
 
 
 @inlined
-def remainder(w: Floats, row: int, n: int, x: float) -> float:
-    """|Σ w[row, k] x^k| of a row that has taken on the powers of the step."""
-    return abs(value(w, row, n, x))
+def remainder(row: Floats, n: int, x: float) -> float:
+    """|Σ row[k] x^k| of a row that has taken on the powers of the step."""
+    return abs(value(row, n, x))
 
 
 @inlined
-def leading(w: Floats, row: int, n: int, scale: float, time_s: float) -> int:
-    """Index of the first coefficient that is more than rounding: |w[row, k]| time_s^k above 1e-10 of scale; n + 1 if none."""
+def leading(row: Floats, n: int, scale: float, time_s: float) -> int:
+    """Index of the first coefficient that is more than rounding: |row[k]| time_s^k above its share of scale; n + 1 if none."""
     power = 1.0
     for k in range(n + 1):
-        if abs(term(w, row, k)) * power > 1e-10 * scale:
+        if abs(term(row, k)) * power > ROUNDING * scale:
             return k
         power *= time_s
     return n + 1

@@ -1,0 +1,89 @@
+"""Loads and stores without the checks of an index.
+
+The caller's arrays are known to the compiled code by their address only (the caller keeps them alive): an array inside a record
+would have a length fixed when the record is laid out. The terms of a series are reached without asking whether the index counts
+from the end, which would be asked at every term of every step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import from_dtype, types
+from numba.extending import intrinsic
+
+from analytic.kernel.layout import EVENT_ROW
+from analytic.kernel.records import EventRow, Floats
+
+_EVENT_ROW: Any = from_dtype(EVENT_ROW)
+
+
+def _pointer(context: Any, builder: Any, address: Any, i: Any) -> Any:
+    pointer = builder.inttoptr(address, context.get_value_type(types.float64).as_pointer())
+    return builder.gep(pointer, [i])
+
+
+def _load(typing_context: Any, address: Any, i: Any) -> Any:
+    """Item i of the doubles at the address."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(_pointer(context, builder, *arguments))
+
+    return types.float64(types.int64, types.int64), code
+
+
+def _store(typing_context: Any, address: Any, i: Any, value: Any) -> Any:
+    """Write item i of the doubles at the address."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _pointer(context, builder, *arguments[:2]))
+        return context.get_dummy_value()
+
+    return types.none(types.int64, types.int64, types.float64), code
+
+
+def _event_row(typing_context: Any, address: Any, i: Any) -> Any:
+    """Row i of the table of events at the address."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, i = arguments
+        offset = builder.mul(i, context.get_constant(types.int64, EVENT_ROW.itemsize))
+        return builder.inttoptr(builder.add(address, offset), context.get_value_type(_EVENT_ROW))
+
+    return _EVENT_ROW(types.int64, types.int64), code
+
+
+def _item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    row = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.gep(row.data, [arguments[1]])
+
+
+def _term(typing_context: Any, row: Any, k: Any) -> Any:
+    """row[k], k from 0 on, of doubles that follow each other."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(_item(context, builder, signature, arguments))
+
+    return types.float64(row, types.int64), code
+
+
+def _set_term(typing_context: Any, row: Any, k: Any, value: Any) -> Any:
+    """Write row[k], k from 0 on, of doubles that follow each other."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _item(context, builder, signature, arguments))
+        return context.get_dummy_value()
+
+    return types.none(row, types.int64, types.float64), code
+
+
+def _intrinsic(function: Any) -> Any:
+    return intrinsic(function)
+
+
+load_double: Callable[[int, int], float] = _intrinsic(_load)
+store_double: Callable[[int, int, float], None] = _intrinsic(_store)
+event_row: Callable[[int, int], EventRow] = _intrinsic(_event_row)
+term: Callable[[Floats, int], float] = _intrinsic(_term)
+set_term: Callable[[Floats, int, float], None] = _intrinsic(_set_term)

@@ -1,0 +1,285 @@
+"""What one run reads and writes, by name: records that the compiled code sees as one piece of memory.
+
+Each class below is two things: what `mypy` and the interpreter know (a dataclass), and, through `analytic.kernel.layout`, the
+same fields one after another in memory (a numpy record), which the compiler turns into plain loads and stores at known places.
+A field is a float, an int, a bool, another record or a `Terms`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Records = NDArray[np.void]
+"""An array whose items are records."""
+
+MAX_ORDER: Final = 26
+"""Highest order of a Taylor step; the finest local error that can be asked, 1e-17, takes 23 (`analytic.encode.order_for`)."""
+TERMS: Final = MAX_ORDER + 2
+"""Room of a series: one term more than the order for X and Z, whose terms run ahead, and one for a sum by pairs of terms."""
+INVERSE: Final[Floats] = 1.0 / np.maximum(np.arange(MAX_ORDER + 3), 1)
+"""1/k, for the k-th term of a series."""
+Terms = Annotated[Floats, "TERMS doubles"]
+"""Coefficients of powers of the time since the start of a step, from the constant one on, (TERMS,)."""
+
+
+@dataclass
+class Params:
+    """One problem and how it is to be solved; SI units."""
+
+    mass_kg: float
+    """Statue."""
+    centroid_height_m: float
+    inertia_kg_m2: float
+    """Statue, about its centroid."""
+    gravity_m_s2: float
+    statue_friction: float
+    """Between statue and support: the model assumes that it holds, and notes when it would not have."""
+    restitution: float
+    """Prescribed ratio of the angular velocities at an impact; negative: by angular momentum."""
+    dynamic_normal: bool
+    """Friction follows N of section 2 of the model; otherwise M g_e."""
+    momentum_at_impact: bool
+    """The pedestal takes its momentum at an impact; otherwise its velocity is unchanged."""
+    theta0_rad: float
+    theta_rate0_rad_s: float
+    duration_s: float
+    overturn_rad: float
+    time_scale_s: float
+    """1/p of the faster outer corner: in it, coefficients of different orders compare."""
+    tolerance_rad: float
+    """Local error of a step."""
+    order: int
+    """Highest order of a step."""
+    step_cap_s: float
+    rest_rad: float
+    """A rebound that stays below this rotation is dropped."""
+    output_step_s: float
+    """0: no history."""
+    skip_start: bool
+    """Leave out the time before anything moves."""
+    skip_rest: bool
+    """Leave out the rests after that."""
+    skip_energy: bool
+    """Let the energy decide the outcome once the motions are over."""
+    keep_validity: bool
+    has_pedestal: bool
+    pedestal_mass_kg: float
+    pedestal_width_m: float
+    pedestal_height_m: float
+    pedestal_centre_m: float
+    """In the statue's frame."""
+    floor_static: float
+    floor_kinetic: float
+    wall_side: int
+    """−1 left, 0 none, 1 right."""
+    wall_rad: float
+    """|θ| at which the top touches the wall."""
+
+
+@dataclass
+class MotionParams:
+    """One component of the floor's acceleration; the samples of a record stand in the caller's arrays."""
+
+    kind: int
+    """One of the kinds of `analytic.kernel.codes`."""
+    amplitude_m_s2: float
+    """Of a record, its largest absolute sample."""
+    omega_rad_s: float
+    phase_rad: float
+    ramp_s: float
+    start_s: float
+    end_s: float
+    scale: float
+    """By which a record's samples are multiplied."""
+    times: int
+    """Address of a record's times, s."""
+    samples: int
+    """Address of its accelerations, m/s²."""
+    n_samples: int
+
+
+@dataclass
+class Motion:
+    """A component of the floor's acceleration on the way through its breaks."""
+
+    params: MotionParams
+    breaks_passed: int
+    degree: int
+    """Of the coefficients that were written last."""
+    sine_terms: Terms
+    """Amplitude ω^k/k! with the sign of the k-th derivative of a sine."""
+
+
+@dataclass
+class Base:
+    """The statue's base in the caller's arrays, vertices from left to right; facet j joins vertices j and j + 1."""
+
+    x: int
+    """Address of the vertices' x from below the centroid, m."""
+    z: int
+    """Address of their heights above the base plane, m."""
+    facets: int
+    """Address of the rotations at which each facet lies on the support, rad."""
+    n_facets: int
+
+
+@dataclass
+class State:
+    """The present instant: motion, joint state, and what was computed for it."""
+
+    time_s: float
+    theta_rad: float
+    theta_rate_rad_s: float
+    slip_m: float
+    slip_rate_m_s: float
+    pivot: int
+    """Vertex rocked about; −1 at rest."""
+    facet: int
+    """Facet rested on, or landed on last."""
+    slide: int
+    """Sign of the pedestal's velocity; 0 stuck."""
+    outcome: int
+    fresh: bool
+    """The joint state was chosen at this very instant: terms that are rounding only are not taken for a way out of it."""
+    floor_loaded: bool
+    """The floor's coefficients stand about this instant."""
+    motions_over: bool
+    limit_s: float
+    """The next break of a motion, or the duration: no step goes beyond."""
+    angle_rad: float
+    """The last rotation that is not 0 of which sine and cosine were taken."""
+    sine: float
+    cosine: float
+
+
+@dataclass
+class Series:
+    """Taylor coefficients of a step about its start (docs/model.md, section 2)."""
+
+    theta: Terms
+    theta_rate: Terms
+    slip: Terms
+    slip_rate: Terms
+    pivot_x: Terms
+    """X, from the pivot to the centroid, horizontal."""
+    pivot_z: Terms
+    """Z, vertical."""
+    floor_accel: Terms
+    """a_x."""
+    gravity: Terms
+    """g_e = g + a_z."""
+    support_accel: Terms
+    """A, absolute horizontal acceleration of the support."""
+    floor_force: Terms
+    """F, of the floor on the pedestal."""
+    floor_normal: Terms
+    """N, of the floor on the pedestal."""
+    pivot_normal: Terms
+    """V, of the support on the statue."""
+    pivot_force: Terms
+    """H, of the support on the statue."""
+    event: Terms
+    """The event function that is looked at."""
+    determinant: float
+    """Of the sliding system, kg m²: positive, or friction has no solution."""
+
+
+@dataclass
+class Results:
+    """What a run leaves behind besides its state; energies in the floor's frame."""
+
+    peak_theta_rad: float
+    """Signed."""
+    peak_time_s: float
+    peak_slip_m: float
+    overturn_time_s: float
+    no_return_time_s: float
+    pivot_friction: float
+    pivot_friction_at_impact: float
+    least_pivot_normal_n: float
+    least_floor_normal_n: float
+    tipping_margin_m: float
+    tipping_margin_at_impact_m: float
+    energy_gained_j: float
+    energy_lost_j: float
+    event_residual: float
+    skipped_s: float
+    outcome_margin: float
+    left_domain_s: float
+    left_domain_by: int
+
+
+@dataclass
+class Counts:
+    """How often what happened."""
+
+    steps: int
+    coefficients: int
+    events: int
+    impacts: int
+    ties: int
+    """Choices among several feasible joint states."""
+    tangents: int
+    """Steps in which an event was nearly tangent."""
+    dropped_rebounds: int
+    quiet_samples: int
+    energy_endings: int
+    stalled: int
+    """Events in a row in which the clock did not move."""
+    given_up: int
+
+
+@dataclass
+class EventRow:
+    """One event: the joint state after it, the velocities before and after."""
+
+    time_s: float
+    kind: int
+    pivot: int
+    facet: int
+    slide: int
+    theta_rad: float
+    theta_rate_before_rad_s: float
+    theta_rate_after_rad_s: float
+    slip_m: float
+    slip_rate_before_m_s: float
+    slip_rate_after_m_s: float
+    energy_j: float
+    feasible_states: int
+    residual: float
+
+
+@dataclass
+class Output:
+    """The caller's arrays that a run fills."""
+
+    history: int
+    """Address of the rows of t, θ, θ̇, u, u̇."""
+    n_samples: int
+    """Items of each row before the last instant, which has one more."""
+    next_sample: int
+    events: int
+    """Address of the table of events."""
+    n_events: int
+    """Rows of that table; 0: events are not kept."""
+
+
+@dataclass
+class Task:
+    """All that one run reads and writes: the compiled functions pass its address on."""
+
+    params: Params
+    base: Base
+    motion_x: Motion
+    motion_z: Motion
+    output: Output
+    state: State
+    results: Results
+    counts: Counts
+    series: Series
