@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from harness.errors import InputError, Mistake
     from harness.history import History, Outcome
     from harness.record import Run
-    from harness.run import run_scene, simulate
+    from harness.run import run_scene
     from harness.scene import Scene
     from harness.scene_file.load import load_scene
+    from harness.simulation import simulate
 
 __all__ = [
     "History",

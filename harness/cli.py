@@ -191,8 +191,9 @@ def compute(
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.engines import DEFAULT_ENGINES, load
-    from harness.run import check_target, check_writing, run_scene
+    from harness.run import check_writing, run_scene
     from harness.scene_file.load import load_scene
+    from harness.simulation import check_target
     from harness.workload import check as check_work
 
     check_target(accuracy, dt)
@@ -235,7 +236,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
     """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
-    from harness.engine import SKIPS, Want
+    from harness.options import SKIPS, Want
 
     off = set(no_skip or ())
     unknown = [name for name in off if name not in SKIPS and name != "all"]

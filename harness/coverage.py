@@ -18,7 +18,8 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
 from harness import engines
-from harness.engine import Engine, Want
+from harness.engine import Engine
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 from harness.uncertainty import run_to_accuracy

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from harness.history import Array
-from harness.scores.grid import Pair
-from harness.scores.pointwise import Peak, first_beyond_s
+from harness.scores.grid import Pair, first_beyond_s
+from harness.scores.pointwise import Peak
 
 ROUNDING: Final = 1e-12
 """Differences below this, rad or m, are rounding of numbers of order one through some thousand operations."""

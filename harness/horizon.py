@@ -10,12 +10,12 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.excitation import Excitation, Rest
-from harness.engine import Engine, EngineFailure, Settings, Want
+from harness.engine import Engine, EngineFailure, Settings
 from harness.history import History
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
-from harness.scores.grid import pair
-from harness.scores.pointwise import first_beyond_s
+from harness.scores.grid import first_beyond_s, pair
 
 PERTURBATIONS: Final = (1e-9, 1e-7, 1e-5, 1e-3)
 """Sizes of the perturbations: from what rounding does in some thousand steps to what no measurement could tell."""

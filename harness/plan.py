@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, Rest
-from harness.engine import SKIPS, Engine, Want
+from harness.engine import Engine
 from harness.mirror import asymmetry
+from harness.options import SKIPS, Want
 from harness.scene import OVERTURN_RAD, Scene, Statue
 from harness.shape_need import shape_needed
 from meshes.footprint import margin_m, outward_sides

@@ -6,29 +6,26 @@ import itertools
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from harness import describe, engines, record
-from harness.engine import Engine, EngineFailure, Want
-from harness.errors import InputError, Mistake
+from harness.engine import EngineFailure
 from harness.history import Outcome, history_file
+from harness.options import Want
 from harness.paths import read_files
 from harness.plan import plan
 from harness.record import SCHEMA_VERSION, Run
 from harness.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
 from harness.scene import Scene
+from harness.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
 from harness.standstill import standstill
 
 if TYPE_CHECKING:
     from harness.assess.assessment import Assessment
     from harness.comparator import Scores
     from harness.horizon import Horizon
-
-DEFAULT_ACCURACY_RAD: Final = 1e-3
-FINEST_DT_S: Final = 1e-6
-"""Finer steps than this are refused: 10 s would take ten million of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,70 +75,6 @@ class Result:
         return plain
 
 
-def simulate(
-    scene: Scene,
-    engine: str,
-    *,
-    accuracy_rad: float | None = None,
-    dt_s: float | None = None,
-    want: Want | None = None,
-) -> Run:
-    """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
-
-    An engine's own failure is a `Run` whose outcome says so. Raises `InputError` for an unknown engine, an accuracy or step out
-    of range, or both given.
-    """
-    check_target(accuracy_rad, dt_s)
-    return _simulate(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
-
-
-def _simulate(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
-    run = _computed(engine, scene, accuracy_rad, dt_s, want)
-    return replace(run, motion_axes=scene.shake.axes(engine.capabilities.dimensions))
-
-
-def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
-    """Raise `InputError` unless at most one of the two is given and it is in its range."""
-    if accuracy_rad is not None and dt_s is not None:
-        raise InputError(Mistake("--accuracy and --dt", "", "one of the two", "both"))
-    if accuracy_rad is not None and not 1e-9 <= accuracy_rad <= 0.1:
-        raise InputError(Mistake("--accuracy", "", "a rotation between 1e-9 and 0.1 rad", f"{accuracy_rad!r}"))
-    if dt_s is not None and not FINEST_DT_S <= dt_s <= 0.1:
-        raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
-
-
-def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
-    reason = engine.missing()
-    if reason is not None:
-        return failed(engine.name, Outcome.UNAVAILABLE, reason)
-    start = time.perf_counter()
-    try:
-        if dt_s is not None and not engine.capabilities.certifies:
-            return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
-        from harness.uncertainty import run_to_accuracy
-
-        return run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
-    except EngineFailure as error:
-        return failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
-
-
-def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:
-    """A run that says why there is no answer."""
-    return Run(
-        engine=engine,
-        outcome=outcome,
-        history=None,
-        settings={},
-        steps=0,
-        wall_s=wall_s,
-        peak_theta_rad=0.0,
-        peak_time_s=0.0,
-        end_s=0.0,
-        message=message,
-        warnings=(message,),
-    )
-
-
 def run_scene(
     scene: Scene,
     names: Sequence[str] = engines.DEFAULT_ENGINES,
@@ -178,7 +111,7 @@ def run_scene(
         for engine in loaded:
             told(engine.name)
             if engine.name not in waiting and engine.name not in here:
-                here[engine.name] = _simulate(engine, scene, accuracy_rad, dt_s, want)
+                here[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, want)
         for name, future in waiting.items():
             if not future.done():
                 told(f"{name}, still")
@@ -195,7 +128,7 @@ def run_scene(
         finer_rad = (accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
         for name in sorted(own & doubted(scores)):
             told(f"{name}, again and finer")
-            again = _simulate(engines.load(name), scene, finer_rad, None, want)
+            again = simulate_with(engines.load(name), scene, finer_rad, None, want)
             if not again.outcome.failed:
                 runs[name] = again
                 note = f"{name} was run to {finer_rad:g} rad, before its difference from another model was judged"

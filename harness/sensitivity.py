@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from harness.engine import Engine, Settings, Want
+from harness.engine import Engine, Settings
 from harness.horizon import shaken
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.spread import Error, Spread, spread

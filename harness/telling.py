@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import Any, Final
 
@@ -67,3 +69,44 @@ class Telling:
             if time.monotonic() - self._said >= self._silent_s:
                 words, since = self._now
                 self.say(f"{words}: {time.monotonic() - since:.0f} s so far")
+
+
+@contextmanager
+def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
+    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`; `size` is said first."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
+    title = printable(title)
+    if size:
+        console.print(printable(size), highlight=False)
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with ExitStack() as stack:
+        bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
+        lines = Telling(quiet or console.is_terminal)
+        stack.enter_context(lines)
+        task = bar.add_task(title, total=None)
+        said = -1
+
+        def told(done: int, total: int) -> None:
+            nonlocal said
+            bar.update(task, completed=done, total=total)
+            tenth = 10 * done // total if total else 10
+            (lines.now if tenth != said else lines.later)(f"{title}: {done} of {total} runs")
+            said = tenth
+
+        yield told

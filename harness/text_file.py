@@ -51,7 +51,7 @@ def fortran(text: str) -> float:
 def must_be_named_in_utf8(path: Path) -> None:
     """InputError for a name that is no text: neither a record nor a page could hold it."""
     try:
-        str(path).encode("utf-8")
+        path.name.encode("utf-8")
     except UnicodeEncodeError:
         shown = ascii(str(path).encode("utf-8", "surrogateescape"))[2:-1]
         raise InputError(Mistake(shown, "", "a file name in UTF-8", "other bytes", "rename the file")) from None

@@ -14,7 +14,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.engine import FINER, Engine, Settings, Want
+from harness.engine import FINER, Engine, Settings
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.sensitivity import PARTED, response

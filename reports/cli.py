@@ -53,7 +53,8 @@ def run(
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.result_folder import check_folder, named_after
-    from harness.run import check_target, write_result
+    from harness.run import write_result
+    from harness.simulation import check_target
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))

@@ -18,7 +18,7 @@ from harness.run import run_scene, write_result
 from harness.scene_file.load import load_scene
 from harness.studies import cli as study_cli
 from harness.studies.jobs import stored_runs
-from harness.studies.store import Store
+from harness.studies.store import STORE_NAME, Store
 from reports.page import write_report
 
 SCENES: Final = Path(__file__).resolve().parent.parent / "scenes"
@@ -77,7 +77,7 @@ def example(asked: tuple[str, Mapping[str, Run]]) -> tuple[str, bool, float]:
 
 def of_study() -> Iterator[Task]:
     """The scenes that the study holds, with their runs; asked for when the study's own tasks are all handed out."""
-    with Store(OUT / STUDY / study_cli.STORE_NAME) as store:
+    with Store(OUT / STUDY / STORE_NAME) as store:
         for name in IN_STUDY:
             yield example, (name, stored_runs(store, load_scene(SCENES / f"{name}.toml")))
 

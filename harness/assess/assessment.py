@@ -13,8 +13,9 @@ from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, swee
 from harness.assess.stratified import LEVEL, Estimate, estimate
 from harness.assess.variation import varied
 from harness.describe import describe
-from harness.engine import EngineFailure, Want
+from harness.engine import EngineFailure
 from harness.errors import InputError, Mistake
+from harness.options import Want
 from harness.processes.executors import Crash, LocalPool
 from harness.scene import Scene
 from harness.statistics.distributions import wilson

@@ -72,7 +72,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     for key, values in draws.items():
         for name, column in (_sweep_of(scene, key, values) or {}).items():
             sweep[name] = sweep.get(name, 1.0) * column if name in ("scale", "vertical_scale") else column
-    options = {name: value for name, value in twoblock.keywords(scene).items() if name != "statue_friction"}
+    options = twoblock.keywords(scene)
+    # Whether the statue would slip on its support is told of single runs only.
+    options.pop("statue_friction", None)
     found = ensemble(
         twoblock.block_of(scene),
         scene.shake.x,

@@ -16,8 +16,9 @@ from harness import engines
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
 from harness.benchmark.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, outcome_scenes, rung, simulate
 from harness.benchmark.timing import cost
-from harness.engine import Engine, Want
+from harness.engine import Engine
 from harness.errors import InputError
+from harness.options import Want
 from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene

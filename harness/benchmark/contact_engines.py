@@ -11,7 +11,8 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.engine import Settings, Want
+from harness.engine import Settings
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 

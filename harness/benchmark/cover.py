@@ -11,7 +11,8 @@ from typing import Any, Final
 from harness import engines
 from harness.benchmark.precision import TARGET_RAD, error
 from harness.coverage import FIRST_SEED, Case, cases, random_scene, row_of
-from harness.engine import Engine, EngineFailure, Want
+from harness.engine import Engine, EngineFailure
+from harness.options import Want
 from harness.parts import Row
 
 SEEDS: Final = {"pybullet": 200, "pymunk": 200}

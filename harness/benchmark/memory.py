@@ -17,7 +17,8 @@ import numpy as np
 
 from harness import engines
 from harness.benchmark.contact_engines import paper_scene
-from harness.engine import Engine, Settings, Want
+from harness.engine import Engine, Settings
+from harness.options import Want
 
 RUNS: Final = (100, 1000)
 """Runs after which the resident memory is read."""

@@ -20,9 +20,9 @@ from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.benchmark.faults import expose
 from harness.record import Run
-from harness.run import simulate
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 from harness.scene_file.load import load_scene
+from harness.simulation import simulate
 
 DURATION_S: Final = 5.0
 

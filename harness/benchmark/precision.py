@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from harness import engines
 from harness.benchmark.scenes import Standard, standard_set
 from harness.benchmark.timing import Cost, cost, costs
-from harness.engine import Engine, EngineFailure, Settings, Want
+from harness.engine import Engine, EngineFailure, Settings
 from harness.errors import InputError
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy

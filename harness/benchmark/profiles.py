@@ -16,8 +16,8 @@ from analytic.excitation import Excitation, Harmonic, Rest
 from harness import engines
 from harness.benchmark.contact_engines import apart
 from harness.benchmark.paper_forms import table
-from harness.engine import Want
 from harness.engines.twoblock import block_of
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Scene, Shake, Statue
 from harness.scene_file.mesh_statue import statue_of

@@ -20,11 +20,12 @@ import numpy as np
 from harness import engines
 from harness.comparator import compare
 from harness.coverage import FINER, random_scene, wide_scene
-from harness.engine import Want
+from harness.options import Want
 from harness.parts import source
 from harness.record import Run
-from harness.run import run_scene, simulate
+from harness.run import run_scene
 from harness.scene import Scene
+from harness.simulation import simulate
 from harness.tipping import tipping_scene
 from harness.verdict import Verdict
 

@@ -14,7 +14,8 @@ from analytic.excitation import Excitation, Harmonic, Pulse, Record
 from harness import engines
 from harness.benchmark.contact_engines import apart
 from harness.coverage import random_scene
-from harness.engine import Engine, Want
+from harness.engine import Engine
+from harness.options import Want
 from harness.scene import Scene
 
 SEEDS: Final = (10129, 20399, 20809, 20844, 20866)

@@ -67,7 +67,7 @@ def measure(point: Point) -> tuple[float, float, float]:
 
 
 def _run(engine: str, make: Callable[[], Any]) -> tuple[float, float, float]:
-    from harness.run import simulate
+    from harness.simulation import simulate
 
     scene = make()
     simulate(scene, engine)

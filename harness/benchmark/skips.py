@@ -9,8 +9,9 @@ from typing import Final
 from harness import engines
 from harness.benchmark.scenes import COLUMN, PAESTUM, record, scene_of
 from harness.benchmark.timing import cost
-from harness.engine import Engine, Settings, Want
+from harness.engine import Engine, Settings
 from harness.errors import InputError
+from harness.options import Want
 from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene

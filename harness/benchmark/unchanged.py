@@ -15,7 +15,8 @@ import numpy as np
 from harness import engines
 from harness.benchmark.alone import difference
 from harness.coverage import random_scene
-from harness.engine import SKIPS, Engine, Want
+from harness.engine import Engine
+from harness.options import SKIPS, Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from harness.contact.friction import floor_friction
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings
 from harness.engines.bullet.settings import BulletSettings
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 

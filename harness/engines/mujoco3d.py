@@ -20,9 +20,10 @@ from harness.contact import frame
 from harness.contact.friction import FloorFriction, floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.spatial import fallen
-from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import Capabilities, Engine, EngineFailure, Settings
 from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
 from harness.engines.mujoco.samples import trajectory
+from harness.options import Want
 from harness.record import Run
 from harness.scene import OVERTURN_RAD, Scene
 

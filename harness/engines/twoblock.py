@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 import numpy as np
 
 from analytic.excitation import Rest
-from harness.engine import Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import Capabilities, Engine, EngineFailure, Settings
 from harness.history import History, Outcome
+from harness.options import Want
 from harness.record import Pattern, Run
 from harness.scene import OVERTURN_RAD, Scene
 

@@ -176,7 +176,7 @@ def stl() -> bytes:
 def _store() -> bytes:
     """A store with one result and its history."""
     from harness.benchmark.scenes import COLUMN, harmonic, scene_of
-    from harness.run import simulate
+    from harness.simulation import simulate
     from harness.studies.store import Store
 
     scene = scene_of("stored", {"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)})

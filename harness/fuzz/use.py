@@ -42,7 +42,7 @@ def scene(path: Path) -> None:
 
 def study(path: Path) -> None:
     """Read, run the first cases for a moment, and keep them in a store."""
-    from harness.run import simulate
+    from harness.simulation import simulate
     from harness.studies.cases import base_of, expand
     from harness.studies.file import load_study
     from harness.studies.store import Store
@@ -62,7 +62,7 @@ def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
     from harness.effects3d.conditions import changed_scene
     from harness.effects3d.file import load_effects
-    from harness.run import simulate
+    from harness.simulation import simulate
     from harness.studies.cases import base_of_scene
 
     given = load_effects(path)
@@ -73,7 +73,7 @@ def effects(path: Path) -> None:
 
 def experiments(path: Path) -> None:
     """Read, and run the first tests for a moment, as they are and perturbed."""
-    from harness.run import simulate
+    from harness.simulation import simulate
     from harness.validation.scenes import Variant, scene_of
     from harness.validation.table import read_table
 
@@ -112,7 +112,7 @@ def mesh(path: Path) -> None:
 def store(path: Path) -> None:
     """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
     from harness.benchmark.scenes import COLUMN, scene_of
-    from harness.run import simulate
+    from harness.simulation import simulate
     from harness.studies.store import Store
 
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
@@ -128,8 +128,7 @@ def title(path: Path) -> None:
     from harness.cli import summary
     from harness.run import run_scene, write_result
     from harness.scene_file.load import load_scene
-    from harness.studies.cli import progress
-    from harness.telling import Telling
+    from harness.telling import Telling, progress
 
     scene = load_scene(path)
     with (

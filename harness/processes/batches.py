@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 from harness.history import Outcome
 from harness.processes.executors import Crash, Hung, Pool
 from harness.record import Run
-from harness.run import failed
+from harness.simulation import failed
 
 
 class Job(Protocol):

@@ -11,12 +11,12 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
 from harness.history import Outcome
-from harness.run import failed, simulate
+from harness.simulation import failed, simulate
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-    from harness.engine import Want
+    from harness.options import Want
     from harness.record import Run
     from harness.scene import Scene
 

@@ -106,3 +106,15 @@ def _sampled(history: History, t_s: Array) -> tuple[Array, Array]:
     if history.t_s.size >= count and np.array_equal(history.t_s[:count], t_s):
         return history.theta_rad[:count], history.slip_m[:count]
     return history.at(t_s), hermite(t_s, history.t_s, history.slip_m, history.slip_rate_m_s)
+
+
+def first_beyond_s(t_s: Array, size: Array, limit: float) -> float | None:
+    """The first time at which `size` exceeds `limit` (linear between samples), None when it never does."""
+    beyond = size > limit
+    k = int(np.argmax(beyond))
+    if not beyond[k]:
+        return None
+    if k == 0:
+        return float(t_s[0])
+    share = (limit - size[k - 1]) / (size[k] - size[k - 1])
+    return float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.history import Array, History
-from harness.scores.grid import Pair
+from harness.history import History
+from harness.scores.grid import Pair, first_beyond_s
 
 
 @dataclass(frozen=True)
@@ -77,18 +77,6 @@ def sprague_geers(pair: Pair) -> SpragueGeers:
         return SpragueGeers(magnitude, None, None)
     phase = 0.0 if np.array_equal(a, b) else math.acos(min(max(ab / math.sqrt(aa * bb), -1.0), 1.0)) / math.pi
     return SpragueGeers(magnitude, phase, math.hypot(magnitude or 0.0, phase))
-
-
-def first_beyond_s(t_s: Array, size: Array, limit: float) -> float | None:
-    """The first time at which `size` exceeds `limit` (linear between samples), None when it never does."""
-    beyond = size > limit
-    k = int(np.argmax(beyond))
-    if not beyond[k]:
-        return None
-    if k == 0:
-        return float(t_s[0])
-    share = (limit - size[k - 1]) / (size[k] - size[k - 1])
-    return float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
 
 
 def together_until_s(pair: Pair, tolerance_rad: float) -> float:

@@ -16,8 +16,9 @@ from analytic.excitation import Record
 from harness import engines
 from harness.benchmark.precision import error
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import Engine, Settings, Want
+from harness.engine import Engine, Settings
 from harness.errors import InputError
+from harness.options import Want
 from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene, Shake

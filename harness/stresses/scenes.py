@@ -6,7 +6,8 @@ from typing import Final
 
 from harness import engines
 from harness.benchmark.scenes import scene_of
-from harness.engine import SKIPS, Engine, EngineFailure, Want
+from harness.engine import Engine, EngineFailure
+from harness.options import SKIPS, Want
 from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene

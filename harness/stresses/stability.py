@@ -12,7 +12,8 @@ from typing import Any, Final
 from harness import engines
 from harness.benchmark.precision import largest
 from harness.benchmark.scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import Engine, EngineFailure, Want
+from harness.engine import Engine, EngineFailure
+from harness.options import Want
 from harness.parts import Row
 from harness.record import Run
 from harness.scene import Scene

@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from harness import effects3d, record
 from harness.errors import InputError, Mistake
@@ -22,11 +22,8 @@ from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
 from harness.studies.record import study_record
 from harness.studies.run import Summary, run_study, study_name
-from harness.studies.store import Store
-from harness.telling import Telling
-from harness.terminal import printable
-
-STORE_NAME: Final = "store.sqlite"
+from harness.studies.store import STORE_NAME, Store
+from harness.telling import progress
 
 
 def run(
@@ -148,44 +145,3 @@ def _exported(export: Path, folder: Path) -> bool:
 def _check_jobs(jobs: int | None) -> None:
     if jobs is not None and jobs < 1:
         raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
-
-
-@contextmanager
-def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
-    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`; `size` is said first."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
-    title = printable(title)
-    if size:
-        console.print(printable(size), highlight=False)
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with ExitStack() as stack:
-        bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
-        lines = Telling(quiet or console.is_terminal)
-        stack.enter_context(lines)
-        task = bar.add_task(title, total=None)
-        said = -1
-
-        def told(done: int, total: int) -> None:
-            nonlocal said
-            bar.update(task, completed=done, total=total)
-            tenth = 10 * done // total if total else 10
-            (lines.now if tenth != said else lines.later)(f"{title}: {done} of {total} runs")
-            said = tenth
-
-        yield told

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness import engines, record
-from harness.engine import Engine, Want
+from harness.engine import Engine
+from harness.options import Want
 from harness.processes.batches import crashed
 from harness.processes.executors import Crash
 from harness.record import Run
-from harness.run import DEFAULT_ACCURACY_RAD, simulate
 from harness.scene import Scene
+from harness.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.studies.cases import Base, Case
 from harness.studies.digest import scene_digest
 from harness.studies.file import StudyFile

@@ -18,6 +18,7 @@ from harness.history import COLUMNS, History
 from harness.record import Run, run_of, to_plain
 from harness.studies.packing import pack, unpack
 
+STORE_NAME: Final = "store.sqlite"
 STORE_VERSION: Final = 3
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""

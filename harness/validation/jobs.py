@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines, record
-from harness.engine import Want
 from harness.errors import InputError, Mistake
+from harness.options import Want
 from harness.processes.batches import batches, crashed, run_batches
 from harness.processes.executors import Crash, Pool
 from harness.record import Run
-from harness.run import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.studies.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
 from harness.validation.table import Trial

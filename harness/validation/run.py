@@ -15,8 +15,8 @@ from harness.history_file import read_history
 from harness.processes.executors import LocalPool
 from harness.record import SCHEMA_VERSION
 from harness.result_folder import listing
-from harness.studies.cli import STORE_NAME, progress
-from harness.studies.store import Store
+from harness.studies.store import STORE_NAME, Store
+from harness.telling import progress
 from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
 from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Intensity, Variant, intensity

@@ -14,8 +14,9 @@ from harness import engines
 from harness.benchmark import alone, others, precision, scaling, sentences, skips
 from harness.benchmark.scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.benchmark.timing import children_cpu_s, cost, costs, largest_child_mb
-from harness.engine import SKIPS, EngineFailure, Want
+from harness.engine import EngineFailure
 from harness.history import History
+from harness.options import SKIPS, Want
 
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
 

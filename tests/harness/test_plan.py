@@ -7,10 +7,10 @@ import pytest
 
 from analytic.excitation import Harmonic, Record
 from harness import engines
-from harness.engine import SKIPS, Want
+from harness.options import SKIPS, Want
 from harness.plan import first_motion_s, limit_of_rest_m_s2, plan
-from harness.run import simulate
 from harness.scene import Shake
+from harness.simulation import simulate
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum
 

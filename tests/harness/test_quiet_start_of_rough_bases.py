@@ -7,9 +7,9 @@ import pytest
 
 from analytic.excitation import Record
 from harness.benchmark.profiles import BASES, scene, statue
-from harness.engine import SKIPS, Want
+from harness.options import SKIPS, Want
 from harness.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
-from harness.run import simulate
+from harness.simulation import simulate
 from tests.budgets import LIMIT_ROUNDING
 
 FLAT = ((-0.2, 0.0), (0.2, 0.0))

@@ -12,12 +12,14 @@ import pytest
 from analytic.excitation import Harmonic
 from harness import confirm, engines, run
 from harness.cli import summary
-from harness.engine import Engine, Want
+from harness.engine import Engine
 from harness.errors import InputError
 from harness.history import Outcome
+from harness.options import Want
 from harness.record import Run
-from harness.run import check_target, run_scene, simulate, write_result
+from harness.run import run_scene, write_result
 from harness.scene import Scene
+from harness.simulation import check_target, simulate
 from harness.verdict import Verdict
 from tests import doubles
 from tests.scenes_for_tests import paestum

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from harness import engines
-from harness.engine import Want
+from harness.options import Want
 from harness.plan import plan
 from harness.scene import Wall
 from harness.scene_file.mesh_statue import statue_of

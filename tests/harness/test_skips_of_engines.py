@@ -13,7 +13,8 @@ import pytest
 
 from harness import engines
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import SKIPS, Engine, Want
+from harness.engine import Engine
+from harness.options import SKIPS, Want
 from harness.plan import plan
 from harness.record import Run
 from harness.scene import Scene

@@ -11,8 +11,9 @@ import pytest
 
 from harness import engines, stresses
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import Settings, Want
+from harness.engine import Settings
 from harness.history import History, Outcome
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.stresses import checks, explained, more, scenes, stability

@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
-from harness.studies import cli
-from harness.telling import Telling
+from harness import telling
+from harness.telling import Telling, progress
 
 
 def test_a_long_wait_is_told_again_and_again(capsys: pytest.CaptureFixture[str]) -> None:
@@ -30,8 +30,8 @@ def test_quiet_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_study_is_never_long_silent(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Nothing finishes for a while: the line of what is done comes again, with the time since."""
-    monkeypatch.setattr(cli, "Telling", lambda quiet: Telling(quiet, silent_s=0.05))
-    with cli.progress("study", quiet=False) as told:
+    monkeypatch.setattr(telling, "Telling", lambda quiet: Telling(quiet, silent_s=0.05))
+    with progress("study", quiet=False) as told:
         told(0, 40)
         told(1, 40)
         threading.Event().wait(0.4)

@@ -12,8 +12,7 @@ from harness.cli import guarded, summary
 from harness.errors import InputError, Mistake
 from harness.run import run_scene
 from harness.scene_file.load import load_scene
-from harness.studies.cli import progress
-from harness.telling import Telling
+from harness.telling import Telling, progress
 from harness.terminal import CONTROL, json_text, printable, printable_lines
 from reports.cli import app
 from tests.reports.claim_scenes import HOSTILE, content, write_scene

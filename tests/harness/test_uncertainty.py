@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from harness.coverage import FIRST_SEED, coverage, random_scene, wide_scene
-from harness.engine import Capabilities, Engine, Settings, Want
+from harness.engine import Capabilities, Engine, Settings
 from harness.engines.munk2d import Munk2D
 from harness.history import History, Outcome
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.spread import SAFETY, Error, spread, target_of

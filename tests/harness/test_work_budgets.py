@@ -11,7 +11,8 @@ import pytest
 
 from harness import engines
 from harness.benchmark.scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engine import SKIPS, Engine, Want
+from harness.engine import Engine
+from harness.options import SKIPS, Want
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy
 from tests import budgets_bench as budgets

@@ -60,7 +60,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> list[Told]:
 def _told(folder: Path) -> Iterator[Told]:
     for seed in SEEDS:
         place = folder / str(seed)
-        scene = load_scene(write_scene(place, content(seed)))
+        scene = load_scene(write_scene(folder / f"scene-{seed}", content(seed)))
         write_result(run_scene(scene, ["analytic"]), place)
         write_report(place)
         source = run_source(place)

@@ -36,10 +36,10 @@ def test_every_valid_scene_has_its_pages(tmp_path: Path, name: str, pedestal: bo
     scene = scene | {"contact": {"floor_static": 0.3, "floor_kinetic": 0.3, "statue": 1.0}} | ODD[name]
     if not pedestal:
         del scene["pedestal"]
-    write_result(run_scene(load_scene(write_scene(tmp_path, scene)), ["analytic"]), tmp_path)
-    write_report(tmp_path)
-    assert f"<h1>{name}</h1>" in (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert f"<h1>{name}</h1>" in (tmp_path / "conservator.html").read_text(encoding="utf-8")
+    write_result(run_scene(load_scene(write_scene(tmp_path, scene)), ["analytic"]), tmp_path / "out")
+    write_report(tmp_path / "out")
+    assert f"<h1>{name}</h1>" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert f"<h1>{name}</h1>" in (tmp_path / "out" / "conservator.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("module", "other"), [("page_run", "conservator.html"), ("conservator", "report.html")])

@@ -10,8 +10,9 @@ import pytest
 
 from harness import engines, load_scene
 from harness.processes.executors import Done, Work
-from harness.run import DEFAULT_ACCURACY_RAD, run_scene, simulate
+from harness.run import run_scene
 from harness.scene import Scene
+from harness.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.studies.jobs import stored_runs
 from harness.studies.store import Store
 from reports.main_job import Beside

@@ -17,12 +17,12 @@ import pybullet
 
 from analytic.constants import GRAVITY_M_S2
 from harness import paths
-from harness.engine import Want
 from harness.engines import load
 from harness.engines.bullet import course
 from harness.engines.bullet.full import full_shape
 from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.world import World
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Contact, Form, Initial, Pedestal, Scene, Shake
 from harness.scene_file.mesh_statue import statue_of

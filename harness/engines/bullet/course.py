@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact.frame import greatest_pull_m_s2, step_count
-from harness.engine import Want
 from harness.engines.bullet import feet, loop, mirror, pose
 from harness.engines.bullet.edge import Crossing, EdgeWatch
 from harness.engines.bullet.full import FullShape, full_shape
@@ -21,6 +20,7 @@ from harness.engines.bullet.settings import BulletSettings
 from harness.engines.bullet.stepper import Record, Row, Stepper, reader
 from harness.engines.bullet.touch import Touch
 from harness.engines.bullet.world import STILL, UPRIGHT, World
+from harness.options import Want
 from harness.plan import first_motion_s
 from harness.scene import Scene
 

@@ -20,8 +20,9 @@ from harness.contact.frame import greatest_pull_m_s2, step_count
 from harness.contact.friction import FloorFriction, floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.spatial import fallen
-from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings
 from harness.engines.bullet.settings import BulletSettings
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 

@@ -15,9 +15,9 @@ from typing import Final
 import numpy as np
 
 from harness.benchmark.scenes import resolved, standard_set
-from harness.engine import SKIPS, Want
 from harness.engines import load
 from harness.engines.bullet.settle import CASES, scene_of
+from harness.options import SKIPS, Want
 from harness.record import Run
 from harness.scene import Scene
 

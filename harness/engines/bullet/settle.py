@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.contact.trajectory import Trajectory
-from harness.engine import Want
 from harness.engines import load
 from harness.engines.bullet import course, shapes
 from harness.engines.bullet.columns import trajectory
@@ -32,6 +31,7 @@ from harness.engines.bullet.settle_text import TEXT
 from harness.engines.bullet.stepper import Record, Stepper, reader
 from harness.engines.bullet.world import World
 from harness.history import History
+from harness.options import Want
 from harness.record import machine, versions
 from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue
 

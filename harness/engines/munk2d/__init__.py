@@ -11,9 +11,10 @@ import numpy as np
 
 from harness.contact.impact import IMPOSED_LABEL
 from harness.contact.reduce import Report, reduce_trajectory
-from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings
 from harness.engines.munk2d.samples import trajectory
 from harness.engines.munk2d.world import MunkSettings
+from harness.options import Want
 from harness.plan import first_motion_s
 from harness.record import Run
 from harness.scene import Scene

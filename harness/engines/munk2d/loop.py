@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contact import frame
-from harness.engine import Want
 from harness.engines.munk2d import drive as driving
 from harness.engines.munk2d import events, native, rattle, uplift
 from harness.engines.munk2d.drive import Drive
 from harness.engines.munk2d.standing import FAR, Standing
 from harness.engines.munk2d.world import MunkSettings
+from harness.options import Want
 from harness.scene import OVERTURN_RAD, Scene
 
 Array = NDArray[np.float64]

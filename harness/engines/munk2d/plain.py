@@ -17,9 +17,10 @@ import numpy as np
 from harness.contact.friction import floor_friction, followed
 from harness.contact.reduce import Report, reduce_trajectory
 from harness.contact.trajectory import Trajectory
-from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings, Want
+from harness.engine import FINER, Capabilities, Engine, EngineFailure, Settings
 from harness.engines.munk2d.samples import trajectory
 from harness.engines.munk2d.world import MunkSettings
+from harness.options import Want
 from harness.record import Run
 from harness.scene import OVERTURN_RAD, Scene
 

@@ -6,8 +6,9 @@ import pytest
 
 from harness import engines
 from harness.benchmark import memory
-from harness.engine import Engine, Settings, Want
+from harness.engine import Engine, Settings
 from harness.engines.munk2d import Munk2D
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from tests import budgets_engines as budget

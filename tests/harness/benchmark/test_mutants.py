@@ -12,8 +12,8 @@ from harness.benchmark.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from harness.benchmark.mutants import random_scenes
 from harness.comparator import compare
 from harness.record import Run
-from harness.run import simulate
 from harness.scene import Scene
+from harness.simulation import simulate
 from harness.verdict import COVERAGE, Verdict
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
 

@@ -13,7 +13,7 @@ from analytic import Rest
 from harness import engines
 from harness.benchmark import profiles as bench
 from harness.benchmark.contact_engines import apart
-from harness.engine import Want
+from harness.options import Want
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 
 MODEL_PAGE = Path(__file__).resolve().parents[3] / "docs" / "model.md"

@@ -10,8 +10,8 @@ import pytest
 import harness
 from analytic.excitation import Pulse, Record
 from harness.effects3d import BASELINE, changed_scene, departure, tilt_along, with_solid
-from harness.engine import Want
 from harness.engines import load
+from harness.options import Want
 from harness.scene import Scene, Shake
 from tests.budgets_meshes import SAME_PLANE_RAD
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.engine import SKIPS, Want
 from harness.engines import load
 from harness.engines.bullet.settings import BulletSettings
+from harness.options import SKIPS, Want
 from harness.record import Run
 from harness.scene import Scene
 

@@ -8,8 +8,8 @@ import pytest
 from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
 from analytic.excitation import Harmonic, Pulse
 from harness.benchmark.scenes import standard_set
-from harness.engine import Want
 from harness.history import Outcome
+from harness.options import Want
 from harness.scene import Pedestal, Shake, Wall
 from tests import budgets_bullet as budget
 from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst

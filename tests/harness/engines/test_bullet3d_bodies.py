@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
 from harness.contact.spatial import matrices
-from harness.engine import Want
 from harness.engines import load
 from harness.engines.bullet import course, feet, pose, shapes
 from harness.engines.bullet.edge import EdgeWatch
 from harness.history import Outcome
+from harness.options import Want
 from harness.scene import Scene, Statue
 from harness.scene_file.mesh_statue import statue_of
 from meshes import togatus

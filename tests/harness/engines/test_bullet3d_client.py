@@ -11,8 +11,8 @@ import pybullet
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.engine import Want
 from harness.engines.bullet import client
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from tests.harness.engines.bullet_cases import NOTHING_SKIPPED, WHOLE, bullet

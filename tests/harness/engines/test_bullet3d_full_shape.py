@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
 from harness.coverage import random_scene
-from harness.engine import SKIPS, Want
 from harness.engines import load
 from harness.engines.bullet import course, feet, pose
 from harness.engines.bullet.edge import DEPTH_M, Crossing
@@ -22,6 +21,7 @@ from harness.engines.bullet.full import HULL_VERTICES, full_shape
 from harness.engines.bullet.shapes import HULL_INSET_M
 from harness.engines.bullet.world import World
 from harness.history import Outcome
+from harness.options import SKIPS, Want
 from harness.scene import Pedestal, Scene, Statue, Wall
 from harness.scene_file.load import load_scene
 from harness.scene_file.mesh_statue import statue_of

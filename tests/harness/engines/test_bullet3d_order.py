@@ -13,8 +13,8 @@ import pytest
 from analytic.excitation import Harmonic
 from harness.benchmark.scenes import standard_set
 from harness.coverage import random_scene
-from harness.engine import Want
 from harness.engines import load
+from harness.options import Want
 from harness.scene import Scene, Shake
 from tests import budgets_bullet as budget
 from tests.harness.engines.bullet_cases import WHOLE, apart, bullet, exact

@@ -15,8 +15,9 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.engine import SKIPS, Engine, EngineFailure, Want
+from harness.engine import Engine, EngineFailure
 from harness.history import Outcome
+from harness.options import SKIPS, Want
 from harness.record import Run, to_plain
 from harness.scene import Scene
 from harness.uncertainty import run_to_accuracy

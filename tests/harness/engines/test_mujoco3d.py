@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
-from harness.engine import EngineFailure, Want
+from harness.engine import EngineFailure
 from harness.engines.mujoco3d import Mujoco3D
 from harness.engines.twoblock import TwoBlock
 from harness.history import Outcome
+from harness.options import Want
 from harness.record import Run
-from harness.run import simulate
 from harness.scene import Scene, Shake, Wall
+from harness.simulation import simulate
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 

@@ -11,12 +11,12 @@ import pytest
 
 from analytic.excitation import Harmonic, Record
 from harness.contact.impact import IMPOSED_LABEL
-from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.munk2d.bare import bare_loop
 from harness.engines.munk2d.world import MunkSettings
 from harness.engines.twoblock import TwoBlock
 from harness.history import Outcome
+from harness.options import Want
 from harness.record import Run
 from harness.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget

@@ -11,9 +11,9 @@ import pytest
 
 from harness.benchmark.scenes import PEDESTAL, TWO
 from harness.coverage import random_scene
-from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.twoblock import TwoBlock
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from harness.studies.cases import Base

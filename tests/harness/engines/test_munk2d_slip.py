@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
-from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.engines.twoblock import TwoBlock
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Pedestal, Scene
 from tests import budgets_engines as budget

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Pulse
-from harness.engine import Want
 from harness.engines.munk2d import Munk2D, loop, uplift
 from harness.engines.twoblock import TwoBlock
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Scene
 from tests import budgets_engines as budget

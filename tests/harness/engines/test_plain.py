@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.engine import Engine, Want
+from harness.engine import Engine
+from harness.options import Want
 from harness.scene import Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from harness.benchmark.rattles import rows
-from harness.engine import Engine, Want
+from harness.engine import Engine
 from harness.engines.bullet3d import Bullet3D
 from harness.engines.munk2d import Munk2D
+from harness.options import Want
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 

@@ -9,9 +9,10 @@ import pytest
 
 import analytic
 from analytic import Harmonic, Pulse, Record
-from harness.engine import EngineFailure, Settings, Want
+from harness.engine import EngineFailure, Settings
 from harness.engines.twoblock import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
 from harness.history import Outcome
+from harness.options import Want
 from harness.record import Run
 from harness.scene import Form, Scene, Shake, Wall
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, scene

@@ -9,9 +9,9 @@ import time
 import numpy as np
 import pytest
 
-from harness.engine import Want
 from harness.engines.munk2d import Munk2D
 from harness.history import Outcome
+from harness.options import Want
 from harness.processes.isolate import Died, Hung, call, simulate_isolated
 from tests.scenes_for_tests import paestum
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.run import simulate
 from harness.scene import Statue
 from harness.scores import energy, events
+from harness.simulation import simulate
 from tests import doubles
 from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, UPLIFT_S
 from tests.scenes_for_tests import paestum

@@ -11,8 +11,8 @@ import pytest
 from harness.errors import InputError
 from harness.processes.executors import Done, LocalPool, Work
 from harness.record import impacts
-from harness.run import simulate
 from harness.scene import Scene
+from harness.simulation import simulate
 from harness.studies import asking, estimate
 from harness.studies.audits import audit
 from harness.studies.cases import Base, base_of, expand

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.engine import Want
-from harness.run import simulate
+from harness.options import Want
+from harness.simulation import simulate
 from harness.statistics.outcomes import FELL
 from harness.validation import validate
 from harness.validation.scenes import Variant, scene_of

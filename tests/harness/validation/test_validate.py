@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from harness.engine import Want
 from harness.errors import InputError
-from harness.run import simulate
+from harness.options import Want
+from harness.simulation import simulate
 from harness.statistics.outcomes import FELL
 from harness.validation import run, validate
 from harness.validation.jobs import parse_model

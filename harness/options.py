@@ -1,0 +1,39 @@
+"""What is asked of a run, and what it may leave out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+SKIPS: Final[Mapping[str, str]] = {
+    "quiet_start": "nothing is integrated before the motion first reaches a limit of rest",
+    "quiet_end": "the run ends when the statue is at rest and the motion that is left cannot move it",
+    "energy_outcome": "after the motion ends the outcome follows from the energy, without integration",
+    "base_only": "collision shapes other than the base are left out while nothing else can touch",
+    "mirror": "half of a scene that is its own mirror image across the rocking plane is computed in 3D",
+    "no_history": "no history is kept when only the outcome is asked",
+    "planar": "a planar question is not computed in 3D",
+    "stop_at_overturn": "the run ends when the statue has overturned",
+    "lazy_engines": "engines that were not asked are not imported",
+    "cached": "a result that is stored is not computed again",
+}
+
+
+@dataclass(frozen=True)
+class Want:
+    """What is asked of a run: the history or only the outcome; which skips are on.
+
+    `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
+    so. An engine may go on to the scene's end all the same.
+    """
+
+    history: bool = True
+    skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
+    stop: Callable[[float, float], bool] | None = None
+
+    def may_skip(self, name: str) -> bool:
+        """Whether the named skip is on; raises `KeyError` for an unknown one."""
+        if name not in SKIPS:
+            raise KeyError(name)
+        return name in self.skips
