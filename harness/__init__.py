@@ -43,7 +43,7 @@ _HOMES = {
     "load_scene": "harness.scene_file.load",
     "Run": "harness.record",
     "run_scene": "harness.run",
-    "simulate": "harness.run",
+    "simulate": "harness.simulation",
     "Scene": "harness.scene",
 }
 

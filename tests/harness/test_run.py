@@ -111,7 +111,7 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
         known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
         return doubles.run_of(path, engine.name, **known)
 
-    monkeypatch.setattr(run, "_simulate", answer)
+    monkeypatch.setattr(run, "simulate_with", answer)
     monkeypatch.setattr(run, "_horizons", lambda *args, **options: {})
     result = run_scene(paestum(), ["analytic", "pymunk"])
     finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.FINER)

@@ -91,7 +91,7 @@ HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotli
 NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
 """Those of them that a run of one engine needs."""
 RUN = """
-from harness.run import simulate
+from harness.simulation import simulate
 from harness.benchmark.scenes import COLUMN, harmonic, scene_of
 simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
 """
