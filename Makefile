@@ -28,7 +28,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@touch $@
 
 report: $(STAMP) ## run the main job and say where the report is
-	@$(PY) -m reports.main_job
+	@$(PY) -m reports.build_examples
 
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
@@ -43,7 +43,7 @@ lint: $(STAMP) ## check style, types and import rules
 
 bench: $(STAMP) ## run time against error, in one run
 	@$(VENV)/bin/rockcheck bench
-	@$(VENV)/bin/python -m harness.benchmark.scoring
+	@$(VENV)/bin/python -m harness.bench.scoring
 
 stress: $(STAMP) ## hard scenes and mutated input
 	@$(VENV)/bin/rockcheck stress

@@ -12,14 +12,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from harness.comparator import compare
-    from harness.errors import InputError, Mistake
-    from harness.history import History, Outcome
-    from harness.record import Run
-    from harness.run import run_scene
-    from harness.scene import Scene
-    from harness.scene_file.load import load_scene
-    from harness.simulation import simulate
+    from harness.accuracy.simulation import simulate
+    from harness.comparison.comparator import compare
+    from harness.input.scene_file import load_scene
+    from harness.model.errors import InputError, Mistake
+    from harness.model.history import History, Outcome
+    from harness.model.run import Run
+    from harness.model.scene import Scene
+    from harness.scene_run.scene_run import run_scene
 
 __all__ = [
     "History",
@@ -35,16 +35,16 @@ __all__ = [
 ]
 
 _HOMES = {
-    "compare": "harness.comparator",
-    "InputError": "harness.errors",
-    "Mistake": "harness.errors",
-    "History": "harness.history",
-    "Outcome": "harness.history",
-    "load_scene": "harness.scene_file.load",
-    "Run": "harness.record",
-    "run_scene": "harness.run",
-    "simulate": "harness.simulation",
-    "Scene": "harness.scene",
+    "compare": "harness.comparison.comparator",
+    "InputError": "harness.model.errors",
+    "Mistake": "harness.model.errors",
+    "History": "harness.model.history",
+    "Outcome": "harness.model.history",
+    "load_scene": "harness.input.scene_file",
+    "Run": "harness.model.run",
+    "run_scene": "harness.scene_run.scene_run",
+    "simulate": "harness.accuracy.simulation",
+    "Scene": "harness.model.scene",
 }
 
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from harness.errors import InputError, Mistake
-from harness.telling import Telling
-from harness.terminal import json_text, printable, printable_lines
+from harness.campaign.progress import Telling
+from harness.model.errors import InputError, Mistake
+from harness.model.terminal import json_text, printable, printable_lines
 
 if TYPE_CHECKING:
-    from harness.run import Result
-    from harness.scene import Scene
+    from harness.model.scene import Scene
+    from harness.scene_run.scene_run import Result
 
 OK: Final = 0
 FAILED: Final = 1
@@ -63,7 +63,7 @@ def engines(as_json: Json = False) -> None:
     from dataclasses import asdict
 
     from harness.engines import REGISTRY, load
-    from harness.record import to_plain
+    from harness.model.run import to_plain
 
     rows = [
         to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
@@ -114,7 +114,7 @@ def compare(
         if engine or overrides or accuracy is not None or dt is not None or horizon:
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
-        from harness.comparator import compare_files
+        from harness.comparison.comparator import compare_files
 
         scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
         found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": scores}
@@ -160,7 +160,7 @@ def salvage(
     quiet: Quiet = False,
 ) -> None:
     """Copy what can still be read of a damaged store into a new one."""
-    from harness.studies.salvage import salvage as rescue
+    from harness.studies.recover import salvage as rescue
 
     saved = rescue(damaged, fresh)
     found = {**vars(saved), "store": str(fresh)}
@@ -190,11 +190,11 @@ def compute(
     assess: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
+    from harness.accuracy.simulation import check_target
     from harness.engines import DEFAULT_ENGINES, load
-    from harness.run import check_writing, run_scene
-    from harness.scene_file.load import load_scene
-    from harness.simulation import check_target
-    from harness.workload import check as check_work
+    from harness.input.scene_file import load_scene
+    from harness.scene_run.scene_run import check_writing, run_scene
+    from harness.scene_run.workload import check as check_work
 
     check_target(accuracy, dt)
     want = wanted(no_skip)
@@ -224,7 +224,7 @@ def compute(
 def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None, *, as_json: bool = False) -> str:
     """The plan of a scene as text, or as a JSON list of its steps."""
     from harness.engines import DEFAULT_ENGINES, REGISTRY, load
-    from harness.plan import plan
+    from harness.statics.plan import plan
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
     if as_json:
@@ -236,7 +236,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
     """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
-    from harness.options import SKIPS, Want
+    from harness.model.options import SKIPS, Want
 
     off = set(no_skip or ())
     unknown = [name for name in off if name not in SKIPS and name != "all"]

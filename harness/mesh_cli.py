@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness import paths, record
-from harness.errors import InputError, Mistake, mistake_from
-from harness.result_folder import check_listed, listing, writing
-from harness.scene_file.new_scene import scene_text
+from harness.input import paths
+from harness.input.new_scene import scene_text
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake, mistake_from
+from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
     from meshes.inspection import Inspection
@@ -81,8 +82,8 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
-    from harness.motions.readers import read_record
-    from harness.scene_file.load import load_scene
+    from harness.input.motions.readers import read_record
+    from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
         raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))

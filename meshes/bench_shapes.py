@@ -1,6 +1,6 @@
 """What hull and convex parts of a statue are, and where they touch, by exact geometry.
 
-`python -m meshes.bench_shapes` prints docs/meshes.md's table of budgets; `harness.engines.bullet.bench_shapes` the others.
+`python -m meshes.bench_shapes` prints docs/meshes.md's table of budgets; `harness.bench.pybullet_shapes` the others.
 """
 
 from __future__ import annotations

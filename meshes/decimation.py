@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.account import Change, change, measure
-from meshes.closing import close_pinches
 from meshes.errors import MeshError
-from meshes.mending import open_branches
+from meshes.hole_filling import close_pinches
 from meshes.mesh import Faces, RawMesh, drop_unused, weld
+from meshes.processing_log import Change, change, measure
+from meshes.repair import open_branches
 from meshes.topology import EdgeCount
 
 PINCHED_SHARE = 0.02

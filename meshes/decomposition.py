@@ -17,7 +17,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import coacd_alone, kept
+from meshes import array_cache as kept
+from meshes import coacd_alone
 from meshes.collision import thinned
 from meshes.decimation import simplified
 from meshes.errors import MeshError

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.attached import attached_floor
-from meshes.crossing import crossings, pinched, wrongly_sided
+from meshes.self_intersection import crossings, pinched, wrongly_sided
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

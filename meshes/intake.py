@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from meshes.errors import MeshError
 from meshes.gltf_size import must_be_bounded
 from meshes.mesh import RawMesh, weld
+from meshes.orientation import turn_axis
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
-from meshes.stance import turn_axis
 from meshes.topology import EdgeCount, parts
 
 Array = NDArray[np.float64]

@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes import mending
-from meshes.account import Account, Change, change, measure
+from meshes import repair as mending
 from meshes.attached import cut_below
-from meshes.closing import base_rim, close_base, close_holes
-from meshes.crossing import crossings
 from meshes.decimation import Bounds, decimate
 from meshes.doubts import floor_attached, not_one_body
 from meshes.errors import MeshError
+from meshes.hole_filling import base_rim, close_base, close_holes
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
 from meshes.mesh import RawMesh
+from meshes.orientation import find_stance, turn_axis
+from meshes.processing_log import Account, Change, change, measure
+from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
-from meshes.stance import find_stance, turn_axis
 from meshes.topology import EdgeCount
 
 WIDEST = 2.0

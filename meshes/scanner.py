@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from meshes import Solid
 from meshes.mesh import RawMesh, drop_unused
-from meshes.stance import UP_ROTATION
+from meshes.orientation import UP_ROTATION
 
 Array = NDArray[np.float64]
 

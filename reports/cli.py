@@ -11,9 +11,9 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness import cli as harness_cli
+from harness.campaign.progress import Telling
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
-from harness.telling import Telling
-from harness.terminal import printable
+from harness.model.terminal import printable
 from reports import cli_input
 
 OUT: Final = Path("out")
@@ -52,14 +52,14 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
-    from harness.result_folder import check_folder, named_after
-    from harness.run import write_result
-    from harness.simulation import check_target
+    from harness.accuracy.simulation import check_target
+    from harness.records.result_folder import check_folder, named_after
+    from harness.scene_run.scene_run import write_result
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
     if explain:
-        from harness.scene_file.load import load_scene
+        from harness.input.scene_file import load_scene
 
         check_target(accuracy, dt)
         told = harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip, as_json=as_json)
@@ -103,11 +103,11 @@ def assess(
     quiet: Quiet = False,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
-    from harness import record
     from harness.assess import assessment
-    from harness.paths import read_files
-    from harness.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
-    from harness.scene_file.load import load_scene
+    from harness.input.paths import read_files
+    from harness.input.scene_file import load_scene
+    from harness.model import run as record
+    from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
 
     folder = out or OUT / f"{named_after(scene)}-assess"
     check_folder(folder, ("assess",))
@@ -145,8 +145,8 @@ def study(
     quiet: Quiet = False,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
-    from harness.result_folder import check_folder, named_after
-    from harness.studies import cli as study_cli
+    from harness import study_cli
+    from harness.records.result_folder import check_folder, named_after
 
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
@@ -182,8 +182,8 @@ def validate(
     quiet: Quiet = False,
 ) -> None:
     """Run the models on measured tests and score them against what was observed."""
-    from harness.result_folder import check_folder, named_after
-    from harness.validation.run import validate as run_validation
+    from harness.records.result_folder import check_folder, named_after
+    from harness.validation.validation_run import validate as run_validation
 
     folder = out or OUT / named_after(experiments)
     check_folder(folder, ("validation",))
@@ -217,7 +217,7 @@ def bench(
     quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
 ) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness.benchmark.run import run as measure
+    from harness.bench.bench_run import run as measure
 
     folder = out or OUT / "bench"
     with Telling(quiet or as_json) as telling:
@@ -230,7 +230,7 @@ def stress(
     quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
 ) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
-    from harness import stresses
+    from harness.bench import stress as stresses
 
     folder = out or OUT / "stress"
     with Telling(quiet or as_json) as telling:
@@ -247,8 +247,8 @@ def report(
     quiet: Quiet = False,
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.errors import InputError, Mistake
-    from reports.page import CONSERVATOR_NAME, write_report
+    from harness.model.errors import InputError, Mistake
+    from reports.pages.page import CONSERVATOR_NAME, write_report
 
     if reader not in READERS:
         raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
@@ -267,8 +267,8 @@ def _names(parts: str | None) -> list[str] | None:
 
 def _say(found: Mapping[str, Any], text: str, folder: Path, as_json: bool, quiet: bool) -> None:
     """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
-    from harness.errors import InputError
-    from reports.page import write_report
+    from harness.model.errors import InputError
+    from reports.pages.page import write_report
 
     if text or as_json:
         say(found, text, as_json, quiet)

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from harness.campaign.progress import Telling
 from harness.cli import Json, Quiet, say
-from harness.telling import Telling
-from harness.terminal import json_text, printable
+from harness.model.terminal import json_text, printable
 
 OUT: Final = Path("out")
 
@@ -140,9 +140,9 @@ def motion_inspect(
     quiet: Quiet = False,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
-    from harness.record import write_json
-    from harness.result_folder import check_folder, check_listed, listing, named_after, writing
-    from reports.motion_figure import figure
+    from harness.model.run import write_json
+    from harness.records.result_folder import check_folder, check_listed, listing, named_after, writing
+    from reports.export.motion_figure import figure
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
     picture, account = folder / "motion.png", folder / "motion.json"
@@ -167,9 +167,9 @@ def motion_inspect(
 
 def _inspected(file: Path, unit: str | None, axis: str) -> Any:
     """The record in a file, or the named component of a scene."""
-    from harness.errors import InputError, Mistake
-    from harness.motions.inspect import inspect_component, inspect_file
-    from harness.scene_file.tables import parse, read
+    from harness.input.motions.inspect import inspect_component, inspect_file
+    from harness.input.tables import parse, read
+    from harness.model.errors import InputError, Mistake
 
     if file.suffix != ".toml":
         if not file.is_file():
@@ -201,7 +201,7 @@ def figures(
     quiet: Quiet = False,
 ) -> None:
     """Write the figures of a result for print."""
-    from reports.figures import FORMATS, write_figures
+    from reports.export.figures import FORMATS, write_figures
     from reports.source import telling_damage
 
     with telling_damage(folder):
@@ -217,7 +217,7 @@ def gif(
     quiet: Quiet = False,
 ) -> None:
     """Write the replay of a run as an animated picture for slides."""
-    from reports.animation import write_gif
+    from reports.export.animation import write_gif
     from reports.source import telling_damage
 
     with Telling(quiet or as_json) as telling, telling_damage(folder):

@@ -11,11 +11,11 @@ from typing import Any, Final
 
 from jinja2 import UndefinedError
 
-from harness.errors import InputError, Mistake
-from harness.history import History, history_file
-from harness.history_file import read_history
-from harness.record import SCHEMA_VERSION
-from harness.result_folder import KINDS, RECORD, as_written, owned
+from harness.input.history_file import read_history
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History, history_file
+from harness.model.run import SCHEMA_VERSION
+from harness.records.result_folder import KINDS, RECORD, as_written, owned
 
 RECORD_NAME: Final = RECORD
 REWRITE: Final = "write the result anew with this version"

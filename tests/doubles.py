@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.history import Array, History, Outcome
-from harness.record import Run
+from harness.model.history import Array, History, Outcome
+from harness.model.run import Run
 
 
 def rocking(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Rest
-from harness.scene import Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
+from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
 
 GRAVITY_M_S2 = 9.81
 

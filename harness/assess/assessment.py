@@ -7,18 +7,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from harness import engines, record
+from harness import engines
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.stratified import LEVEL, Estimate, estimate
 from harness.assess.variation import varied
-from harness.describe import describe
-from harness.engine import EngineFailure
-from harness.errors import InputError, Mistake
-from harness.options import Want
-from harness.processes.executors import Crash, LocalPool
-from harness.scene import Scene
-from harness.statistics.distributions import wilson
+from harness.campaign.executors import Crash, LocalPool
+from harness.comparison.statistics.distributions import wilson
+from harness.engines.base import EngineFailure
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.options import Want
+from harness.model.scene import Scene
+from harness.records.description import describe
 
 MODEL: Final = "analytic"
 RUN_DRAWS: Final = 10_000

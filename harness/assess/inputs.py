@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, Rest
-from harness.scene import Scene, Uncertain
+from harness.model.scene import Scene, Uncertain
 
 Array = NDArray[np.float64]
 

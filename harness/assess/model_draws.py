@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from analytic.excitation import Harmonic, Rest
 from harness.assess.inputs import row
 from harness.assess.variation import file_scale, varied
-from harness.engines import twoblock
-from harness.scene import Scene
+from harness.engines import analytic as twoblock
+from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from harness.assess.inputs import draw
 from harness.assess.model_draws import model_draws
-from harness.scene import Scene, Uncertain
+from harness.model.scene import Scene, Uncertain
 
 Array = NDArray[np.float64]
 

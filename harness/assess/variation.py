@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from analytic.excitation import Excitation, Harmonic, Rest
-from harness.errors import InputError, Mistake
-from harness.scene import Scene
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
 
 AXES: Final = ("x", "y", "z")
 
@@ -65,8 +65,8 @@ def _scaled(item: Excitation, factor: float) -> Excitation:
 def _resolved_again(scene: Scene, values: Mapping[str, float]) -> Scene:
     from pydantic import ValidationError
 
-    from harness.scene_file.load import resolve
-    from harness.scene_file.tables import SceneFile
+    from harness.input.scene_file import resolve
+    from harness.input.tables import SceneFile
 
     if not scene.given:
         keys = ", ".join(values)

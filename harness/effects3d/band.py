@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.effects3d.conditions import BASELINE, GEOMETRY_REL, changed_scene
 from harness.effects3d.search import STEPS, Search, peak_g, start_factor
-from harness.scene import Scene
+from harness.model.scene import Scene
 
 SIGMAS: Final = 2.0
 """The stated uncertainty of a length or an inertia is this many standard deviations."""
@@ -35,7 +35,7 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
     Every statue has two corners (a ragged base counts as its outer ones). Raises `InputError`.
     """
     from analytic import Block, ensemble
-    from harness.engines.twoblock import keywords
+    from harness.engines.analytic import keywords
 
     changed = changed_scene(scene, BASELINE, azimuth_deg)
     statue, unit = changed.statue, peak_g(changed)

@@ -9,9 +9,9 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from analytic.excitation import Rest
-from harness.errors import InputError, Mistake
-from harness.scene import Scene
-from harness.scene_file.mesh_statue import statue_of
+from harness.input.mesh_statue import statue_of
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
 from meshes import MeshError, Solid
 from meshes.roughening import ragged
 from meshes.survey import adjusted

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from harness.effects3d.conditions import BASELINE, amplified, changed_scene, solid_of
 from harness.effects3d.search import peak_g, run_once
-from harness.errors import InputError, Mistake
-from harness.history import History
-from harness.scene import Scene
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History
+from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 

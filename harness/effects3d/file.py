@@ -10,9 +10,9 @@ from pydantic import Field, ValidationError, model_validator
 
 from harness.effects3d.conditions import BASELINE, CONDITIONS
 from harness.effects3d.search import Search
-from harness.errors import InputError, Mistake
-from harness.scene_file.mistakes import Contradiction, mistakes_of
-from harness.scene_file.tables import Table, read
+from harness.input.mistakes import Contradiction, mistakes_of
+from harness.input.tables import Table, read
+from harness.model.errors import InputError, Mistake
 from harness.studies.file import EngineName
 
 KIND = "effects3d"

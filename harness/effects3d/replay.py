@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from harness.effects3d.conditions import BASELINE, amplified, changed_scene
 from harness.effects3d.search import peak_g
-from harness.run import run_scene, write_result
-from harness.scene import Scene
-from harness.standstill import motion_sized
+from harness.model.scene import Scene
+from harness.scene_run.scene_run import run_scene, write_result
+from harness.statics.standstill import motion_sized
 
 PLANAR: Final = "analytic"
 

@@ -9,13 +9,13 @@ from typing import Final
 
 import numpy as np
 
+from harness.accuracy.simulation import simulate
 from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
-from harness.history import Outcome
-from harness.options import Want
-from harness.plan import limit_of_rest_m_s2
-from harness.record import Run
-from harness.scene import Scene
-from harness.simulation import simulate
+from harness.model.history import Outcome
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.statics.plan import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
 STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}

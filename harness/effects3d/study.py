@@ -10,8 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from harness import record
-from harness.describe import describe
+from harness.campaign.executors import Crash, Pool
 from harness.effects3d.band import Band, band
 from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import Departure, departure
@@ -19,14 +18,15 @@ from harness.effects3d.file import SOLID, EffectsFile, load_effects
 from harness.effects3d.replay import write_replay
 from harness.effects3d.search import Amplitude, Search, find, peak_g
 from harness.effects3d.summary import effects, static_rose
-from harness.engine import Capabilities
-from harness.errors import InputError, Mistake
-from harness.processes.executors import Crash, Pool
-from harness.record import SCHEMA_VERSION
-from harness.result_folder import listing
-from harness.scene import Scene
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.options import Capabilities
+from harness.model.run import SCHEMA_VERSION
+from harness.model.scene import Scene
+from harness.records.description import describe
+from harness.records.result_folder import listing
+from harness.studies.cache_key import scene_digest
 from harness.studies.cases import Base, base_of_scene
-from harness.studies.digest import scene_digest
 from meshes import footprint
 
 ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of
-from harness.scene import Scene
+from harness.model.scene import Scene
 from meshes import footprint
 
 Row = Mapping[str, Any]

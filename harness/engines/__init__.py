@@ -7,17 +7,17 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import Final
 
-from harness.engine import Engine
-from harness.errors import InputError, Mistake
+from harness.engines.base import Engine
+from harness.model.errors import InputError, Mistake
 
 REGISTRY: Final[Mapping[str, str]] = {
-    "analytic": "harness.engines.twoblock:TwoBlock",
-    "pymunk": "harness.engines.munk2d:Munk2D",
-    "pybullet": "harness.engines.bullet3d:Bullet3D",
-    "mujoco": "harness.engines.mujoco3d:Mujoco3D",
-    "pymunk:plain": "harness.engines.munk2d.plain:PlainMunk2D",
-    "pybullet:plain": "harness.engines.bullet.plain:PlainBullet3D",
-    "mujoco:plain": "harness.engines.mujoco3d:PlainMujoco3D",
+    "analytic": "harness.engines.analytic:TwoBlock",
+    "pymunk": "harness.engines.pymunk:Munk2D",
+    "pybullet": "harness.engines.pybullet.adapter:Bullet3D",
+    "mujoco": "harness.engines.mujoco.adapter:Mujoco3D",
+    "pymunk:plain": "harness.engines.pymunk.plain:PlainMunk2D",
+    "pybullet:plain": "harness.engines.pybullet.plain:PlainBullet3D",
+    "mujoco:plain": "harness.engines.mujoco.adapter:PlainMujoco3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
 

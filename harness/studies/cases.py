@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from harness.errors import InputError, Mistake
-from harness.scene import Scene
-from harness.scene_file import load, tables
-from harness.scene_file.mistakes import mistakes_of
-from harness.scene_file.tables import SceneFile
+from harness.input import scene_file as load
+from harness.input import tables
+from harness.input.mistakes import mistakes_of
+from harness.input.tables import SceneFile
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
 from harness.studies.file import Scatter, StudyFile, Vary
 
 

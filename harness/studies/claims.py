@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.contact.impact import IMPOSED_LABEL
+from harness.engines.contact.impact import IMPOSED_LABEL
 
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""

@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
-from harness.history import History, Outcome
-from harness.scores.grid import Pair, pair
-from harness.scores.pointwise import Peak
-from harness.statistics.distributions import RESAMPLES, compare_distributions
-from harness.statistics.outcomes import Case, score_outcomes
-from harness.verdict import Side, Verdict, judge, shares
+from harness.comparison.scores.pointwise import Peak
+from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions
+from harness.comparison.statistics.outcomes import Case, score_outcomes
+from harness.comparison.verdict import Side, Verdict, judge, shares
+from harness.model.history import History, Outcome
+from harness.model.history_pair import Pair, pair
 
 LEAST: Final = 8
 """Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
@@ -85,7 +85,7 @@ def _paired(a: Row, b: Row, history: Callable[[str], History | None]) -> Pair | 
 
 
 def _side(row: Row) -> Side:
-    """What the verdict needs, from a record of plain values (see `harness.verdict.side_of`)."""
+    """What the verdict needs, from a record of plain values (see `harness.comparison.verdict.side_of`)."""
     run = row["run"]
     outcome = Outcome(run["outcome"])
     left_s, by = run["validity"].get("left_domain_s"), run["validity"].get("left_domain_by") or ""

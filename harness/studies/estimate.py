@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from harness.errors import InputError, Mistake
-from harness.scene import Scene
-from harness.studies.asking import COARSEST, REFERENCE, map_axes
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
+from harness.scene_run.workload import LONGEST_S, run_s, words
+from harness.studies.case_selection import COARSEST, REFERENCE, map_axes
 from harness.studies.file import StudyFile
-from harness.workload import LONGEST_S, run_s, words
 
 WITH_HISTORY: Final = 10.0
 """By how much a history makes an analytic run dearer; to contact engines it makes no difference."""

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from harness.errors import InputError, Mistake
-from harness.record import impacts
-from harness.result_folder import writing
+from harness.model.errors import InputError, Mistake
+from harness.model.run import impacts
+from harness.records.result_folder import writing
 from harness.studies.store import Store
 
 FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")

@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from harness.errors import InputError, Mistake
-from harness.scene_file.mistakes import Contradiction, mistakes_of
-from harness.scene_file.tables import Table, read
+from harness.input.mistakes import Contradiction, mistakes_of
+from harness.input.tables import Table, read
+from harness.model.errors import InputError, Mistake
 
 Value = float | int | str | bool
 EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco", "pymunk:plain", "pybullet:plain", "mujoco:plain"]

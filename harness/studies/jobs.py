@@ -9,16 +9,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness import engines, record
-from harness.engine import Engine
-from harness.options import Want
-from harness.processes.batches import crashed
-from harness.processes.executors import Crash
-from harness.record import Run
-from harness.scene import Scene
-from harness.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.campaign.batches import crashed
+from harness.campaign.executors import Crash
+from harness.engines.base import Engine
+from harness.model import run as record
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.studies.cache_key import scene_digest
 from harness.studies.cases import Base, Case
-from harness.studies.digest import scene_digest
 from harness.studies.file import StudyFile
 from harness.studies.store import Packed, Store, packed
 

@@ -13,10 +13,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.errors import InputError, Mistake
-from harness.history import COLUMNS, History
-from harness.record import Run, run_of, to_plain
-from harness.studies.packing import pack, unpack
+from harness.model.errors import InputError, Mistake
+from harness.model.history import COLUMNS, History
+from harness.model.run import Run, run_of, to_plain
+from harness.studies.serialization import pack, unpack
 
 STORE_NAME: Final = "store.sqlite"
 STORE_VERSION: Final = 3

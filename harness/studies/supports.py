@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.scene import Scene
-from harness.scene_file.tables import ContactTable
+from harness.input.tables import ContactTable
+from harness.model.scene import Scene
 from harness.studies.file import StudyFile, Variant
 
 Rows = Sequence[Mapping[str, Any]]

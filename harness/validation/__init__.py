@@ -5,6 +5,6 @@ How a table looks, column by column, stands in `harness.validation.table.COLUMNS
 
 from __future__ import annotations
 
-from harness.validation.run import validate
+from harness.validation.validation_run import validate
 
 __all__ = ["validate"]

@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.history import Array
-from harness.statistics import fragility
+from harness.comparison.statistics import fragility
+from harness.model.history import Array
 from harness.validation.scenes import Intensity
 
 Flags = NDArray[np.bool_]
@@ -50,7 +50,7 @@ def leave_one_out(intensity: ArrayLike, fell: ArrayLike) -> Flags:
 
 
 def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
-    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`harness.statistics.fragility`).
+    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`statistics.fragility`).
 
     Where no rising curve fits (one outcome only, or no order in the intensity) it is the share of the cases that fell, after
     Laplace (fell + 1)/(cases + 2); a motion of no intensity overturns nothing.

@@ -8,13 +8,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from harness import engines, record
-from harness.errors import InputError, Mistake
-from harness.options import Want
-from harness.processes.batches import batches, crashed, run_batches
-from harness.processes.executors import Crash, Pool
-from harness.record import Run
-from harness.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.campaign.batches import batches, crashed, run_batches
+from harness.campaign.executors import Crash, Pool
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.options import Want
+from harness.model.run import Run
 from harness.studies.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
 from harness.validation.table import Trial

@@ -16,14 +16,14 @@ import numpy as np
 import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
 from analytic.excitation import Excitation, Rest
-from harness import motions
-from harness.engine import Capabilities
-from harness.errors import InputError, Mistake
-from harness.motions.spec import RecordSpec
-from harness.scene import Array, Contact, Form, Scene, Shake, Statue
-from harness.scene_file import load
-from harness.scene_file.mesh_statue import statue_of
-from harness.studies.digest import scene_digest
+from harness.input import motions
+from harness.input import scene_file as load
+from harness.input.mesh_statue import statue_of
+from harness.input.motions.spec import RecordSpec
+from harness.model.errors import InputError, Mistake
+from harness.model.options import Capabilities
+from harness.model.scene import Array, Contact, Form, Scene, Shake, Statue
+from harness.studies.cache_key import scene_digest
 from harness.validation.table import Trial
 
 RING_DOWN_S: Final = 5.0

@@ -9,14 +9,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.history import Outcome
-from harness.statistics import fragility
-from harness.statistics.distributions import wilson
-from harness.statistics.outcomes import FELL, Case, brier, brier_skill, score_outcomes
+from harness.comparison.statistics import fragility
+from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics.outcomes import FELL, Case, brier, brier_skill, score_outcomes
+from harness.comparison.verdict import COVERAGE
+from harness.model.history import Outcome
 from harness.validation import baseline
 from harness.validation.scenes import Intensity, Variant, scene_of
 from harness.validation.table import Trial
-from harness.verdict import COVERAGE
 
 BINS: Final = 3
 """Intensity classes of equal numbers of tests: weak, middle, strong."""

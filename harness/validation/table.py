@@ -11,11 +11,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
-from harness import paths
-from harness.errors import InputError, Mistake
-from harness.history import Outcome
-from harness.statistics.outcomes import FELL
-from harness.text_file import decimal, decoded, read_bytes
+from harness.comparison.statistics.outcomes import FELL
+from harness.input import paths
+from harness.input.text_file import decimal, decoded, read_bytes
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Outcome
 
 COLUMNS: Final[Mapping[str, str]] = {
     "test": "name of the test, each once",

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import InputError
+from harness.input.scene_file import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, Known, inspect, new, prepare
-from harness.scene_file.load import load_scene
+from harness.model.errors import InputError
 from meshes import togatus
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from meshes import MeshError, Solid, coacd_alone, decomposition, kept, toadstool
+from meshes import MeshError, Solid, coacd_alone, decomposition, toadstool
+from meshes import array_cache as kept
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.solid import solid_from_mesh
 from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M

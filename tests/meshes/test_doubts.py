@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.scene_file.load import load_scene
+from harness.input.scene_file import load_scene
 from meshes import MeshError, Solid, toadstool
 from meshes.attached import WIDER, attached_floor, cut_below
-from meshes.crossing import pinched, wrongly_sided
 from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
 from meshes.loft import Part, loft, union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
 from meshes.scanner import Faults, scan, write
+from meshes.self_intersection import pinched, wrongly_sided
 from meshes.topology import EdgeCount
 from tests.budgets_meshes import CUT_VOLUME_REL
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid
-from meshes.account import measure
 from meshes.mesh import RawMesh
 from meshes.prepare import Limits, Prepared, Wanted, prepare, prepare_mesh
+from meshes.processing_log import measure
 from meshes.scanner import Faults, scan, write
 from meshes.solid import mass_properties
 from meshes.topology import EdgeCount

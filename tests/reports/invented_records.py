@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from harness import record
-from harness.comparator import compare
-from harness.history import Outcome
-from harness.statistics import fragility
-from harness.statistics.outcomes import FELL, Case, score_outcomes
+from harness.comparison.comparator import compare
+from harness.comparison.statistics import fragility
+from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
+from harness.model import run as record
+from harness.model.history import Outcome
 from tests import doubles
 
 COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}

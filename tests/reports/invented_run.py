@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from analytic.excitation import Harmonic
-from harness.history import History, Outcome
-from harness.record import Pattern, Run
-from harness.run import Result, write_result
-from harness.scene import Contact, Form, Pedestal, Scene, Shake, Statue, Wall
+from harness.model.history import History, Outcome
+from harness.model.run import Pattern, Run
+from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue, Wall
+from harness.scene_run.scene_run import Result, write_result
 
 MASS_KG = 707.0
 
@@ -57,7 +57,7 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
 
 def with_figure(scene: Scene) -> Scene:
     """The same scene with the generated figure's mesh."""
-    from harness.scene_file.mesh_statue import statue_of
+    from harness.input.mesh_statue import statue_of
     from meshes import togatus
 
     return scene.but(statue=statue_of(togatus.build()))

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from harness import describe, record
+from harness.model import run as record
+from harness.records import description as describe
 from harness.studies import claims
 from tests.reports.invented_run import block_scene, invented_history
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from reports.page import CONSERVATOR_NAME, write_report
+from reports.pages.page import CONSERVATOR_NAME, write_report
 from tests.budgets_reports import FRAME_MS
 from tests.reports import invented_study
 from tests.reports.invented_run import write_invented

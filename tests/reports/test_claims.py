@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Rest
-from harness.history import Outcome
-from harness.run import run_scene, write_result
-from harness.scene import Scene
-from harness.scene_file.load import load_scene
-from reports.chart_histories import histories_figure
-from reports.conservator import context
-from reports.page import write_report
+from harness.input.scene_file import load_scene
+from harness.model.history import Outcome
+from harness.model.scene import Scene
+from harness.scene_run.scene_run import run_scene, write_result
+from reports.charts.histories import histories_figure
+from reports.pages.conservator import context
+from reports.pages.page import write_report
 from reports.source import RunSource, run_source
-from reports.words import run_verdict
+from reports.text.wording import run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
 from tests.reports.claim_scenes import SEEDS, content, write_scene
 

@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 from harness.cli import INTERRUPTED, guarded
-from harness.errors import InputError
+from harness.model.errors import InputError
 from reports.cli import app
-from reports.page import write_report
+from reports.pages.page import write_report
 from tests.reports.invented_run import write_invented
 
 SCENE = """

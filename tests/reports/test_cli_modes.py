@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from harness.history import Outcome
+from harness.model.history import Outcome
 from harness.studies.store import Store
 from meshes import togatus
 from reports.cli import app

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from harness.run import run_scene, write_result
-from harness.scene_file.load import load_scene
+from harness.input.scene_file import load_scene
+from harness.scene_run.scene_run import run_scene, write_result
 from reports.cli import app
-from reports.page import write_report
+from reports.pages.page import write_report
 from tests.reports.claim_scenes import content, write_scene
 
 ODD: Mapping[str, Mapping[str, Any]] = {

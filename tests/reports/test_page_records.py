@@ -7,19 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from harness.record import write_json
-from reports.bench_scaling import scaling_figure
-from reports.bench_tables import tables as bench_tables
-from reports.page import write_report
-from reports.page_bench import bench_verdict, on_front, precision_figure
-from reports.page_stress import notes, stress_verdict
-from reports.page_study import context as study_context
-from reports.page_study import left_domain, study_warnings
-from reports.page_validation import validation_verdict
+from harness.model.run import write_json
+from reports.pages.bench_page import bench_verdict, on_front, precision_figure
+from reports.pages.bench_scaling import scaling_figure
+from reports.pages.bench_tables import tables as bench_tables
+from reports.pages.page import write_report
+from reports.pages.stress_page import notes, stress_verdict
+from reports.pages.study_page import context as study_context
+from reports.pages.study_page import left_domain, study_warnings
+from reports.pages.validation_page import validation_verdict
 from reports.source import read_record
-from reports.study_rows import agreement, conditions
+from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
-from tests.reports.test_page_run import without_data
+from tests.reports.pages.test_run_page import without_data
 
 
 def shown(folder: Path) -> str:
@@ -150,7 +150,7 @@ def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
-    from reports.page_validation import context
+    from reports.pages.validation_page import context
 
     folder = invented_records.write_validation(tmp_path)
     record = read_record(folder) | {"samples": 3, "seed": 7}
@@ -161,7 +161,7 @@ def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_
 
 
 def test_settings_of_one_engine_look_different() -> None:
-    from reports.page_validation import _styles
+    from reports.pages.validation_page import _styles
 
     models = {"pymunk@dt=0.001": {"engine": "pymunk"}, "pymunk@dt=0.0005": {"engine": "pymunk"}}
     coarse, fine = _styles({"models": models}).values()

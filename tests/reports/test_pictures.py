@@ -9,9 +9,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from harness.errors import InputError
-from reports.animation import FRAMES_PER_S, write_gif
-from reports.figures import draw_histories, draw_panels, write_figures
+from harness.model.errors import InputError
+from reports.export.animation import FRAMES_PER_S, write_gif
+from reports.export.figures import draw_histories, draw_panels, write_figures
 from reports.source import read_record, run_source
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import write_map_study, write_table_study

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from harness.studies import cli as study_cli
+from harness import study_cli
 from harness.studies.cases import base_of, expand
 from harness.studies.file import load_study
-from reports.conservator import context
-from reports.page import write_report
-from reports.page_study import study_verdict
+from reports.pages.conservator import context
+from reports.pages.page import write_report
+from reports.pages.study_page import study_verdict
 from reports.source import read_record
-from reports.study_rows import conditions
+from reports.text.study_rows import conditions
 from tests.reports.claim_scenes import content, write_scene
 
 VARIED = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from harness.scene import Scene
+from harness.model.scene import Scene
 
 FOOT_M: Final = 1e-4
 """Radius of the spheres at the base's vertices."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.contact.spatial import matrices, planar, statue_columns
-from harness.contact.trajectory import Trajectory
-from harness.scene import Scene
+from harness.engines.contact.spatial import matrices, planar, statue_columns
+from harness.engines.contact.trajectory import Trajectory
+from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from harness.assess.assessment import assess, assess_model
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
-from harness.options import Want
-from harness.scene_file.load import load_scene
+from harness.input.scene_file import load_scene
+from harness.model.options import Want
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 

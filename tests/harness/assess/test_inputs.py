@@ -9,9 +9,9 @@ import pytest
 
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.variation import varied
-from harness.errors import InputError
-from harness.scene import Uncertain
-from harness.scene_file.load import load_scene
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError
+from harness.model.scene import Uncertain
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 

@@ -8,7 +8,7 @@ import pytest
 
 import harness
 from harness.effects3d import with_solid
-from harness.scene import Scene
+from harness.model.scene import Scene
 from meshes import solid_from_mesh
 from tests.meshes.shapes import box
 

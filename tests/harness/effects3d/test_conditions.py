@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.effects3d import BASELINE, CONDITIONS, changed_scene, turned
-from harness.scene import Scene
+from harness.model.scene import Scene
 from meshes import footprint
 
 

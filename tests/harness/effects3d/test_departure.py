@@ -11,8 +11,8 @@ import harness
 from analytic.excitation import Pulse, Record
 from harness.effects3d import BASELINE, changed_scene, departure, tilt_along, with_solid
 from harness.engines import load
-from harness.options import Want
-from harness.scene import Scene, Shake
+from harness.model.options import Want
+from harness.model.scene import Scene, Shake
 from tests.budgets_meshes import SAME_PLANE_RAD
 
 needs_pybullet = pytest.mark.skipif(load("pybullet").missing() is not None, reason=str(load("pybullet").missing()))
@@ -53,7 +53,7 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
 @needs_pybullet
 def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: Scene) -> None:
     """Under a rising push at 45° the statue lifts at 0.125 g, where it leaves the base, its planar section only at 0.39 g."""
-    from harness.engines.bullet import course
+    from harness.engines.pybullet import course
 
     t_s = np.linspace(0.0, 2.0, 201)
     push = Shake(x=Record(t_s, -0.4 * 9.81 * t_s / 2.0))

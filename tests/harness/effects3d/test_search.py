@@ -10,7 +10,7 @@ import pytest
 import harness
 from harness.effects3d import BASELINE, Search, amplified, changed_scene, find, start_factor
 from harness.effects3d.search import first_crossing, nearest_crossing, peak_g
-from harness.scene import Scene
+from harness.model.scene import Scene
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 

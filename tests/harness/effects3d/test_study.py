@@ -9,13 +9,13 @@ import pytest
 
 import harness
 from harness import effects3d
+from harness.campaign.executors import LocalPool
 from harness.effects3d import BASELINE, Search, find, turned
 from harness.effects3d.band import band
 from harness.effects3d.study import Ledger, side_azimuths
 from harness.effects3d.summary import effects, static_rose
-from harness.errors import InputError
-from harness.processes.executors import LocalPool
-from harness.scene import Scene
+from harness.model.errors import InputError
+from harness.model.scene import Scene
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 

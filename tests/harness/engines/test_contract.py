@@ -15,12 +15,12 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.engine import Engine, EngineFailure
-from harness.history import Outcome
-from harness.options import SKIPS, Want
-from harness.record import Run, to_plain
-from harness.scene import Scene
-from harness.uncertainty import run_to_accuracy
+from harness.accuracy.refinement import run_to_accuracy
+from harness.engines.base import Engine, EngineFailure
+from harness.model.history import Outcome
+from harness.model.options import SKIPS, Want
+from harness.model.run import Run, to_plain
+from harness.model.scene import Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 

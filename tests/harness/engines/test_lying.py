@@ -10,9 +10,9 @@ import pytest
 import trimesh
 
 from harness import load_scene, simulate
-from harness.history import Outcome
-from harness.record import Run
-from harness.scene import OVERTURN_RAD
+from harness.model.history import Outcome
+from harness.model.run import Run
+from harness.model.scene import OVERTURN_RAD
 from tests import budgets_engines as budget
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.engine import Engine
-from harness.options import Want
-from harness.scene import Scene
+from harness.engines.base import Engine
+from harness.model.options import Want
+from harness.model.scene import Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum
 
@@ -46,7 +46,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, module: Any, names: tuple[str, ...]
 def writes(engine: Engine, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """Calls that write to bodies in the longer of two runs and not in the shorter: those of the start are in both."""
     if engine.name.startswith("pymunk"):
-        from harness.engines.munk2d import native
+        from harness.engines.pymunk import native
 
         calls = counted(monkeypatch, native, MUNK_WRITES)
     else:

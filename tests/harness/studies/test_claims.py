@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from harness.contact.impact import IMPOSED_LABEL
+from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.studies import claims
 
 FREQUENCIES = (1.5, 2.0, 3.0, 4.5, 6.0)

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from harness.history import History, Outcome
+from harness.comparison.verdict import Verdict
+from harness.model.history import History, Outcome
 from harness.studies.ensembles import score_sets
-from harness.verdict import Verdict
 from tests import doubles
 
 CASES = 12

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.studies import cli as study_cli
+from harness import study_cli
 from harness.studies.export import cell
-from tests.harness.small_study import STUDY, written
+from tests.harness.studies.small_study import STUDY, written
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "＝1"])

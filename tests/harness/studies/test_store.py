@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import InputError
-from harness.history import History, Outcome
-from harness.record import Run
+from harness.model.errors import InputError
+from harness.model.history import History, Outcome
+from harness.model.run import Run
 from harness.studies.export import export_csv
-from harness.studies.salvage import salvage
+from harness.studies.recover import salvage
 from harness.studies.store import Store
 
 

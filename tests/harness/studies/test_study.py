@@ -8,18 +8,19 @@ from typing import Any
 
 import pytest
 
-from harness.errors import InputError
-from harness.processes.executors import Done, LocalPool, Work
-from harness.record import impacts
-from harness.scene import Scene
-from harness.simulation import simulate
-from harness.studies import asking, estimate
-from harness.studies.audits import audit
+from harness.accuracy.simulation import simulate
+from harness.campaign.executors import Done, LocalPool, Work
+from harness.model.errors import InputError
+from harness.model.run import impacts
+from harness.model.scene import Scene
+from harness.studies import case_selection as asking
+from harness.studies import estimate
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import load_study
-from harness.studies.run import Summary, run_study, study_name
+from harness.studies.random_rechecks import audit
 from harness.studies.store import Packed, Store
-from tests.harness.small_study import STUDY, contents, written
+from harness.studies.study_run import Summary, run_study, study_name
+from tests.harness.studies.small_study import STUDY, contents, written
 
 
 def compute(path: Path, store_path: Path, jobs: int = 1) -> Summary:

@@ -12,13 +12,13 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from harness.processes.batches import run_batches
-from harness.processes.executors import Crash, LocalPool
+from harness.campaign.batches import run_batches
+from harness.campaign.executors import Crash, LocalPool
 from harness.studies.file import load_study
-from harness.studies.run import run_study
 from harness.studies.store import Store
-from tests.harness.processes.endings import ended
-from tests.harness.small_study import CONTACT, contents, lethal, written
+from harness.studies.study_run import run_study
+from tests.harness.campaign.endings import ended
+from tests.harness.studies.small_study import CONTACT, contents, lethal, written
 
 KILLS = 10
 LONGEST_S = 60.0

@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Final
 
 from analytic.excitation import Excitation
-from harness.engines import twoblock
-from harness.history import Outcome
-from harness.horizon import parted_s
-from harness.options import Want
-from harness.record import Run
-from harness.scene import Scene
-from harness.simulation import simulate
+from harness.accuracy.horizon import parted_s
+from harness.accuracy.simulation import simulate
+from harness.engines import analytic as twoblock
+from harness.model.history import Outcome
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table
 from meshes.footprint import lower_chain

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.options import Want
-from harness.simulation import simulate
-from harness.statistics.outcomes import FELL
+from harness.accuracy.simulation import simulate
+from harness.comparison.statistics.outcomes import FELL
+from harness.model.options import Want
 from harness.validation import validate
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table
-from reports.page import write_report
+from reports.pages.page import write_report
 from tests.harness.validation.experiments import write_table
 
 RECORDS = (

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import InputError
+from harness.model.errors import InputError
 from harness.validation.scenes import (
     BASE_SD_M,
     FRICTION_SD,

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from harness.history import Outcome
-from harness.statistics.outcomes import FELL
+from harness.comparison.statistics.outcomes import FELL
+from harness.model.history import Outcome
 from harness.validation.scenes import GRAVITY_M_S2, Intensity, Variant
 from harness.validation.scoring import (
     Choice,

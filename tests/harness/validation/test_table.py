@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import InputError
+from harness.model.errors import InputError
 from harness.validation.table import COLUMNS, read_table
 from tests.harness.validation.experiments import write_experiments, write_table
 

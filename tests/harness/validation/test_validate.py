@@ -11,15 +11,16 @@ from typing import Any
 
 import pytest
 
-from harness.errors import InputError
-from harness.options import Want
-from harness.simulation import simulate
-from harness.statistics.outcomes import FELL
-from harness.validation import run, validate
+from harness.accuracy.simulation import simulate
+from harness.comparison.statistics.outcomes import FELL
+from harness.model.errors import InputError
+from harness.model.options import Want
+from harness.validation import validate
+from harness.validation import validation_run as run
 from harness.validation.jobs import parse_model
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import read_table
-from reports.page import write_report
+from reports.pages.page import write_report
 from tests.harness.validation.experiments import write_experiments, write_table
 
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)

@@ -1,0 +1,174 @@
+"""How long a model can predict a scene at all: perturbed starts of that model alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from analytic.excitation import Excitation, Rest
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.history import History
+from harness.model.history_pair import first_beyond_s, pair
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+PERTURBATIONS: Final = (1e-9, 1e-7, 1e-5, 1e-3)
+"""Sizes of the perturbations: from what rounding does in some thousand steps to what no measurement could tell."""
+TOLERANCE_RAD: Final = 0.01
+"""Rotation to which a prediction is asked: 1.5 cm at the top of a statue of 1.5 m."""
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Until when perturbed runs of one model stay within `tolerance_rad` of the unperturbed one, by the perturbation's size.
+
+    `until_s` (one for each of `perturbations`) is `duration_s` where they always do. `growth_per_s` is the mean rate at which
+    the largest difference grows, from its size to the tolerance, over the perturbations that reach it (None: none does).
+    `outcomes` are the distinct outcomes among the runs: more than one says that the outcome itself is not predictable.
+    """
+
+    tolerance_rad: float
+    duration_s: float
+    perturbations: tuple[float, ...]
+    until_s: tuple[float, ...]
+    growth_per_s: float | None
+    outcomes: tuple[str, ...]
+    failed: int
+
+    def until(self, uncertainty: float) -> float:
+        """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.
+
+        Beyond the largest one no prediction is claimed: the horizon is then 0.
+        """
+        known = [t for size, t in zip(self.perturbations, self.until_s, strict=True) if size >= uncertainty]
+        return known[0] if known else 0.0
+
+    @property
+    def intrinsic_s(self) -> float:
+        """The horizon of the problem itself, from the least perturbation: beyond it no two programs need agree."""
+        return self.until_s[0]
+
+    @property
+    def sentence(self) -> str:
+        """Until when the rotation can be predicted, for the least and the largest perturbation."""
+        first, last = self.perturbations[0], self.perturbations[-1]
+        text = f"rotation predictable to {self.tolerance_rad:g} rad "
+        if self.until_s[-1] >= self.duration_s:
+            return f"{text}throughout, even if start and motion are known to {last:g} only"
+        text += f"until {self.until_s[-1]:.3g} s if start and motion are known to {last:g}"
+        if self.until_s[0] >= self.duration_s:
+            return f"{text}, throughout if to {first:g}"
+        return f"{text}, until {self.until_s[0]:.3g} s even if to {first:g}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return asdict(self) | {"intrinsic_s": self.intrinsic_s, "sentence": self.sentence}
+
+
+def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
+    """The scene with slightly other starts: rotation + size (rad), rate + size·p (rad/s), and all motion times 1 ± size.
+
+    p = √(mgR/J) is the statue's frequency parameter. A statue at rest forgets a perturbed start as soon as it rests again, so
+    its motion is perturbed as well.
+    """
+    statue, start = scene.statue, scene.initial
+    side = 1 if start.theta_rad >= 0.0 else -1
+    arm = math.hypot(statue.corner_m(side), statue.centroid_height_m)
+    p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
+    leaning = scene.but(initial=replace(start, theta_rad=start.theta_rad + side * size))
+    thrown = scene.but(initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s + size * p))
+    if scene.shake.still:
+        return leaning, thrown
+    return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)
+
+
+def shaken(scene: Scene, factor: float) -> Scene:
+    """The scene with all its motion multiplied by a factor."""
+
+    def scaled(item: Excitation) -> Excitation:
+        return item if isinstance(item, Rest) else item.scaled(factor)
+
+    shake = scene.shake
+    return scene.but(shake=replace(shake, x=scaled(shake.x), y=scaled(shake.y), z=scaled(shake.z)))
+
+
+def horizon(
+    scene: Scene,
+    run: Callable[[Scene], Run],
+    *,
+    tolerance_rad: float = TOLERANCE_RAD,
+    perturbations: Sequence[float] = PERTURBATIONS,
+) -> Horizon:
+    """The horizon of a model, `run` being that model with its settings; perturbed runs that fail are left out and counted.
+
+    Raises `EngineFailure` when the unperturbed run has no history.
+    """
+    reference = run(scene)
+    if reference.history is None:
+        raise EngineFailure(reference.message or "the unperturbed run has no history")
+    sizes = tuple(sorted(perturbations))
+    outcomes = {reference.outcome.value}
+    until: list[float] = []
+    rates: list[float] = []
+    failed = 0
+    for size in sizes:
+        times = []
+        for variant in perturbed(scene, size):
+            other = _tried(run, variant)
+            if other is None or other.history is None:
+                failed += 1
+                continue
+            outcomes.add(other.outcome.value)
+            times.append(parted_s(other.history, reference.history, tolerance_rad))
+        found = [t for t in times if t is not None]
+        until.append(min(found, default=scene.duration_s))
+        if found and size < tolerance_rad and until[-1] > 0.0:
+            rates.append(math.log(tolerance_rad / size) / until[-1])
+    # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
+    least = np.minimum.accumulate(until)
+    growth = float(np.mean(rates)) if rates else None
+    return Horizon(
+        tolerance_rad,
+        scene.duration_s,
+        sizes,
+        tuple(least.tolist()),
+        growth,
+        tuple(sorted(outcomes)),
+        failed,
+    )
+
+
+def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
+    try:
+        found = run(scene)
+    except EngineFailure:
+        return None
+    return None if found.outcome.failed else found
+
+
+def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
+    """When two histories are first further apart than the tolerance; a shorter one parts at its end, None: never."""
+    both = pair(a, b)
+    apart = first_beyond_s(both.t_s, np.abs(both.difference_rad), tolerance_rad)
+    if apart is not None:
+        return apart
+    shorter = abs(a.duration_s - b.duration_s) > max(np.diff(both.t_s).max(initial=0.0), 1e-9)
+    return both.end_s if shorter else None
+
+
+def horizon_of(engine: Engine, scene: Scene, settings: Settings, **options: Any) -> Horizon:
+    """The horizon of an engine with its settings (see `horizon`)."""
+    want = Want(history=True)
+    return horizon(scene, lambda each: engine.simulate(each, settings, want), **options)
+
+
+def horizon_beside(engine: Engine, scene: Scene, run: Run) -> Horizon:
+    """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
+    if engine.capabilities.certifies:
+        return horizon_of(engine, scene, engine.ladder(scene)[-1])
+    return horizon_of(engine, scene, engine.settings_for_dt(scene, float(run.settings["dt_s"])))

@@ -1,0 +1,293 @@
+"""A target accuracy instead of a time step: climb an engine's ladder until its own runs agree.
+
+The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
+step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
+the finer run's is at most the spread over (the steps' ratio - 1); `spread.SAFETY` covers that errors of contact fall
+irregularly. Two runs may agree by chance where small differences grow: so a third one, of the coarser settings under a slightly
+stronger motion, shows how they do (`sensitivity`). How often statements hold: docs/coverage.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from harness.accuracy.sensitivity import PARTED, response
+from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, layer_left_s, plain_share, spread, target_of
+from harness.engines.base import FINER, Engine, Settings
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+START_SHARE: Final = 1.5
+"""The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
+CLIMB_SHARE: Final = 0.75
+"""A rung is worth a run when its step is shorter than all that were tried by at least this."""
+LEAP: Final = 4.0
+"""Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
+ORDER: Final = 1.5
+"""Order at which errors are expected to fall when that step is chosen."""
+MOST_ORDER: Final = 2.0
+"""Highest order that two differences are taken to show."""
+FLOOR_SHARE: Final = 1.0
+"""Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
+LEFT_AGREEMENTS: Final = 2
+"""Comparisons that must hold in a row where a run leaves what its events are located for: from there plain steps err unevenly."""
+RESPONSES: Final = 2
+"""So many times a climb goes on because a small change of the motion moves more than the target; then finer steps gain little."""
+
+
+def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
+    """Compute a scene to a target accuracy of the rotation, rad, at the least cost that the engine's own spread allows.
+
+    The slip has the target of `spread.target_of`. The run states both uncertainties and until when they hold; where the
+    target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
+    """
+    if engine.capabilities.certifies:
+        return engine.simulate(scene, _first_rung(engine.ladder(scene), accuracy_rad, 1.0)[0], want)
+    climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.ladder(scene), want)
+    for settings in climb.order():
+        if climb.ends_with(settings):
+            break
+    return climb.stated()
+
+
+@dataclass
+class _Climb:
+    """The runs of one climb: `whole` were not ended early, `spreads` are of each run and the one before it.
+
+    `answer` is what a slightly stronger motion changed in the last two runs that were asked for it.
+    """
+
+    engine: Engine
+    scene: Scene
+    target: Error
+    ladder: tuple[Settings, ...]
+    want: Want
+    whole: list[tuple[Settings, Run]] = field(default_factory=list)
+    spreads: list[Spread] = field(default_factory=list)
+    answer: Spread | None = None
+    answers: int = 0
+    costs: list[tuple[int, float]] = field(default_factory=list)
+
+    def order(self) -> Iterator[Settings]:
+        """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these.
+
+        How far the last two runs were apart says how much finer the next must be.
+        """
+        ladder = self.ladder
+        index = _first_rung(ladder, self.target.rotation_rad, START_SHARE)[1]
+        while index < len(ladder):
+            yield ladder[index]
+            finest = ladder[index].dt_s
+            for probe in self.engine.probes(self.scene, ladder[index]):
+                yield probe
+                finest = min(finest, probe.dt_s)
+            # Two runs with one step would agree on an error that is the step's.
+            finer = [i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < CLIMB_SHARE * finest]
+            wanted = finest / _factor(self.spreads, self.target)
+            index = next((i for i in finer if ladder[i].dt_s <= wanted), finer[-1] if finer else len(ladder))
+
+    def ends_with(self, settings: Settings) -> bool:
+        """Run with these settings; whether no further run is worth its cost."""
+        before = self.whole[-1][1] if self.whole else None
+        check = _Check(before, self.spreads, settings.dt_s, self.ladder[-1].dt_s, self.target)
+        run = self.engine.simulate(self.scene, settings, replace(self.want, history=True, stop=check))
+        self._count(run)
+        self.answer = None
+        if before is not None and not run.outcome.failed and not before.outcome.failed:
+            self.spreads.append(spread(before, run, self.target))
+        if check.stopped:
+            return True
+        self.whole.append((settings, run))
+        if run.outcome.failed:
+            return False
+        runs = [each for _, each in self.whole]
+        needed = self.agreements
+        if _agreed(self.spreads, self.target, needed, self.engine.agreements == needed):
+            return self._responds_little(run.end_s)
+        if _fallen(runs, self.spreads, needed):
+            return self._responds_little(run.no_return_time_s or 0.0)
+        return _hopeless(self.spreads, run.end_s, self.ladder[-1].dt_s, self.target)
+
+    @property
+    def agreements(self) -> int:
+        """Comparisons that must hold in a row: those of the engine, more where the finest run leaves its events standing."""
+        left = self._leaves(self.whole[-1][1])
+        return max(self.engine.agreements, LEFT_AGREEMENTS) if left else self.engine.agreements
+
+    def _leaves(self, run: Run) -> bool:
+        """Whether a run leaves what its events are located for, other than in a fall."""
+        left_s = layer_left_s(run)
+        return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
+
+    def _responds_little(self, until_s: float) -> bool:
+        """Whether a slightly stronger motion moves less than the target until then, or finer steps would change little."""
+        found = self._response(until_s)
+        return found is None or found.whole or found.until_s >= until_s or self.answers >= RESPONSES
+
+    def _response(self, until_s: float) -> Spread | None:
+        """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked."""
+        good = [(settings, run) for settings, run in self.whole if not run.outcome.failed]
+        if len(good) < 2 or self.answer is not None:
+            return self.answer
+        settings, run = good[-2]
+        found = response(self.engine, self.scene, settings, run, good[-1][0].expected_error_rad, self.target, until_s)
+        if found is not None:
+            self.answer, other = found
+            self.answers += 1
+            self._count(other)
+        return self.answer
+
+    def _count(self, run: Run) -> None:
+        self.costs.append((run.steps, run.wall_s))
+
+    def stated(self) -> Run:
+        """The finest run that was not ended early, with what the spread to its neighbour says of it."""
+        runs = [run for _, run in self.whole]
+        best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
+        known = not best.outcome.failed and bool(self.spreads)
+        until_s = _held_until_s(self.spreads, self.agreements) if known and not self.spreads[-1].whole else best.end_s
+        found = self._response(until_s) if known else None
+        work = {**best.work, "runs": len(self.costs), "steps_of_all_runs": sum(steps for steps, _ in self.costs)}
+        best = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
+        if not self.want.history and self.want.may_skip("no_history"):
+            best = replace(best, history=None)
+        if not known:
+            return best
+        last = self.spreads[-1]
+        answered = NONE if found is None else found.largest
+        error = last.stated.or_more(_left(self.spreads, self.target), self._expected(best), answered)
+        held_s = [until_s] if found is None or found.whole else [until_s, found.until_s]
+        if best.no_return_time_s is not None:
+            # In a fall errors of plain steps grow, and no second comparison is asked for.
+            held_s.append(max(layer_left_s(best), best.no_return_time_s))
+        told, until_s = [], min(held_s)
+        if until_s < best.end_s:
+            told.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
+        elif error.share_of(self.target) > 1.0:
+            told.append(f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves")
+        return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *told)
+
+    def _expected(self, run: Run) -> Error:
+        """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
+        rotation = FLOOR_SHARE * float(run.settings.get("expected_error_rad", 0.0))
+        if self._leaves(run):
+            rotation *= plain_share(1.0, FINER)
+        height_m = 0.0 if self.scene.pedestal is None else self.scene.statue.centroid_height_m
+        return Error(rotation, rotation * height_m)
+
+
+class _Check:
+    """Ends a run that has parted from the one before it, once no finer one is expected to bring the two together to the end."""
+
+    def __init__(
+        self, before: Run | None, spreads: list[Spread], dt_s: float, finest_dt_s: float, target: Error
+    ) -> None:
+        self.before = None if before is None or before.outcome.failed else before
+        self.spreads, self.dt_s, self.finest_dt_s, self.target = spreads, dt_s, finest_dt_s, target
+        self.parted_s = math.inf
+        self.stopped = False
+
+    def __call__(self, t_s: float, theta_rad: float) -> bool:
+        if self.before is None or self.before.history is None or not self.spreads or t_s > self.before.end_s:
+            return False
+        apart = abs(float(self.before.history.at(t_s)) - theta_rad)
+        before_s = float(self.before.settings["dt_s"])
+        if apart > self.target.rotation_rad / factor(before_s, self.dt_s):
+            self.parted_s = min(self.parted_s, t_s)
+        if apart > PARTED * self.target.rotation_rad:
+            now = Spread(NONE, self.parted_s, False, before_s, self.dt_s)
+            self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s, self.target)
+        return self.stopped
+
+
+def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+    for index, settings in enumerate(ladder):
+        if settings.expected_error_rad <= share * accuracy_rad:
+            return settings, index
+    return ladder[-1], len(ladder) - 1
+
+
+def _factor(spreads: Sequence[Spread], target: Error) -> float:
+    """How many times finer than the last step the next should be."""
+    if not spreads or spreads[-1].apart.share_of(target) > PARTED:
+        return 1.0
+    needed = spreads[-1].stated_to_the_end.share_of(target) ** (1.0 / ORDER)
+    return float(min(max(needed, 1.0), LEAP))
+
+
+def _agreed(spreads: list[Spread], target: Error, agreements: int, clear: bool) -> bool:
+    """Whether as many comparisons as are needed hold in a row, or (`clear`) the last one holds clearly."""
+    if clear and spreads and spreads[-1].whole and CLEAR * spreads[-1].stated.share_of(target) <= 1.0:
+        return True
+    return len(spreads) >= agreements and all(item.whole for item in spreads[-agreements:])
+
+
+def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
+    """Whether the last runs agree until there is no return, and then overturn to the same side.
+
+    In the fall that follows, differences grow as the rotation itself does: finer rungs would tell its path, not its end.
+    """
+    last = [run for run in runs if not run.outcome.failed][-agreements - 1 :]
+    if len(spreads) < agreements or len({run.outcome for run in last}) != 1:
+        return False
+    no_return_s = [math.inf if run.no_return_time_s is None else run.no_return_time_s for run in last]
+    return all(item.until_s >= t_s for item, t_s in zip(spreads[-agreements:], no_return_s[1:], strict=True))
+
+
+def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
+    """Whether no rung is expected to reach the end.
+
+    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless runs keep
+    together to the end and the next ones are expected to meet the target.
+    """
+    if len(spreads) < 2 or spreads[-1].whole:
+        return False
+    last, previous = spreads[-1], spreads[-2]
+    if _falls(previous, last, finest_dt_s, target):
+        return False
+    gained = (last.until_s - previous.until_s) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
+    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
+    return possible < end_s - last.until_s
+
+
+def _falls(previous: Spread, last: Spread, finest_dt_s: float, target: Error) -> bool:
+    """Whether the largest difference of two runs falls with the step, so fast that one leap should do."""
+    now, then = last.apart.share_of(target), previous.apart.share_of(target)
+    if not 0.0 < now < then < math.inf:
+        return False
+    order = math.log(then / now) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
+    expected = now * (last.fine_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
+    next_s = max(last.fine_dt_s / LEAP, finest_dt_s)
+    return order >= 1.0 and factor(last.fine_dt_s, next_s) * expected <= 1.0
+
+
+def _left(spreads: list[Spread], target: Error) -> Error:
+    """What the comparison before the last leaves of its difference, at the highest order: the last two may agree by chance.
+
+    Never more than the target, which the last comparison shows to be met.
+    """
+    if len(spreads) < 2 or not math.isfinite(spreads[-2].apart.rotation_rad):
+        return NONE
+    before, fine_dt_s = spreads[-2], spreads[-1].fine_dt_s
+    return before.stated_to_the_end.times((fine_dt_s / before.fine_dt_s) ** MOST_ORDER).or_less(target)
+
+
+def _held_until_s(spreads: list[Spread], agreements: int) -> float:
+    """Until when the last comparison holds, and those before it that are needed nearly, or the last one holds clearly."""
+    last = spreads[-1]
+    before = [item.near_s for item in spreads[-agreements:-1]]
+    return max(last.clear_s, min([last.until_s, *before]) if len(before) == agreements - 1 else 0.0)
+
+
+def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float) -> str:
+    until = f"the target of {accuracy_rad:g} rad is met until {until_s:.4g} s of {best.end_s:.4g} s"
+    if best.no_return_time_s is not None and until_s >= best.no_return_time_s:
+        return f"{until}, past the instant of no return at {best.no_return_time_s:.4g} s: in the fall every difference grows"
+    return (
+        f"{until}: from there two settings of this engine part, with steps of {last.coarse_dt_s:g} s and finer, and its "
+        "numerical error is not bounded; the horizon of prediction tells whether anybody could compute it further"
+    )

@@ -1,0 +1,50 @@
+"""How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by chance.
+
+The error of a step acts as a slightly other motion does. A third run, under a motion stronger by as much as the step is expected
+to err by, shows what the scene makes of such an error: it does not take part in the luck of two runs that agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from harness.accuracy.horizon import shaken
+from harness.accuracy.spread import Error, Spread, spread
+from harness.engines.base import Engine, Settings
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+PARTED: Final = 4.0
+"""Two runs that differ by this many times the target have parted for good."""
+
+
+def stronger(scene: Scene, share: float) -> Scene:
+    """The scene with all its motion, or without any its start, stronger by this share."""
+    if not scene.shake.still:
+        return shaken(scene, 1.0 + share)
+    start = scene.initial
+    theta, rate = (1.0 + share) * start.theta_rad, (1.0 + share) * start.theta_rate_rad_s
+    return scene.but(initial=replace(start, theta_rad=theta, theta_rate_rad_s=rate))
+
+
+def response(
+    engine: Engine, scene: Scene, settings: Settings, run: Run, expected_error_rad: float, target: Error, until_s: float
+) -> tuple[Spread, Run] | None:
+    """How far `run` (made with `settings`) and a run under a motion stronger by `expected_error_rad` / rad are apart; the run.
+
+    A scene that turns the statue by as much as its motion changes (1 rad for all of it) makes of this share just the expected
+    error. None where the other run fails. Raises `EngineFailure` as the engine does.
+    """
+    history = run.history
+
+    def parted(t_s: float, theta_rad: float) -> bool:
+        if history is None or t_s > run.end_s:
+            return False
+        return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * target.rotation_rad
+
+    other = engine.simulate(stronger(scene, expected_error_rad), settings, Want(stop=parted))
+    if other.outcome.failed or history is None:
+        return None
+    return spread(other, run, target, target), other

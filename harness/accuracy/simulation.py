@@ -1,0 +1,84 @@
+"""One engine on one scene: to an accuracy, or with an expert's own step; its failures told as outcomes."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Final
+
+from harness import engines
+from harness.engines.base import Engine, EngineFailure
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Outcome
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+DEFAULT_ACCURACY_RAD: Final = 1e-3
+FINEST_DT_S: Final = 1e-6
+"""Finer steps than this are refused: 10 s would take ten million of them."""
+
+
+def simulate(
+    scene: Scene,
+    engine: str,
+    *,
+    accuracy_rad: float | None = None,
+    dt_s: float | None = None,
+    want: Want | None = None,
+) -> Run:
+    """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
+
+    An engine's own failure is a `Run` whose outcome says so. Raises `InputError` for an unknown engine, an accuracy or step out
+    of range, or both given.
+    """
+    check_target(accuracy_rad, dt_s)
+    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
+
+
+def simulate_with(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    """The same with an engine that is loaded, and a target that was checked."""
+    run = _computed(engine, scene, accuracy_rad, dt_s, want)
+    return replace(run, motion_axes=scene.shake.axes(engine.capabilities.dimensions))
+
+
+def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
+    """Raise `InputError` unless at most one of the two is given and it is in its range."""
+    if accuracy_rad is not None and dt_s is not None:
+        raise InputError(Mistake("--accuracy and --dt", "", "one of the two", "both"))
+    if accuracy_rad is not None and not 1e-9 <= accuracy_rad <= 0.1:
+        raise InputError(Mistake("--accuracy", "", "a rotation between 1e-9 and 0.1 rad", f"{accuracy_rad!r}"))
+    if dt_s is not None and not FINEST_DT_S <= dt_s <= 0.1:
+        raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
+
+
+def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    reason = engine.missing()
+    if reason is not None:
+        return failed(engine.name, Outcome.UNAVAILABLE, reason)
+    start = time.perf_counter()
+    try:
+        if dt_s is not None and not engine.capabilities.certifies:
+            return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+        from harness.accuracy.refinement import run_to_accuracy
+
+        return run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
+    except EngineFailure as error:
+        return failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
+
+
+def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:
+    """A run that says why there is no answer."""
+    return Run(
+        engine=engine,
+        outcome=outcome,
+        history=None,
+        settings={},
+        steps=0,
+        wall_s=wall_s,
+        peak_theta_rad=0.0,
+        peak_time_s=0.0,
+        end_s=0.0,
+        message=message,
+        warnings=(message,),
+    )

@@ -1,0 +1,174 @@
+"""Read mutated files: each must be read, or refused by a mistake that says what is wrong."""
+
+from __future__ import annotations
+
+import faulthandler
+import re
+import shutil
+import signal
+import tempfile
+import traceback
+import warnings
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
+
+from harness.bench.fuzz.mutate import mutated
+from harness.bench.fuzz.originals import Kind, kinds, prepare
+from harness.bench.fuzz.use import WRITTEN, unfinished
+from harness.model.errors import InputError
+from meshes import MeshError
+
+Row = dict[str, Any]
+
+HANG_S: Final = 10
+"""Longest time for one small file; reading takes milliseconds."""
+DEAD_SHARE: Final = 2.0
+"""Times that limit after which a process that does not even hear of it is ended."""
+EXAMPLES: Final = 5
+"""Failures kept in the record for each kind, with the seed that makes them again."""
+
+
+PIECE: Final = 100
+"""Inputs of one piece of work."""
+COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
+
+
+class Hang(Exception):
+    """Reading a file took too long."""
+
+
+@contextmanager
+def limited(seconds: int) -> Iterator[None]:
+    """Raise `Hang` inside the block after so many seconds (main thread only)."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise Hang
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    # Compiled code that never comes back hears no signal: the process ends, which its pool counts as a failure.
+    faulthandler.dump_traceback_later(DEAD_SHARE * seconds, exit=True)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What came of one file: what went `wrong`, or None; else the `refusal`, or None where the file was accepted."""
+
+    wrong: str | None = None
+    refusal: str | None = None
+
+
+def attempt(kind: Kind, content: bytes, folder: Path) -> Tried:
+    """Use one file in `folder` and clear away what it left."""
+    path = folder / kind.file
+    path.write_bytes(content)
+    before = {item.name for item in folder.iterdir()} | {WRITTEN}
+    tried = _tried(kind, path)
+    left = {item.name for item in folder.iterdir()} - before
+    half = unfinished(folder / WRITTEN, accepted=tried == Tried())
+    for item in [folder / name for name in (*left, WRITTEN)]:
+        shutil.rmtree(item) if item.is_dir() else item.unlink(missing_ok=True)
+    if tried.wrong is None and (left or half):
+        return Tried(f"left {', '.join(sorted(left))}" if left else f"left half-written: {half}")
+    return tried
+
+
+def _tried(kind: Kind, path: Path) -> Tried:
+    try:
+        with limited(HANG_S), warnings.catch_warnings():
+            warnings.simplefilter("error")
+            kind.read(path)
+    except (InputError, MeshError) as refusal:
+        said = str(refusal).strip()
+        return Tried(refusal=said) if said else Tried("refused without a word")
+    except Hang:
+        return Tried("hang")
+    except Exception:  # noqa: BLE001 any other exception is what this looks for
+        return Tried(traceback.format_exc(limit=-3))
+    return Tried()
+
+
+def fuzz(inputs: int, seed: int = 0) -> list[Row]:
+    """Read `inputs` mutated files, shared among the kinds; one row for each kind, failures with their seeds."""
+    return summed([row for task in tasks(inputs, seed) for row in compute(task)])
+
+
+def tasks(inputs: int, seed: int = 0) -> list[str]:
+    """At least so many inputs in pieces that can be computed apart: a kind and the first and last of its seeds."""
+    each = -(-inputs // len(kinds()))
+    return [
+        f"{kind.name}: {begin} to {min(begin + PIECE, seed + each) - 1}"
+        for kind in kinds()
+        for begin in range(seed, seed + each, PIECE)
+    ]
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one piece."""
+    kind, seeds = _piece(task)
+    with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
+        folder = Path(name)
+        prepare(folder)
+        return [_row(kind, seeds, folder)]
+
+
+def died(task: str) -> list[Row]:
+    """The row of a piece that took its process with it."""
+    kind, seeds = _piece(task)
+    found = [{"seed": seeds[0], "what": f"the process died in seeds {seeds[0]} to {seeds[-1]}"}]
+    counts = dict.fromkeys(COUNTS, 0) | {"inputs": len(seeds), "tracebacks": 1}
+    return [{"reader": kind.name, **counts, "said": [], "found": found}]
+
+
+def summed(rows: Sequence[Row]) -> list[Row]:
+    """One row for each kind of file from the rows of its pieces."""
+    found: dict[str, Row] = {}
+    said: dict[str, set[int]] = {}
+    for row in rows:
+        known = found.setdefault(row["reader"], {"reader": row["reader"], **dict.fromkeys(COUNTS, 0), "found": []})
+        for name in COUNTS:
+            known[name] += row[name]
+        known["found"] = [*known["found"], *row["found"]][:EXAMPLES]
+        said.setdefault(row["reader"], set()).update(row["said"])
+    return [{**row, "refusals": len(said[name])} for name, row in found.items()]
+
+
+def _piece(task: str) -> tuple[Kind, range]:
+    name, _, span = task.partition(": ")
+    first, _, last = span.partition(" to ")
+    return next(kind for kind in kinds() if kind.name == name), range(int(first), int(last) + 1)
+
+
+def _row(kind: Kind, seeds: Sequence[int], folder: Path) -> Row:
+    whole = attempt(kind, kind.content, folder)
+    found: list[dict[str, Any]] = [] if whole == Tried() else [{"seed": None, "what": whole.wrong or whole.refusal}]
+    counts = dict.fromkeys(COUNTS, 0) | {"inputs": len(seeds), "tracebacks": len(found)}
+    said: set[int] = set()
+    for seed in seeds:
+        tried = attempt(kind, mutated(kind.content, seed, kind.ways), folder)
+        if tried.wrong is None:
+            counts["accepted"] += tried.refusal is None
+            said.update(() if tried.refusal is None else (sentence_of(tried.refusal, folder),))
+            continue
+        hangs, left = tried.wrong == "hang", tried.wrong.startswith("left ")
+        counts["hangs" if hangs else "half_written" if left else "tracebacks"] += 1
+        if len(found) < EXAMPLES:
+            found.append({"seed": seed, "what": tried.wrong})
+    return {"reader": kind.name, **counts, "said": sorted(said), "found": found}
+
+
+def sentence_of(refusal: str, folder: Path) -> int:
+    """A number for the kind of a refusal: its first sentence without the folder, quoted words and digits."""
+    bare = re.sub(r"'[^']*'|[-+]?\d[\d.e+-]*", "#", refusal.splitlines()[0].replace(str(folder), ""))
+    return zlib.crc32(bare.encode("utf-8", "replace"))

@@ -1,0 +1,301 @@
+"""The base contact and the solver's settings, settled by measurement; writes docs/pybullet_contact.md.
+
+`python -m harness.bench.pybullet_settings [FILE]` computes every row again. Errors are against the analytic model over the first
+second of the surveyed statue, given by its numbers, under 0.429 g and 0.334 g at 2 Hz and 3 Hz; costs are processor time.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Harmonic
+from harness.bench.pybullet_settings_text import TEXT
+from harness.engines import load
+from harness.engines.contact.trajectory import Trajectory
+from harness.engines.pybullet import course, shapes
+from harness.engines.pybullet.columns import trajectory
+from harness.engines.pybullet.loop import Watch, integrate
+from harness.engines.pybullet.march import March
+from harness.engines.pybullet.schedule import Schedule
+from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.pybullet.stepper import Record, Stepper, reader
+from harness.engines.pybullet.world import World
+from harness.model.history import History
+from harness.model.options import Want
+from harness.model.run import machine, versions
+from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+
+Array = NDArray[np.float64]
+Build = Callable[[World, Scene, course.Setup], None]
+
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "pybullet_contact.md"
+CASES: Final = ((0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0))
+CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
+
+
+def scene_of(
+    amplitude_g: float,
+    frequency_hz: float,
+    *,
+    pedestal: bool = True,
+    static: float = 0.15,
+    ratio: float | None = None,
+) -> Scene:
+    """The surveyed statue (docs/model.md, section 1) as a block, for one second."""
+    left, right, half, height = 0.3585, 0.0682, 0.36, 1.46
+    statue = Statue(
+        mass_kg=707.0,
+        centroid_height_m=0.774,
+        corner_left_m=left,
+        corner_right_m=right,
+        inertia_kg_m2=152.4,
+        height_m=height,
+        depth_m=2.0 * half,
+        section_m=np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]]),
+        footprint_m=np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]]),
+        inertia_tensor_kg_m2=np.diag([172.3, 152.4, 41.3]),
+    )
+    return Scene(
+        title="settling the contact",
+        duration_s=1.0,
+        gravity_m_s2=GRAVITY_M_S2,
+        form=Form(),
+        statue=statue,
+        pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
+        contact=Contact(static, 0.15, 1.0, ratio),
+        shake=Shake(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
+    )
+
+
+def _ours(world: World, scene: Scene, setup: course.Setup) -> None:
+    statue = (scene.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
+    pedestal = None if scene.pedestal is None else (scene.pedestal, scene.statue.base_centre_m)
+    world.build(scene.contact, pedestal, None, statue)
+
+
+def _other(statue_box: bool, pedestal_shape: str) -> Build:
+    """The statue as a box or on feet, on a pedestal that is a plain box or has feet of its own under a box."""
+
+    def build(world: World, scene: Scene, setup: course.Setup) -> None:
+        _ours(world, scene, setup)
+        client, radius = world.client, world.settings.foot_radius_m
+        # Points that are sought anew in each step are no place to come back to.
+        world.edges = True
+        p, s, pedestal = scene.pedestal, scene.statue, world.pedestal
+        if p is None or pedestal is None:
+            raise ValueError("these contacts are compared on a pedestal")
+        half = [0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m]
+        pybullet.removeBody(world.statue, client)
+        pybullet.removeBody(pedestal, client)
+        # The floor's plane lies a radius lower: what stands on it with a face, not on spheres, stands that much lower.
+        if pedestal_shape == "box":
+            shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
+            place = [s.base_centre_m, 0.0, half[2] - radius]
+        else:
+            shape = shapes.pedestal(p, radius, True, client)
+            place = [s.base_centre_m, 0.0, half[2]]
+        world.pedestal = world.add(shape, p.mass_kg, _box_moments(p), place)
+        if statue_box:
+            size = [0.5 * (s.corner_left_m + s.corner_right_m), 0.5 * s.depth_m, 0.5 * s.height_m]
+            shift = [s.base_centre_m, 0.0, size[2] - s.centroid_height_m]
+            shape = pybullet.createCollisionShape(
+                pybullet.GEOM_BOX, halfExtents=size, collisionFramePosition=shift, physicsClientId=client
+            )
+        else:
+            shape = shapes.feet(setup.feet_m, radius, client)
+        top = 2.0 * half[2] - radius
+        height = top + s.centroid_height_m + (0.0 if statue_box else radius)
+        world.statue = world.add(shape, s.mass_kg, setup.moments, [0.0, 0.0, height])
+        world.surface(world.statue, scene.contact.statue)
+        world.surface(world.pedestal, 1.0)
+
+    return build
+
+
+def _box_moments(p: Pedestal) -> Array:
+    squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
+    return np.asarray(p.mass_kg / 12.0 * (np.sum(squares) - squares))
+
+
+def measure(scene: Scene, rung: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[Record, float]:
+    """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
+    setup = course.prepare(scene).halved if half else course.prepare(scene)
+    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
+    touch = course.touch_of(scene, setup, rung) if rung.events else None
+    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, touch=touch)
+    with World(rung, mirrored=half) as world:
+        build(world, scene, setup)
+        start = time.process_time()
+        march = March(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
+        record = integrate(scene, schedule, watch, march)
+        spent = time.process_time() - start
+    return record, 1e6 * spent / (len(record.t_s) - 1)
+
+
+def bare_us(scene: Scene, rung: BulletSettings, *, half: bool) -> float:
+    """Processor time per whole step, µs, of nothing but gravity, step and read-outs kept in a list, with the same bodies."""
+    setup = course.prepare(scene).halved if half else course.prepare(scene)
+    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
+    rows = []
+    set_gravity, step = pybullet.setGravity, pybullet.stepSimulation
+    with World(rung, mirrored=half) as world:
+        _ours(world, scene, setup)
+        read, client = reader(world), world.client
+        pulls = schedule.coarse
+        start = time.process_time()
+        for gravity in pulls:
+            set_gravity(*gravity, client)
+            step(client)
+            rows.append(read())
+        return 1e6 * (time.process_time() - start) / len(pulls)
+
+
+def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, float]:
+    """Largest error of rotation, rad, and of slip, m, and largest rotation out of the plane, rad."""
+    engine = load("analytic")
+    reference = engine.simulate(scene, engine.ladder(scene)[-1], Want()).history
+    if reference is None:
+        raise RuntimeError("the analytic model gave no history")
+    theta = np.interp(reference.t_s, path.t_s, path.theta_rad)
+    slip = np.interp(reference.t_s, path.t_s, path.slip_m)
+    across = max(float(np.max(np.abs(path.extra[name]))) for name in ("out_of_plane_rad", "yaw_rad"))
+    return (
+        float(np.max(np.abs(theta - reference.theta_rad))),
+        float(np.max(np.abs(slip - reference.slip_m))),
+        across,
+    )
+
+
+def row(name: str, rung: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> str:
+    """One line of a table: the four cases, the worst slip and lean across, the mean cost."""
+    found, costs = [], []
+    for amplitude, frequency in CASES:
+        scene = scene_of(amplitude, frequency, pedestal=pedestal)
+        record, cost = measure(scene, rung, build, half=half)
+        found.append(errors(scene, trajectory(scene, record, np.eye(3), rung.dt_s)))
+        costs.append(cost)
+    return _line(name, found, costs)
+
+
+def _line(name: str, found: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> str:
+    """A row of a table from each case's errors and cost."""
+    _, slip, across = np.max(np.array(found), axis=0)
+    each = ", ".join(f"{item[0]:.1e}" for item in found)
+    return f"| {name} | {each} | {slip:.1e} | {across:.1e} | {np.mean(costs):.0f} |"
+
+
+HEAD: Final = (
+    "| contact or setting | error of rotation, rad (four cases) | slip, m | out of plane, rad | µs/step |\n"
+    "|---|---|---|---|---|"
+)
+
+
+def contacts() -> Iterator[str]:
+    """The choice of bodies."""
+    yield row("a box on a box on the floor", CHOSEN, _other(True, "box"))
+    yield row("spheres at the base's vertices, on a box on the floor", CHOSEN, _other(False, "box"))
+    yield row("the same, the pedestal on spheres too", CHOSEN, _other(False, "feet"))
+    yield row("**the same, the pedestal's top a plane (chosen)**", CHOSEN)
+    yield row("**half of it, where the scene mirrors itself**", CHOSEN, half=True)
+
+
+def variations() -> Iterator[str]:
+    """One setting changed at a time."""
+    changes: list[tuple[str, dict[str, Any]]] = [
+        ("chosen", {}),
+        ("events left inside whole steps", {"events": False}),
+        ("radius of the spheres 1 cm", {"foot_radius_m": 1e-2}),
+        ("1 mm", {"foot_radius_m": 1e-3}),
+        ("0.1 mm", {"foot_radius_m": 1e-4}),
+        ("1 µm", {"foot_radius_m": 1e-6}),
+        ("1 nm", {"foot_radius_m": 1e-9}),
+        ("residual 1e-8", {"residual": 1e-8}),
+        ("residual 1e-10", {"residual": 1e-10}),
+        ("residual 1e-11", {"residual": 1e-11}),
+        ("residual 0, 1000 sweeps", {"residual": 0.0, "iterations": 1000}),
+        ("50 sweeps", {"iterations": 50}),
+        ("penetration corrected by 0.2 a step", {"erp": 0.2}),
+        ("by 0.005", {"erp": 0.005}),
+        ("contacts up to a gap of 2 % of the body's radius", {"reach": 0.02}),
+        ("up to a ten-thousandth", {"reach": 1e-4}),
+        ("up to a millionth", {"reach": 1e-6}),
+        ("pyramid of friction", {"cone_friction": False}),
+        ("bodies in the other order", {"reversed_bodies": True}),
+    ]
+    for name, change in changes:
+        yield row(name, replace(CHOSEN, **change))
+
+
+def rungs(pedestal: bool) -> Iterator[str]:
+    """The ladder."""
+    ladder = load("pybullet").ladder(scene_of(0.429, 3.0, pedestal=pedestal))
+    for number, rung in enumerate(ladder, 1):
+        if isinstance(rung, BulletSettings):
+            name = f"rung {number}: {1e3 * rung.dt_s:g} ms, residual {rung.residual:g}"
+            yield row(name, rung, pedestal=pedestal)
+            yield row("half of it", rung, pedestal=pedestal, half=True)
+
+
+def conditions() -> Iterator[str]:
+    """Two coefficients of friction and prescribed ratios, by whole runs of the engine."""
+    engine = load("pybullet")
+    kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
+    for name, ratio in kinds:
+        for rung in engine.ladder(scene_of(*CASES[0]))[:5]:
+            found, costs = [], []
+            for amplitude, frequency in CASES:
+                scene = scene_of(amplitude, frequency, static=0.20, ratio=ratio)
+                start = time.process_time()
+                run = engine.simulate(scene, rung, Want(skips=frozenset({"base_only", "mirror"})))
+                costs.append(1e6 * (time.process_time() - start) / run.steps)
+                if run.history is None:
+                    raise RuntimeError("pybullet gave no history")
+                found.append(errors(scene, run.history))
+            yield _line(f"{name}; {1e3 * rung.dt_s:g} ms", found, costs)
+
+
+def overhead() -> Iterator[str]:
+    """Whole loop against a bare one, in turns; the least of many samples, as other work disturbs each."""
+    plain = replace(CHOSEN, events=False)
+    for pedestal, half in ((False, False), (False, True), (True, False), (True, True)):
+        scene = scene_of(0.334, 2.0, pedestal=pedestal)
+        pairs = [(bare_us(scene, CHOSEN, half=half), measure(scene, plain, half=half)[1]) for _ in range(15)]
+        bare, whole = (min(column) for column in zip(*pairs, strict=True))
+        where = ("on the pedestal" if pedestal else "on the floor") + (", half of it" if half else "")
+        yield f"| {where} | {bare:.1f} | {whole:.1f} | {whole / bare - 1.0:+.1%} |"
+
+
+def page() -> str:
+    """The whole page."""
+    about = ", ".join(f"{name} {version}" for name, version in versions().items() if name in ("python", "pybullet"))
+    return TEXT.format(
+        about=f"This one: {about}; {machine()['processor']}, other work running beside it.",
+        head=HEAD,
+        contacts="\n".join(contacts()),
+        variations="\n".join(variations()),
+        on_pedestal="\n".join(rungs(True)),
+        on_floor="\n".join(rungs(False)),
+        conditions="\n".join(conditions()),
+        overhead="\n".join(overhead()),
+    )
+
+
+def main(arguments: list[str]) -> None:
+    """Write the page."""
+    target = Path(arguments[0]) if arguments else PAGE
+    target.write_text(page(), encoding="utf-8")
+    sys.stdout.write(f"{target}\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

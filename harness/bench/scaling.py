@@ -1,0 +1,143 @@
+"""How time and memory grow with duration, mesh vertices, number of runs and workers; each point in a fresh process."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
+from harness.bench.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
+from harness.campaign.parts import Row
+
+Point = tuple[str, str, float]
+
+DURATIONS_S: Final = (2.0, 8.0, 32.0)
+VERTICES: Final = (16, 128, 1024)
+RUNS: Final = (100, 1000, 10_000)
+STUDY_RUNS: Final = 64
+"""Runs of the study whose time is taken with one worker and with all."""
+
+
+def tasks(quick: bool) -> list[str]:
+    """All points, each named by its engine, quantity and value."""
+    few = 1 if quick else None
+    engines = ("analytic", "pymunk", "pybullet")
+    found = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
+    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
+    found += [("analytic", "runs", float(value)) for value in RUNS[:few]]
+    if not quick:
+        found += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
+    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in found]
+
+
+def compute(task: str) -> list[Row]:
+    """One point, in a process of its own, so that memory is that point's."""
+    engine, quantity, value = task.split()
+    point = engine, quantity, float(value)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
+    return [
+        {
+            "engine": engine, "quantity": quantity, "value": point[2], "wall_s": seconds, "cpu_s": cpu_s,
+            "memory_mb": memory_mb,
+        }
+    ]  # fmt: skip
+
+
+def measure(point: Point) -> tuple[float, float, float]:
+    """Seconds by the clock, peak memory in MB and processor seconds of one point."""
+    engine, quantity, value = point
+    if quantity == "runs":
+        return _ensemble(int(value))
+    if quantity == "workers":
+        return _workers(int(value))
+    if quantity == "mesh_vertices":
+        return _run(engine, lambda: _prism(int(value)))
+    motion = harmonic(0.25, 2.0)
+    return _run(engine, lambda: scene_of("longer", {"duration_s": value, "statue": COLUMN, "motion": motion}))
+
+
+def _run(engine: str, make: Callable[[], Any]) -> tuple[float, float, float]:
+    from harness.accuracy.simulation import simulate
+
+    scene = make()
+    simulate(scene, engine)
+    spent = cost(lambda: simulate(scene, engine), 3)
+    return spent.wall_s, peak_memory_mb(), spent.cpu_s
+
+
+def _prism(vertices: int) -> Any:
+    """A prism on a polygon of half so many corners, under a motion that makes it rock."""
+    import trimesh
+
+    angles = np.arange(vertices // 2) * (2.0 * np.pi / (vertices // 2))
+    ring = 0.12 * np.column_stack([np.cos(angles), np.sin(angles)])
+    bodies = [np.column_stack([ring, np.full(len(ring), z)]) for z in (0.0, 0.9)]
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        file = Path(name) / "prism.ply"
+        trimesh.Trimesh(np.vstack(bodies)).convex_hull.export(file)
+        mesh = {"file": str(file), "unit": "m", "density_kg_m3": 2700.0}
+        return scene_of("prism", {"duration_s": 2.0, "statue": {"mesh": mesh}, "motion": harmonic(0.35, 2.0)})
+
+
+def _ensemble(runs: int) -> tuple[float, float, float]:
+    from analytic import ensemble
+    from harness.engines.analytic import block_of
+
+    scene = scene_of("many", {"duration_s": 10.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)})
+    amplitudes = np.linspace(0.1, 0.5, runs) * scene.gravity_m_s2
+
+    def work() -> None:
+        ensemble(block_of(scene), scene.shake.x, sweep={"amplitude_m_s2": amplitudes}, duration_s=10.0, threads=1)
+
+    work()
+    spent = cost(work, 3)
+    return spent.wall_s, peak_memory_mb(), spent.cpu_s
+
+
+def _workers(jobs: int) -> tuple[float, float, float]:
+    from harness.bench.skip_savings import write_study
+    from harness.campaign.executors import LocalPool
+    from harness.studies.file import load_study
+    from harness.studies.store import Store
+    from harness.studies.study_run import run_study
+
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        path = write_study(Path(name), STUDY_RUNS, "pymunk")
+        study = load_study(path)
+        begin = time.perf_counter()
+        pool = LocalPool(jobs)
+        with Store(path.parent / "store.sqlite") as store:
+            run_study(study, path, store, pool)
+        wall_s = time.perf_counter() - begin
+        pool.close()
+    return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
+    told = []
+    for engine, quantity in dict.fromkeys((row["engine"], row["quantity"]) for row in rows):
+        mine = sorted(
+            (r for r in rows if (r["engine"], r["quantity"]) == (engine, quantity)), key=lambda r: float(r["value"])
+        )
+        if len(mine) < 2:
+            continue
+        (less, more), words = mine[-2:], quantity.removesuffix("_s").replace("_", " ")
+        if quantity == "workers":
+            told.append(
+                f"{more['value']:g} workers are {less['wall_s'] / more['wall_s']:.2g} times as fast as {less['value']:g}"
+            )
+            continue
+        power = math.log(more["wall_s"] / less["wall_s"]) / math.log(more["value"] / less["value"])
+        told.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
+    return [f"Scaling: {'; '.join(told)}."] if told else []

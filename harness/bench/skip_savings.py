@@ -1,0 +1,265 @@
+"""Each skip alone: what it gains where it applies, and that the result is the same with it and without."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, outcome_scenes, rung, simulate
+from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
+from harness.bench.timing import cost
+from harness.campaign.parts import Row
+from harness.engines.base import Engine
+from harness.model.errors import InputError
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+LEVERS: Final = {
+    "quiet_start": (Want(True, frozenset({"quiet_start"})), Want(True, frozenset())),
+    "quiet_end": (Want(True, frozenset({"quiet_end"})), Want(True, frozenset())),
+    "no_history": (Want(False, frozenset({"no_history"})), Want(True, frozenset())),
+    "energy_outcome": (
+        Want(False, frozenset({"no_history", "energy_outcome"})),
+        Want(False, frozenset({"no_history"})),
+    ),
+    "stop_at_overturn": (Want(True, frozenset({"stop_at_overturn"})), Want(True, frozenset())),
+    "base_only": (Want(True, frozenset({"base_only"})), Want(True, frozenset())),
+    "mirror": (Want(True, frozenset({"base_only", "mirror"})), Want(True, frozenset({"base_only"}))),
+}
+"""What is asked with a skip alone and without it."""
+PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
+CASES: Final = {
+    "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
+    "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
+    "energy_outcome": {"analytic": "pulse"},
+    "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"}
+    | dict.fromkeys(PLAIN, "short"),
+    "stop_at_overturn": {"pymunk": "falls", "mujoco": "falls soon"} | dict.fromkeys(PLAIN, "falls soon"),
+    "base_only": {"pybullet": "on a pedestal", "pybullet:plain": "on a pedestal"},
+    "mirror": {"pybullet": "on a pedestal"},
+}
+"""For each skip the engines that have it, and the scene on which it is measured."""
+STUDY_RUNS: Final = 16
+RESOLVED_RAD: Final = 3e-4
+"""A rung that is expected to resolve what a skip may change."""
+LEAST_RAD: Final = 1e-9
+"""Rotations nearer than this are the same, whatever a run's own error."""
+GAINS: Final = 1.05
+"""Times faster from which a skip counts as a gain: below it the clock's own scatter decides."""
+
+
+def tasks(quick: bool) -> list[str]:
+    """Every skip by every engine that has it, then what is no engine's own."""
+    own = [f"{skip}: {engine}" for skip, named in CASES.items() for engine in named]
+    return own[:1] if quick else [*own, "lazy_engines: *", "cached: analytic", "planar: pymunk for pybullet"]
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one skip and engine; one that says why where a record is absent or an engine not here."""
+    skip, _, name = task.partition(": ")
+    others: dict[str, Callable[[], Row]] = {"lazy_engines": _imports, "cached": _cached, "planar": _planar}
+    try:
+        if skip in others:
+            return [others[skip]()]
+        engine = engines.load(name)
+        if engine.missing() is not None:
+            return []
+        return [_measured(skip, engine, CASES[skip][name])]
+    except InputError as error:
+        return [{"skip": skip, "engine": name, "failed": str(error)}]
+
+
+def scenes_of(kind: str, engine: str) -> list[Scene]:
+    """The scenes on which a skip is measured. Raises `InputError` without the records."""
+    if kind == "study":
+        return list(outcome_scenes(STUDY, SHARES[engine]))
+    file, column, duration = RECORDS["coalinga1983"]
+    contents = {
+        "late record": {"duration_s": duration, "statue": COLUMN, "motion": {"x": record(file, column, pga_g=0.3)}},
+        "falls": {"duration_s": duration, "statue": COLUMN, "motion": {"x": record(file, column, pga_g=2.0)}},
+        "pulse": PULSE,
+        "short": {**PULSE, "duration_s": 1.0},
+        "falls soon": {"duration_s": 4.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)},
+        "on a pedestal": {"duration_s": 2.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.3, 3.0)},
+    }
+    return [scene_of(kind, contents[kind])]
+
+
+PULSE: Final = {
+    "duration_s": 20.0,
+    "statue": COLUMN,
+    "motion": {"x": {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.28, "duration_s": 0.5}},
+}
+
+
+def _measured(skip: str, engine: Engine, kind: str) -> Row:
+    on, off = LEVERS[skip]
+    scenes = scenes_of(kind, engine.name)
+    changed: list[str] = []
+    apart = own = on_s = off_s = 0.0
+    steps = [0, 0]
+    for scene in scenes:
+        first, second = simulate(engine, scene, on, RESOLVED_RAD), simulate(engine, scene, off, RESOLVED_RAD)
+        if first.outcome is not second.outcome and not decides_nothing(engine, scene, second):
+            changed.append(f"{scene.title}: {first.outcome.value}, without {second.outcome.value}")
+        parted, known = difference(first, second), own_error_rad(engine, scene, off, second)
+        apart, own = max(apart, parted), max(own, known)
+        steps = [steps[0] + first.steps, steps[1] + second.steps]
+        on_s += cost(partial(simulate, engine, scene, on, RESOLVED_RAD), 3).cpu_s
+        off_s += cost(partial(simulate, engine, scene, off, RESOLVED_RAD), 3).cpu_s
+    row = _row(skip, engine.name, on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart, steps=steps)
+    return row | {"own_rad": own}
+
+
+def own_error_rad(engine: Engine, scene: Scene, want: Want, run: Run) -> float:
+    """What the engine's own finer settings change in a run, rad; of a model that certifies, its stated uncertainty."""
+    if engine.capabilities.certifies:
+        return run.numerical_uncertainty_rad or 0.0
+    return max(
+        difference(run, engine.simulate(scene, probe, want))
+        for probe in engine.probes(scene, rung(engine, scene, RESOLVED_RAD))
+    )
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """Which skips gain nothing where they were measured alone, and which move a rotation by more than its own error."""
+    alone = [row for row in rows if row["skip"] != "all together" and not row.get("failed")]
+    if not alone:
+        return []
+    idle = [f"{row['skip']} ({row['engine']}, {row['gain']:.2g})" for row in alone if row["gain"] < GAINS]
+    told = f"Alone {len(alone) - len(idle)} of {len(alone)} skips gain a twentieth or more of the time where they were measured"
+    moved = [
+        f"{row['skip']} ({row['engine']}) parts rotations by {row['apart_rad']:.1e} rad, finer settings without it by "
+        f"{row['own_rad']:.1e} rad."
+        for row in alone
+        if row.get("own_rad") is not None and row["apart_rad"] > max(row["own_rad"], LEAST_RAD)
+    ]
+    changed = [f"{row['skip']} ({row['engine']}): {'; '.join(row['changed'])}." for row in alone if not row["same"]]
+    return [f"{told}{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
+
+
+def _row(
+    skip: str,
+    engine: str,
+    on_s: float,
+    off_s: float,
+    *,
+    scenes: int = 1,
+    changed: list[str] | None = None,
+    apart_rad: float | None = None,
+    steps: list[int] | None = None,
+) -> Row:
+    return {
+        "skip": skip, "engine": engine, "scenes": scenes, "on_s": on_s, "off_s": off_s, "gain": off_s / on_s,
+        "same": not changed, "changed": changed or [], "apart_rad": apart_rad, "steps": steps,
+    }  # fmt: skip
+
+
+def difference(first: Run, second: Run) -> float:
+    """Largest difference of two rotations, rad, where both were kept; of the two peaks otherwise."""
+    if first.history is None or second.history is None:
+        return abs(first.peak_theta_rad - second.peak_theta_rad)
+    times = np.linspace(0.0, min(first.end_s, second.end_s), 4000)
+    return float(np.max(np.abs(first.history.at(times) - second.history.at(times))))
+
+
+def _imports() -> Row:
+    """Seconds of processor time to be ready to answer `--help`, against importing all simulators as well."""
+    lazy = "import reports.cli"
+    eager = lazy + "\nfrom harness.engines import REGISTRY, load\nfor name in REGISTRY: load(name).missing()"
+    return _row("lazy_engines", "*", _fresh_s(lazy), _fresh_s(eager))
+
+
+def _fresh_s(code: str) -> float:
+    """Least processor time of a fresh interpreter over three tries."""
+    tail = "\nimport time; print(time.process_time())"
+    tries = [
+        subprocess.run([sys.executable, "-c", code + tail], capture_output=True, text=True, check=True)
+        for _ in range(3)
+    ]
+    return min(float(done.stdout.split()[-1]) for done in tries)
+
+
+def _cached() -> Row:
+    """A study of sixteen runs, then the same study again from its store."""
+    from harness.campaign.executors import LocalPool
+    from harness.studies.file import load_study
+    from harness.studies.store import Store
+    from harness.studies.study_run import run_study
+
+    with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
+        path = write_study(Path(name), STUDY_RUNS, "analytic")
+        study = load_study(path)
+        with Store(path.parent / "store.sqlite") as store:
+            seen = []
+
+            def work() -> None:
+                seen.append(run_study(study, path, store, LocalPool(1)))
+
+            off_s, on_s = cost(work, 1).wall_s, cost(work, 3).wall_s
+    again = seen[-1]
+    changed = [] if again.computed == 0 and again.found == again.distinct else ["the second study computed again"]
+    # Stored failures are found again at no cost as well: a gain over them would be none.
+    changed += [f"{seen[0].failed} of the runs failed"] if seen[0].failed else []
+    return _row("cached", "analytic", on_s, off_s, scenes=seen[0].wanted, changed=changed)
+
+
+def write_study(folder: Path, runs: int, engine: str) -> Path:
+    """A study of one block over `runs` amplitudes, written to `folder`."""
+    (folder / "scene.toml").write_text(BLOCK, encoding="utf-8")
+    path = folder / "study.toml"
+    path.write_text(AMPLITUDES.format(runs=runs, engine=engine), encoding="utf-8")
+    return path
+
+
+BLOCK: Final = """
+title = "block"
+duration_s = 5.0
+[statue]
+mass_kg = 300.0
+centroid_height_m = 0.5
+corner_left_m = 0.1
+corner_right_m = 0.1
+inertia_kg_m2 = 26.0
+[motion.x]
+kind = "harmonic"
+amplitude_g = 0.3
+frequency_hz = 2.0
+"""
+AMPLITUDES: Final = """
+title = "amplitudes"
+scene = "scene.toml"
+[[vary]]
+key = "motion.x.amplitude_g"
+start = 0.2
+stop = 0.5
+count = {runs}
+[[variant]]
+name = "block"
+engines = ["{engine}"]
+"""
+
+
+def _planar() -> Row:
+    """Planar questions answered in the plane, against the same in three dimensions: the block scenes of the standard set."""
+    scenes = [scene for item, scene in resolved(standard_set())[0] if item.block]
+    flat, solid = engines.load("pymunk"), engines.load("pybullet")
+    changed, apart, on_s, off_s = [], 0.0, 0.0, 0.0
+    for scene in scenes:
+        first, second = run_to_accuracy(flat, scene, 1e-3, ALL), run_to_accuracy(solid, scene, 1e-3, ALL)
+        if first.outcome is not second.outcome:
+            changed.append(f"{scene.title}: {first.outcome.value}, in three dimensions {second.outcome.value}")
+        apart = max(apart, abs(abs(first.peak_theta_rad) - abs(second.peak_theta_rad)))
+        on_s += cost(partial(run_to_accuracy, flat, scene, 1e-3, ALL), 3).cpu_s
+        off_s += cost(partial(run_to_accuracy, solid, scene, 1e-3, ALL), 3).cpu_s
+    return _row("planar", "pymunk for pybullet", on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart)

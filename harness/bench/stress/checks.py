@@ -1,0 +1,184 @@
+"""What must hold in any run of a hard scene; every check gives a sentence with its number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.bench.precision import INSTANTS
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+AGREES_RAD: Final = 1e-3
+"""Error that is allowed of any scene: the accuracy that a run aims at unless told otherwise."""
+AGREES_SHARE: Final = 0.05
+"""Share of the exact peak that the error may be, where this is less: else a statue that never moved would agree."""
+CREEP_RAD: Final = 1e-6
+"""Rotation that a statue at rest may gather in its whole scene, of a minute or of ten."""
+CREEP_M: Final = 1e-6
+TREMBLE_RAD: Final = 1e-4
+"""Range of rotation within which contacts at rest may tremble: a depth of contact over half the base, at 4 ms."""
+ENERGY_SHARE: Final = 2e-3
+"""Energy that contacts may seem to add, of what the run exchanges: half a step's work of the weight at 1 ms."""
+TABLE_STEPS: Final = 2.0
+"""Steps of the table's period by which a first-order engine may misplace the table's work."""
+LEAST_ENERGY_J: Final = 1e-9
+UPRIGHT_RAD: Final = 1e-5
+"""Rotation that loads below the limit of rest may cause: what the depths of the two corners' contacts differ by."""
+DEPTH_SHARE: Final = 2e-3
+"""Greatest penetration, of the base's width: a contact that is held stays a hundred times below it."""
+REST_RAD: Final = 2e-4
+"""Rotation below which a rocking that has died out counts as rest: what the engines' contact depths can leave."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check of one run: whether it holds, and the number that says so."""
+
+    name: str
+    holds: bool
+    sentence: str
+
+
+Check = Callable[[Scene, Run], Finding]
+
+
+def barrier_j(scene: Scene) -> float:
+    """Energy, J, that lifts the centroid over the nearer corner."""
+    s = scene.statue
+    corner = min(s.corner_left_m, s.corner_right_m)
+    return float(s.mass_kg * scene.gravity_m_s2 * (np.hypot(corner, s.centroid_height_m) - s.centroid_height_m))
+
+
+def exchanged_j(scene: Scene, run: Run) -> float:
+    """Energy, J, that the run exchanges: to lift the centroid over the nearer corner, and what it falls from there."""
+    s = scene.statue
+    corner = s.corner_m(1 if run.peak_theta_rad > 0.0 else -1)
+    beyond = max(abs(run.peak_theta_rad) - float(np.arctan2(corner, s.centroid_height_m)), 0.0)
+    fallen = float(np.hypot(corner, s.centroid_height_m)) * (1.0 - float(np.cos(beyond)))
+    return barrier_j(scene) + s.mass_kg * scene.gravity_m_s2 * fallen
+
+
+def beyond_plane_j(scene: Scene, run: Run) -> float:
+    """Largest kinetic energy, J, of motion out of the rocking plane, which the energy of the planar motion does not hold."""
+    if run.history is None or "yaw_rad" not in run.history.extra or run.history.t_s.size < 3:
+        return 0.0
+    extra, t_s = run.history.extra, run.history.t_s
+    roll, yaw, across = (np.gradient(extra[name], t_s) for name in ("roll_rad", "yaw_rad", "statue_y_m"))
+    tensor, mass = scene.statue.inertia_tensor_kg_m2, scene.statue.mass_kg
+    return float(np.max(0.5 * (tensor[0, 0] * roll**2 + tensor[2, 2] * yaw**2 + mass * across**2)))
+
+
+def _frequency_hz(scene: Scene) -> float:
+    return float(getattr(scene.shake.x, "frequency_hz", 0.0))
+
+
+def finite(scene: Scene, run: Run) -> Finding:
+    """Every number of the run is finite (a history with another cannot be made)."""
+    numbers = [run.peak_theta_rad, run.peak_slip_m, run.end_s]
+    good = bool(np.all(np.isfinite(numbers))) and run.history is not None
+    return Finding("finite", good, "all numbers finite" if good else f"not finite: {numbers}")
+
+
+def energy(scene: Scene, run: Run) -> Finding:
+    """Contacts add no energy."""
+    gained = float(run.validity.get("energy_gained_j") or 0.0)
+    share = ENERGY_SHARE + TABLE_STEPS * float(run.settings.get("dt_s") or 0.0) * _frequency_hz(scene)
+    beyond = beyond_plane_j(scene, run)
+    allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond
+    told = f"contacts add {gained:.1e} J of {allowed:.1e} J allowed"
+    if beyond > LEAST_ENERGY_J and beyond > 0.1 * allowed:
+        told += f", of which {beyond:.1e} J may come back from motion out of the plane"
+    return Finding("energy", gained <= allowed, told)
+
+
+def depth(scene: Scene, run: Run) -> Finding:
+    """No tunnelling: bodies stay within a share of the base's width of each other's surfaces."""
+    if "penetration_m" not in run.validity:
+        return Finding("penetration", True, "no contact of this model can be penetrated")
+    deep = float(run.validity["penetration_m"])
+    width = scene.statue.corner_left_m + scene.statue.corner_right_m
+    return Finding(
+        "penetration", deep <= DEPTH_SHARE * width, f"penetration {deep:.1e} m of {DEPTH_SHARE * width:.1e} m"
+    )
+
+
+def creep(scene: Scene, run: Run, share: float = 1.0) -> Finding:
+    """At rest nothing drifts: the means of the second and the last tenth are the same, though contacts may tremble.
+
+    `share` of the scene's time is what was run: so much of the drift is allowed.
+    """
+    if run.history is None:
+        return Finding("creep", False, "no history")
+    t_s, end = run.history.t_s, run.end_s
+    early, late = (t_s >= 0.1 * end) & (t_s < 0.2 * end), t_s >= 0.9 * end
+    turned = _drift(run.history.theta_rad, early, late)
+    slid = _drift(run.history.slip_m, early, late)
+    trembles = float(np.ptp(run.history.theta_rad[t_s >= 0.1 * end]))
+    good = turned <= share * CREEP_RAD and slid <= share * CREEP_M and trembles <= TREMBLE_RAD
+    sentence = f"creep {turned:.1e} rad, {slid:.1e} m in {end:g} s, trembling {trembles:.1e} rad"
+    return Finding("creep", good, sentence)
+
+
+def _drift(values: Array, early: NDArray[np.bool_], late: NDArray[np.bool_]) -> float:
+    return abs(float(np.mean(values[late]) - np.mean(values[early])))
+
+
+def holds_until_s(exact: Run) -> float:
+    """Until when the analytic solution is sure and the two-block model inside its domain, s."""
+    until = exact.reliable_until_s if exact.reliable_until_s is not None else exact.end_s
+    left = exact.validity.get("left_domain_s")
+    return min(until, exact.end_s, exact.end_s if left is None else float(left))
+
+
+def error_rad(run: Run, exact: Run, until_s: float = math.inf) -> float:
+    """Largest difference from the exact rotation, rad, while that holds; infinite without numbers to compare."""
+    if run.history is None or exact.history is None or not np.all(np.isfinite(run.history.theta_rad)):
+        return math.inf
+    times = np.linspace(0.0, min(run.end_s, holds_until_s(exact), until_s), INSTANTS)
+    return float(np.max(np.abs(run.history.at(times) - exact.history.at(times))))
+
+
+def allowed_rad(exact: Run) -> float:
+    """Error that a scene allows, rad: a share of what there is to see, above what the depths of contacts leave."""
+    return max(min(AGREES_RAD, AGREES_SHARE * abs(exact.peak_theta_rad)), UPRIGHT_RAD)
+
+
+def agrees(scene: Scene, run: Run, exact: Run) -> Finding:
+    """The rotation is the exact one, and on a pedestal its slip too, while the two-block model holds."""
+    off, allowed = error_rad(run, exact), allowed_rad(exact)
+    told, good = f"error {off:.1e} rad of {allowed:.1e} rad allowed", off <= allowed
+    until = holds_until_s(exact)
+    if until < 0.99 * exact.end_s:
+        told += f" until {until:.3g} s, where the two-block model ends"
+    if scene.pedestal is not None and run.history is not None and exact.history is not None:
+        t_s = run.history.t_s[run.history.t_s <= until]
+        slip = np.interp(t_s, exact.history.t_s, exact.history.slip_m)
+        slid, most = (
+            float(np.max(np.abs(run.history.slip_m[: t_s.size] - slip))),
+            AGREES_SHARE * exact.peak_slip_m + CREEP_M,
+        )
+        told, good = f"{told}, slip {slid:.1e} m off of {most:.1e} m", good and slid <= most
+    return Finding("exact", good, told)
+
+
+def upright(scene: Scene, run: Run) -> Finding:
+    """Below every limit of rest the statue does not rock."""
+    peak = abs(run.peak_theta_rad)
+    return Finding("upright", peak <= UPRIGHT_RAD, f"largest rotation {peak:.1e} rad")
+
+
+def ends_at_rest(scene: Scene, run: Run) -> Finding:
+    """The rocking has died out."""
+    last = abs(float(run.history.theta_rad[-1])) if run.history is not None else float("inf")
+    return Finding("rest", last <= REST_RAD, f"last rotation {last:.1e} rad")
+
+
+BASIC: Final[tuple[Check, ...]] = (finite, energy, depth)

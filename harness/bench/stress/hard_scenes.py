@@ -1,0 +1,100 @@
+"""Run the catalogue: what each engine says of each hard scene, and what the checks found."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from harness import engines
+from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.standard_scenes import scene_of
+from harness.bench.stress import checks
+from harness.bench.stress.catalogue import Hard, catalogue
+from harness.bench.stress.checks import Finding
+from harness.bench.stress.converged import converged, iterations
+from harness.campaign.parts import Row
+from harness.engines.base import Engine, EngineFailure
+from harness.model.options import SKIPS, Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
+
+
+def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
+    """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
+    want = Want(skips=frozenset(SKIPS) if skips else frozenset())
+    if engine.capabilities.certifies:
+        return run_to_accuracy(engine, scene, 1e-3, want)
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+
+
+def tasks(quick: bool) -> list[str]:
+    """The hard scenes by name, the longest first."""
+    named = [hard.name for hard in catalogue()]
+    return [name for name in named if not quick or name in QUICK]
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one hard scene."""
+    return [row_of(next(hard for hard in catalogue() if hard.name == task))]
+
+
+def died(task: str) -> list[Row]:
+    """The row of a hard scene that took its process with it."""
+    return [{"name": task, "wanted": "", "got": {"*": "the process died"}, "holds": False, "checks": [], "note": ""}]
+
+
+def row_of(hard: Hard) -> Row:
+    """A hard scene by every engine that it names and that is here."""
+    scene = scene_of(hard.name, hard.content)
+    exact = solution(scene) if hard.exact else None
+    got: dict[str, str] = {}
+    found: list[str] = []
+    known: dict[str, str] = {}
+    for name in hard.engines:
+        engine = engines.load(name)
+        if engine.missing() is not None:
+            continue
+        try:
+            run = simulate(engine, scene, hard.dt_s, hard.skips)
+        except EngineFailure as failure:
+            got[name] = f"failed: {failure}"
+            continue
+        findings = judged(hard, scene, run, exact)
+        bad = [item for item in findings if not item.holds]
+        found += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
+        if bad and hard.converged_s is not None:
+            avoids, told = _converged(engine, scene, hard, exact)
+            said = "; ".join(item.sentence for item in bad)
+            known[name] = f"{said} at {1e3 * hard.dt_s:g} ms; {told}"
+            bad = [] if avoids else bad
+        outcome = run.outcome.value
+        got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
+    holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
+    return {
+        "name": hard.name, "wanted": hard.wanted, "got": got, "holds": holds, "checks": found, "note": hard.note, "known": known,
+    }  # fmt: skip
+
+
+def solution(scene: Scene) -> Run:
+    """The analytic solution on its finest rung, with nothing left out."""
+    engine = engines.load("analytic")
+    return engine.simulate(scene, engine.ladder(scene)[-1], Want(skips=frozenset()))
+
+
+def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
+    """What the checks of a hard scene find in a run of `share` of its time."""
+    found = [checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks]
+    return found if exact is None else [*found, checks.agrees(scene, run, exact)]
+
+
+def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> tuple[bool, str]:
+    """Whether every check holds with the same step and far more iterations, and what was found."""
+    shorter = scene.but(duration_s=hard.converged_s)
+    settings = converged(engine.settings_for_dt(shorter, hard.dt_s))
+    run = engine.simulate(shorter, settings, Want(skips=frozenset()))
+    findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
+    bad = [item for item in findings if not item.holds]
+    told = "; ".join(item.sentence for item in bad or findings if item.name != "finite")
+    avoids = run.outcome.value == hard.wanted and not bad
+    return avoids, f"with {iterations(settings)} a step ({shorter.duration_s:g} s of it): {told}"

@@ -1,0 +1,258 @@
+"""Hard questions that are not one file: repeated, mirrored, perturbed, permuted, refined, and motions that are none."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Record
+from harness import engines
+from harness.bench.precision import error
+from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.bench.stress import checks
+from harness.bench.stress.catalogue import ALL, CONTACT, leaning
+from harness.bench.stress.hard_scenes import solution
+from harness.campaign.parts import Row
+from harness.engines.base import Engine, Settings
+from harness.model.errors import InputError
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene, Shake
+
+HOLDS: Final = "holds"
+STEP_S: Final = 5e-4
+PERMUTED_RAD: Final = 2e-4
+"""What another order of bodies may change where friction switches between two coefficients: a fifth of what runs aim at."""
+PERMUTED_STEP_S: Final = 2.5e-4
+PERTURBATIONS: Final = (1e-12, 1e-9, 1e-6, 1e-3)
+GROWTH: Final = (0.1, 20.0)
+"""Rotation, rad, by which a start perturbed by a share of the slenderness must and may part in two seconds with impacts."""
+ROUNDING_RAD: Final = 1e-10
+"""What rounding may add to that in a contact engine."""
+ORDER_SHORT: Final = 0.2
+"""What the observed order may lack of the declared one."""
+TOUCH_S: Final = 0.13748078897644156
+"""Start of the push that turns a falling block back just where it would land: from here on it touches."""
+TOUCH_EARLY_S: Final = 1e-9
+TOUCH_APART_RAD: Final = 1e-5
+"""What the two sides of that may part by: an impact at 1e-4 rad/s loses no more."""
+FAR_S: Final = 46.0
+FAR_STEP_S: Final = 0.01
+HULLS: Final = (8, 1000, 10_000)
+HULL_RAD: Final = 1e-3
+"""What more vertices on the same two corners may change of the peak, over the peak."""
+SAME: Final = Want(skips=frozenset())
+FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
+
+
+def tasks(quick: bool) -> list[str]:
+    """The questions, each by its first sentence."""
+    return [] if quick else list(QUESTIONS)
+
+
+def compute(task: str) -> list[Row]:
+    """The row of one question."""
+    return [QUESTIONS[task]()]
+
+
+def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS, note: str = "") -> Row:
+    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in found.items()}
+    said = [f"{engine}: {sentence}" for engine, (_, sentence) in found.items()]
+    holds = all(good for good, _ in found.values())
+    return {"name": name, "wanted": wanted, "got": got, "holds": holds, "checks": said, "note": note}
+
+
+def _here(names: tuple[str, ...]) -> list[Engine]:
+    return [engine for engine in map(engines.load, names) if engine.missing() is None]
+
+
+def _settings(engine: Engine, scene: Scene, step_s: float = STEP_S) -> Settings:
+    return engine.ladder(scene)[-1] if engine.capabilities.certifies else engine.settings_for_dt(scene, step_s)
+
+
+def _run(engine: Engine, scene: Scene, step_s: float = STEP_S) -> Run:
+    return engine.simulate(scene, _settings(engine, scene, step_s), SAME)
+
+
+def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
+    """Largest difference of two rotations of one grid, the second times `sign`; infinite where the grids differ."""
+    if one.history is None or other.history is None or one.history.t_s.shape != other.history.t_s.shape:
+        return math.inf
+    return float(np.max(np.abs(one.history.theta_rad - sign * other.history.theta_rad)))
+
+
+def _repeated() -> Row:
+    """The same scene twice, another one between."""
+    scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
+    found = {}
+    for engine in _here(ALL):
+        first = _run(engine, scene)
+        _run(engine, other)
+        apart = _apart(first, _run(engine, scene))
+        found[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
+    return _row("the same scene twice, another between: bit for bit", found)
+
+
+def _mirrored() -> Row:
+    """Mirrored input gives the mirrored output."""
+    given = {**FORCED, "duration_s": 0.6}
+    statue = {**PAESTUM, "corner_left_m": PAESTUM["corner_right_m"], "corner_right_m": PAESTUM["corner_left_m"]}
+    mirror = {**given, "statue": statue, "motion": harmonic(-0.429, 3.0)}
+    scene, image = scene_of("given", given), scene_of("mirror", mirror)
+    found = {}
+    for engine in _here(ALL):
+        apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
+        # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
+        allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
+        found[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
+    return _row("mirrored input, mirrored output", found)
+
+
+def _perturbed() -> Row:
+    """Starts perturbed by 1e-12 to 1e-3."""
+    found = {}
+    scenes = {size: scene_of("start", leaning(COLUMN, 0.5 + size, 2.0)) for size in (0.0, *PERTURBATIONS)}
+    for engine in _here(ALL):
+        base = _run(engine, scenes[0.0])
+        own = 1e-12 if engine.capabilities.certifies else ROUNDING_RAD
+        apart = {size: _apart(base, _run(engine, scenes[size])) for size in PERTURBATIONS}
+        good = all(GROWTH[0] * size <= value <= GROWTH[1] * size + own for size, value in apart.items())
+        found[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
+    return _row("starts perturbed by 1e-12 to 1e-3", found)
+
+
+def _permuted() -> Row:
+    """Bodies added in the other order."""
+    scene = scene_of("permuted", FORCED)
+    found = {}
+    for engine in _here(CONTACT):
+        settings = _settings(engine, scene, PERMUTED_STEP_S)
+        plain = settings.as_dict()
+        flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
+        other: Settings = replace(settings, **{flag: not plain[flag]})
+        apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
+        found[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
+    return _row("bodies in the other order", found)
+
+
+def _refined() -> Row:
+    """Observed order of convergence before the first impact, against the declared one."""
+    scene = scene_of("refined", leaning(COLUMN, 0.5, 0.3))
+    judge = solution(scene)
+    steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
+    found = {}
+    for engine in _here(CONTACT):
+        errors = [error(_run(engine, scene, step), judge) for step in steps]
+        order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
+        told = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
+        found[engine.name] = order >= engine.order - ORDER_SHORT, told
+    return _row("order of convergence over three halvings", found)
+
+
+def _touched() -> Row:
+    """A near-tangent impact: a fall turned back just before and just after it lands."""
+    exact = engines.load("analytic")
+    sides = {}
+    for name, start_s in (("missed", TOUCH_S - TOUCH_EARLY_S), ("touched", TOUCH_S + TOUCH_EARLY_S)):
+        push = {"kind": "pulse", "shape": "rectangular", "amplitude_g": -0.3, "duration_s": 0.3, "start_s": start_s}
+        content = {"duration_s": 0.6, "statue": COLUMN, "initial": {"theta_rad": 0.05}, "motion": {"x": push}}
+        scene = scene_of(name, content)
+        sides[name] = scene, solution(scene)
+    impacts = [run.work["impacts"] for _, run in sides.values()]
+    apart = _apart(sides["missed"][1], sides["touched"][1])
+    told = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
+    found = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
+    for engine in _here(CONTACT):
+        checked = [checks.agrees(scene, _run(engine, scene), truth) for scene, truth in sides.values()]
+        found[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
+    return _row("an impact touched and missed by a billionth of a second", found)
+
+
+def _far() -> Row:
+    """Rocking and overturning a kilometre from where the table started."""
+    t_s = np.arange(round((FAR_S + 2.0) / FAR_STEP_S) + 1) * FAR_STEP_S
+    pulse = 0.3 * np.sin(4.0 * np.pi * (t_s - FAR_S)) * (t_s < FAR_S + 0.5)
+    away = Record(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
+    content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
+    scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(shake=Shake(x=away))
+    truth, found = solution(scene), {}
+    for engine in _here(CONTACT):
+        run = _run(engine, scene, 1e-3)
+        findings = [checks.agrees(scene, run, truth), checks.energy(scene, run)]
+        good = run.outcome is truth.outcome and run.outcome.overturned and all(item.holds for item in findings)
+        found[engine.name] = good, "; ".join(item.sentence for item in findings)
+    return _row("rocking and overturning 1 km from the origin", found)
+
+
+def _hulls() -> Row:
+    """Hulls of 8 to 10 000 vertices on the same base."""
+    import trimesh
+
+    found: dict[str, tuple[bool, str]] = {}
+    peaks: dict[str, list[float]] = {engine.name: [] for engine in _here(ALL)}
+    with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
+        for count in HULLS:
+            file = Path(name) / f"hull{count}.ply"
+            trimesh.Trimesh(_points(count)).convex_hull.export(file)
+            content = {"duration_s": 1.0, "statue": {"mesh": {"file": str(file), "density_kg_m3": 2700.0}}}
+            scene = scene_of("hull", {**content, "motion": harmonic(0.45, 2.0)})
+            # The same body to all three: what differs is only how many vertices describe it above its base.
+            statue = replace(scene.statue, mass_kg=300.0, inertia_kg_m2=26.0, centroid_height_m=0.5)
+            scene = scene.but(statue=replace(statue, inertia_tensor_kg_m2=np.diag([26.0, 26.0, 2.0])))
+            for engine in _here(ALL):
+                peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
+    for name, values in peaks.items():
+        spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
+        found[name] = spread <= HULL_RAD, f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices"
+    return _row("hulls of 8 to 10 000 vertices", found)
+
+
+def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """A base of four corners under a dome of the other vertices."""
+    base = np.array([[x, y, 0.0] for x in (-0.12, 0.12) for y in (-0.1, 0.1)])
+    if count == 8:
+        return np.vstack([base, base + np.array([0.0, 0.0, 0.9])])
+    k = np.arange(count - 4) + 0.5
+    up, turn = k / (count - 4), np.pi * (1.0 + math.sqrt(5.0)) * k
+    across = np.sqrt(1.0 - up**2)
+    dome = np.column_stack([0.11 * across * np.cos(turn), 0.09 * across * np.sin(turn), 0.3 + 0.6 * up])
+    return np.vstack([base, dome])
+
+
+def _no_motion() -> Row:
+    """Motions with NaN, without samples, with one sample."""
+    files = {
+        "NaN": "t_s,a\n0,0\n0.01,nan\n0.02,0\n",
+        "empty": "",
+        "no samples": "t_s,a\n",
+        "one sample": "t_s,a\n0,1\n",
+    }
+    found: dict[str, tuple[bool, str]] = {}
+    with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
+        file = Path(name) / "motion.csv"
+        for what, text in files.items():
+            file.write_text(text, encoding="utf-8")
+            motion = {"x": {"kind": "record", "file": str(file), "column": "a", "unit": "m/s2"}}
+            try:
+                scene_of(what, {"duration_s": 1.0, "statue": COLUMN, "motion": motion})
+            except InputError as refusal:
+                found[what] = True, str(refusal).replace(str(file), file.name)
+            else:
+                found[what] = False, "read as a motion"
+    good = all(item[0] for item in found.values())
+    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in found.items())
+    return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
+
+
+QUESTIONS: Final[Mapping[str, Callable[[], Row]]] = {
+    (question.__doc__ or "").split(".")[0]: question
+    for question in (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion)
+}
+"""Every question by the first sentence of its docstring, the longest first."""

@@ -1,0 +1,180 @@
+"""The stability map: every engine, setting by difficulty, each cell's category computed with its evidence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from typing import Any, Final
+
+from harness import engines
+from harness.bench.precision import largest
+from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.bench.stress import checks
+from harness.bench.stress.catalogue import SHAKEN, body, leaning
+from harness.bench.stress.converged import converged, iterations
+from harness.bench.stress.explained import Cell, explained
+from harness.bench.stress.hard_scenes import solution
+from harness.campaign.parts import Row
+from harness.engines.base import Engine, EngineFailure
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
+NONE: Final = Want(skips=frozenset())
+CONVERGED_S: Final = 2.5e-4
+"""Step of the run with far more iterations, where no step is stable."""
+
+
+@dataclass(frozen=True)
+class Difficulty:
+    """One row of a map; `share` of the scene's time is run with the finest step: what grows with small steps shows at once."""
+
+    name: str
+    content: Mapping[str, Any]
+    share: float = 0.3
+    at_rest: bool = False
+
+
+def difficulties() -> tuple[Difficulty, ...]:
+    """The rows from easy to hard."""
+    pushed = {"duration_s": 1.0, "statue": PAESTUM, "motion": harmonic(0.429, 3.0)}
+    stand = {"pedestal": PEDESTAL, "contact": EQUAL}
+    light = {"pedestal": {**PEDESTAL, "mass_kg": 0.707}, "contact": EQUAL}
+    return (
+        Difficulty("at rest", {"duration_s": 2.0, "statue": COLUMN}, at_rest=True),
+        Difficulty("free rocking", leaning(COLUMN, 0.5, 1.0)),
+        Difficulty("slenderness 50", leaning(body(0.02, 1.0), 0.5, 1.0)),
+        Difficulty("harmonic, 0.429 g, 3 Hz", pushed),
+        Difficulty("harmonic, on a pedestal", {**pushed, **stand}, share=0.1),
+        Difficulty("pedestal of a thousandth of the mass", {**pushed, **light}, share=0.1),
+        Difficulty("5 g at 100 Hz", {"duration_s": 0.5, **SHAKEN}),
+    )
+
+
+ENGINES: Final = ("pybullet", "pymunk", "analytic")
+
+
+def tasks(quick: bool) -> list[str]:
+    """A row of each engine's map: the difficulty by each engine, the longest first."""
+    rows = difficulties()[1:2] if quick else difficulties()
+    return [f"{engine}: {row.name}" for engine in ENGINES for row in sorted(rows, key=lambda row: row.share)]
+
+
+def compute(quick: bool, task: str) -> list[Row]:
+    """The cells of one row of one map; none where the engine is not here."""
+    name, _, words = task.partition(": ")
+    engine = engines.load(name)
+    if engine.missing() is not None:
+        return []
+    row = next(item for item in difficulties() if item.name == words)
+    scene = scene_of(row.name, row.content)
+    exact = solution(scene)
+    found = list(
+        explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
+    )
+    if name == "pybullet":
+        found += _hulls(row, scene, exact, found)
+    return [cell.as_dict() for cell in found]
+
+
+def died(task: str) -> list[Row]:
+    """A row whose process died: one cell, diverged and not explained."""
+    name, _, words = task.partition(": ")
+    return [Cell(name, "any", words, "diverged", "the engine's process died").as_dict()]
+
+
+def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
+    if engine.capabilities.certifies:
+        for settings in engine.ladder(scene):
+            run = engine.simulate(scene, settings, Want())
+            label = f"aimed at {settings.expected_error_rad:g} rad"
+            yield _judged(Cell(engine.name, label, row.name, "", ""), scene, run, exact, row)
+        return
+    for step_s in STEPS_S[1:3] if quick else STEPS_S:
+        short = step_s == STEPS_S[-1]
+        shorter = scene.but(duration_s=row.share * scene.duration_s) if short else scene
+        cell = Cell(engine.name, _step(step_s), row.name, "", "", short=short)
+        try:
+            run = engine.simulate(shorter, engine.settings_for_dt(shorter, step_s), NONE)
+        except EngineFailure as failure:
+            yield replace(cell, category="diverged", evidence=str(failure))
+            continue
+        yield _judged(cell, shorter, run, exact, row)
+
+
+def _converged(row: Difficulty, scene: Scene, engine: Engine, exact: Run) -> Cell | None:
+    """The whole scene with far more iterations a step; None for a model that has none."""
+    if engine.capabilities.certifies:
+        return None
+    settings = converged(engine.settings_for_dt(scene, CONVERGED_S))
+    cell = Cell(engine.name, f"{_step(CONVERGED_S)}, {iterations(settings)}", row.name, "", "")
+    try:
+        return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
+    except EngineFailure as failure:
+        return replace(cell, category="diverged", evidence=str(failure))
+
+
+def _judged(cell: Cell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> Cell:
+    category, evidence = judge(scene, run, exact, row.at_rest)
+    part = f"over the first {scene.duration_s:g} s only: " if cell.short else ""
+    return replace(cell, category=category, evidence=part + evidence)
+
+
+def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
+    """Category and evidence of one run against the exact solution."""
+    if run.outcome.failed or run.history is None or exact.history is None:
+        return "diverged", run.message or run.outcome.sentence
+    right = checks.agrees(scene, run, exact)
+    if not math.isfinite(checks.error_rad(run, exact)):
+        return "diverged", "its numbers are not finite"
+    drifts = [checks.energy(scene, run), checks.depth(scene, run)]
+    drifts += [checks.creep(scene, run)] if at_rest else []
+    evidence = "; ".join(item.sentence for item in (right, *drifts))
+    if not right.holds:
+        return "inaccurate", evidence
+    return ("stable" if all(item.holds for item in drifts) else "drifting"), evidence
+
+
+HULLS: Final = (
+    ("hull, own margin, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0}),
+    ("hull, margin 0, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4}),
+)
+"""pybullet's known failure, and the setting that avoids it on the floor."""
+
+
+def _hulls(row: Difficulty, scene: Scene, exact: Run, own: Sequence[Cell]) -> Iterator[Cell]:
+    """pybullet's own hull, which this project does not use: with its default collision margin and without one.
+
+    `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
+    """
+    module = import_module("harness.engines.pybullet.defaults")
+    allowed, found = checks.allowed_rad(exact), []
+    for label, given in HULLS:
+        t_s, theta = module.run(scene, module.Stock(**given))
+        error = largest(t_s[t_s <= checks.holds_until_s(exact)], theta, exact)
+        category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed else "stable"
+        evidence = f"error {error:.1e} rad of {allowed:.1e} rad allowed"
+        found.append(Cell("pybullet", label, row.name, category, evidence))
+    whole = [cell for cell in own if cell.category == "stable" and not cell.short]
+    yield from (replace(cell, explained=_hull_avoided(cell, found[1], whole)) for cell in found)
+
+
+def _hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> str:
+    """What is stable where a hull is not: the hull without its margin, else this project's contact; "" for neither."""
+    if cell.category == "stable":
+        return ""
+    if bare.category == "stable":
+        return f"known: {bare.setting} is stable ({bare.evidence})"
+    if not own:
+        return ""
+    return (
+        f"known: on spheres at the base's vertices instead of the hull {own[0].setting} is stable ({own[0].evidence})"
+    )
+
+
+def _step(step_s: float) -> str:
+    return f"1/{round(1.0 / step_s)} s" if step_s > 2e-3 else f"{1e3 * step_s:g} ms"

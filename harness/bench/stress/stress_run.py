@@ -1,0 +1,112 @@
+"""The stress run: hard scenes, stability maps, mutated inputs, on all cores and in parts; one record."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from harness import engines
+from harness.bench import fuzz
+from harness.bench.stress import hard_scenes as scenes
+from harness.bench.stress import invariance_checks as more
+from harness.bench.stress import stability
+from harness.bench.stress.catalogue import ALL
+from harness.campaign import parts
+from harness.campaign.parts import Part
+from harness.model.run import SCHEMA_VERSION
+
+INPUTS: Final = 10_000
+QUICK_INPUTS: Final = 500
+
+
+def run(
+    folder: Path,
+    quick: bool = False,
+    told: Callable[[str], None] = lambda text: None,
+    only: Sequence[str] | None = None,
+) -> dict[str, Any]:
+    """Run everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
+
+    What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
+    written, or an unknown part.
+    """
+    listed = all_parts(quick)
+    measured = parts.session(folder, listed, quick, only, told)
+    rows = {part.name: measured[part.name].in_order(part) for part in listed}
+    order = {row.name: place for place, row in enumerate(stability.difficulties())}
+    spent = parts.seconds(measured)
+    found: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "kind": "stress",
+        "title": "Numerical stability",
+        "command": parts.command("stress", quick, measured),
+        "absent": absent(),
+        "scenes": [*rows["scenes"], *rows["questions"]],
+        "cells": sorted(
+            rows["maps"], key=lambda cell: (stability.ENGINES.index(cell["engine"]), order[cell["difficulty"]])
+        ),
+        "fuzz": fuzz.summed(rows["fuzz"]),
+        "parts": spent,
+        "seconds": sum(item["wall_s"] for item in spent),
+    }
+    return parts.written(folder, found)
+
+
+def absent() -> dict[str, str]:
+    """The engines of the catalogue that cannot run here, and why: nothing is said of them."""
+    missing = {name: engines.load(name).missing() for name in ALL}
+    return {name: why for name, why in missing.items() if why is not None}
+
+
+def all_parts(quick: bool) -> list[Part]:
+    """The parts, the one with the longest tasks first: all are computed side by side."""
+    inputs = QUICK_INPUTS if quick else INPUTS
+    return [
+        Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
+        Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
+        Part("questions", more.tasks(quick), more.compute, scenes.died),
+        Part("fuzz", fuzz.tasks(inputs), fuzz.compute, fuzz.died),
+    ]
+
+
+def holds(found: dict[str, Any]) -> bool:
+    """Whether every hard scene came out, every cell is explained and no mutated input did harm."""
+    unexplained = [cell for cell in found["cells"] if cell["category"] != "stable" and not cell["explained"]]
+    left = any(part["left"] for part in found["parts"])
+    harm = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in found["fuzz"])
+    return all(row["holds"] for row in found["scenes"]) and not unexplained and harm == 0 and not left
+
+
+def sentences(found: dict[str, Any]) -> list[str]:
+    """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
+    wrong = [row for row in found["scenes"] if not row["holds"]]
+    told = []
+    if found["scenes"]:
+        told.append(f"{len(found['scenes']) - len(wrong)} of {len(found['scenes'])} hard scenes come out as they must.")
+    for row in wrong:
+        bad = "; ".join(f"{name}: {got}" for name, got in row["got"].items() if got != row["wanted"])
+        told.append(f"“{row['name']}” (wanted: {row['wanted']}): {bad}.")
+    told += [f"{name} was not run: {why}." for name, why in found["absent"].items()]
+    told += [
+        f"Known failure, “{row['name']}”, {name}: {text}."
+        for row in found["scenes"]
+        for name, text in row.get("known", {}).items()
+    ]
+    counts = Counter(cell["category"] for cell in found["cells"])
+    if counts:
+        told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
+    told += [
+        f"Unexplained: {cell['engine']}, {cell['setting']}, {cell['difficulty']}: {cell['category']}, {cell['evidence']}."
+        for cell in found["cells"]
+        if cell["category"] != "stable" and not cell["explained"]
+    ]
+    inputs = sum(item["inputs"] for item in found["fuzz"])
+    bad_inputs = [(item["reader"], case["seed"]) for item in found["fuzz"] for case in item["found"]]
+    used = sum(item["accepted"] for item in found["fuzz"])
+    if inputs:
+        told.append(f"{inputs} mutated inputs, {used} of them accepted and used, {len(bad_inputs)} kept as failures.")
+    told += [f"Mutated {reader}, seed {seed}: not refused in words." for reader, seed in bad_inputs]
+    return [*told, *parts.sentences(found["parts"])]

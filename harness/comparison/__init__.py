@@ -1,0 +1,1 @@
+"""Two answers beside each other: scores, statistics, and why they differ; no engine is known here."""

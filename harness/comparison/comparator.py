@@ -1,0 +1,251 @@
+"""Two answers to one scene, scored; knows no engine."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.comparison.scores import energy, events, pointwise
+from harness.comparison.scores.beyond import after_horizon
+from harness.comparison.scores.matched import event_scores, numerical_uncertainty
+from harness.comparison.scores.result import Scores
+from harness.comparison.verdict import Judgement, Side, judge, side_of
+from harness.input.history_file import gaps, read_history
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History, Outcome
+from harness.model.history_pair import Pair, pair
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+__all__ = ["Scores", "compare", "compare_files"]
+
+TOGETHER_RAD: Final = 0.01
+"""Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
+
+
+def compare(
+    a: Run | History,
+    b: Run | History,
+    *,
+    scene: Scene | None = None,
+    names: tuple[str, str] | None = None,
+    horizons_s: tuple[float | None, float | None] = (None, None),
+    uncertainties_rad: tuple[float | None, float | None] = (None, None),
+    slip_uncertainties_m: tuple[float | None, float | None] = (None, None),
+    together_rad: float = TOGETHER_RAD,
+    iso: bool = False,
+) -> Scores:
+    """Score answer a against answer b, which is the reference.
+
+    `scene` gives the energies in J; `horizons_s` are the horizons of prediction of
+    each model where they were computed (`accuracy.horizon`). Scores of instants reach to the nearer horizon of the two, or to
+    the time up to which a side's numerical error is stated; beyond it distributions are compared.
+    `uncertainties_rad` and `slip_uncertainties_m` are the numerical errors of bare histories, where they are known.
+    Raises `InputError` naming the answer when there is nothing to
+    compare, or when the two do not overlap in time.
+    """
+    names = names or (_name(a, "a"), _name(b, "b"))
+    _check(a, names[0])
+    _check(b, names[1])
+    sides = (
+        side_of(a, names[0], horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
+        side_of(b, names[1], horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
+    )
+    history_a, history_b = _history(a), _history(b)
+    if history_a is None or history_b is None:
+        return _without_histories(a, b, sides, together_rad)
+    both = _paired(history_a, history_b, a, b, names)
+    until = min(side.until_s for side in sides)
+    within = both.until(until)
+    found = events.excursions(history_a), events.excursions(history_b)
+    inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
+    peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
+    longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
+    return Scores(
+        a=names[0],
+        b=names[1],
+        compared_from_s=within.start_s,
+        compared_until_s=within.end_s,
+        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
+        horizon_s=_finite(until),
+        **_pointwise(within),
+        **_peaks(*peaks),
+        together_until_s=pointwise.together_until_s(both, together_rad),
+        together_tolerance_rad=together_rad,
+        **event_scores(*found, inertia, until),
+        **_residuals(a, b, both, until),
+        **_outcomes(a, b),
+        after_horizon=after_horizon(found, both, until),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, until),
+        **_judged(judge(*sides, both, peaks)),
+        iso=_iso(within) if iso else None,
+    )
+
+
+def compare_files(
+    a: Path,
+    b: Path,
+    *,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+    iso: bool = False,
+) -> dict[str, Any]:
+    """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
+
+    `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
+    """
+    if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
+        raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
+    if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
+        raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
+    histories = read_history(a), read_history(b)
+    scores = compare(
+        *histories,
+        names=(a.name, b.name),
+        uncertainties_rad=(uncertainty_rad, uncertainty_rad),
+        slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
+        iso=iso,
+    )
+    begin_s, end_s = scores.compared_from_s, scores.compared_until_s
+    if begin_s is not None and end_s is not None and end_s <= begin_s:
+        wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
+        raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
+    missing = [
+        f"{path.name} has no samples from {begin:.4g} s to {end:.4g} s, where scores rest on interpolation"
+        for path, history in zip((a, b), histories, strict=True)
+        for begin, end in gaps(history)
+    ]
+    return scores.as_dict() | {"warnings": missing}
+
+
+def _name(answer: Run | History, otherwise: str) -> str:
+    return answer.engine if isinstance(answer, Run) else otherwise
+
+
+def _history(answer: Run | History) -> History | None:
+    return answer.history if isinstance(answer, Run) else answer
+
+
+def _check(answer: Run | History, name: str) -> None:
+    if isinstance(answer, Run) and answer.outcome.failed:
+        raise InputError(Mistake(name, "", "a run with an answer", f"{answer.outcome.sentence} ({answer.message})"))
+    if isinstance(answer, Run) and not np.isfinite(answer.peak_theta_rad):
+        raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
+
+
+def _paired(history_a: History, history_b: History, a: Run | History, b: Run | History, names: tuple[str, str]) -> Pair:
+    try:
+        return pair(history_a, history_b, hold_a=_rests(a), hold_b=_rests(b))
+    except ValueError as error:
+        raise InputError(
+            Mistake(f"{names[0]} and {names[1]}", "t_s", "a common stretch of time", str(error))
+        ) from error
+
+
+def _rests(answer: Run | History) -> bool:
+    """Whether the run was ended early because nothing moves any more, so that its last value holds."""
+    return isinstance(answer, Run) and answer.outcome is Outcome.STANDS
+
+
+def _finite(time_s: float) -> float | None:
+    return time_s if math.isfinite(time_s) else None
+
+
+def _pointwise(within: Pair) -> dict[str, Any]:
+    geers = pointwise.sprague_geers(within)
+    return {
+        "rms_theta_rad": pointwise.rms_rad(within),
+        "largest_difference_rad": float(np.max(np.abs(within.difference_rad))),
+        "rms_slip_m": pointwise.rms_slip_m(within),
+        "magnitude": geers.magnitude,
+        "phase": geers.phase,
+        "combined": geers.combined,
+    }
+
+
+def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
+    both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
+    ratio = abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None)
+    return {
+        "peak_theta_a_rad": a.theta_rad,
+        "peak_theta_b_rad": b.theta_rad,
+        "peak_ratio": ratio,
+        "peak_time_difference_s": 0.0 if both_still else a.time_s - b.time_s,
+    }
+
+
+def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> dict[str, Any]:
+    """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
+    stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
+    known = stood and until_s >= both.end_s
+    return {
+        "residual_theta_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
+        "residual_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
+    }
+
+
+def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
+    outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
+    times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
+    first, second = outcomes
+    agree = side = None
+    if first is not None and second is not None:
+        agree = first.same_as(second)
+        side = first is second if first.overturned and second.overturned else None
+    return {
+        "outcome_a": first,
+        "outcome_b": second,
+        "outcome_agrees": agree,
+        "side_agrees": side,
+        "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
+    }
+
+
+def _judged(judgement: Judgement) -> dict[str, Any]:
+    return {
+        "verdict": judgement.verdict,
+        "verdict_sentence": judgement.sentence,
+        "evidence": judgement.evidence,
+    }
+
+
+def _iso(both: Pair) -> dict[str, Any]:
+    from harness.comparison.scores import iso
+
+    return iso.rate(both)
+
+
+def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Side], together_rad: float) -> Scores:
+    """What can be said when a run kept only its outcome."""
+    peaks = _peak_alone(a), _peak_alone(b)
+    none = events.NO_EXCURSIONS
+    blank: dict[str, Any] = {
+        field.name: None
+        for field in fields(Scores)
+        if field.name.startswith(("compared", "coverage", "rms", "largest", "residual", "after", "together_until"))
+    }
+    return Scores(
+        a=sides[0].name,
+        b=sides[1].name,
+        **blank,
+        horizon_s=_finite(min(side.until_s for side in sides)),
+        together_tolerance_rad=together_rad,
+        magnitude=None,
+        phase=None,
+        combined=None,
+        **_peaks(*peaks),
+        **event_scores(none, none, None),
+        **_outcomes(a, b),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none)),
+        **_judged(judge(*sides, None, peaks)),
+    )
+
+
+def _peak_alone(answer: Run | History) -> pointwise.Peak:
+    if isinstance(answer, Run):
+        return pointwise.Peak(answer.peak_theta_rad, answer.peak_time_s)
+    return pointwise.peak(answer)

@@ -1,0 +1,188 @@
+"""Uplifts and impacts of a history, found in the same way on both sides, and matched between two histories."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model.history import Array, History
+
+Side = NDArray[np.int8]
+
+UPLIFT_RAD: Final = 1e-4
+"""Rotation beyond which a statue counts as rocking: above the chatter of a contact engine at rest (slop over base width,
+some 1e-5 rad), and 0.1 mm at the top of a statue of one metre."""
+
+
+@dataclass(frozen=True, eq=False)
+class Excursions:
+    """The stretches during which a statue leans on one corner further than the threshold; arrays of shape (k,).
+
+    `side` is ±1, `uplift_s` when the rotation first passes the threshold, `from_rest` whether another excursion did not run
+    straight into it, `peak_rad` its largest rotation (signed), `impact_s` when it is back at θ = 0 (NaN: not within the
+    history), `rate_before_rad_s` and `rate_after_rad_s` the angular velocities at that instant from either side, and
+    `length_s` its duration.
+    """
+
+    side: Side
+    uplift_s: Array
+    from_rest: NDArray[np.bool_]
+    peak_rad: Array
+    impact_s: Array
+    rate_before_rad_s: Array
+    rate_after_rad_s: Array
+    length_s: Array
+
+    @property
+    def landed(self) -> NDArray[np.bool_]:
+        """Which excursions end with an impact within the history."""
+        return np.isfinite(self.impact_s)
+
+
+_NONE: Final = np.zeros(0)
+NO_EXCURSIONS: Final = Excursions(
+    np.zeros(0, dtype=np.int8), _NONE, np.zeros(0, dtype=np.bool_), _NONE, _NONE, _NONE, _NONE, _NONE
+)
+
+
+def excursions(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursions:
+    """All excursions of a history beyond `threshold_rad`, in the order of time."""
+    t, theta, rate = history.t_s, history.theta_rad, history.theta_rate_rad_s
+    side = np.zeros(theta.size + 2, dtype=np.int8)
+    side[1:-1] = (theta > threshold_rad).view(np.int8) - (theta < -threshold_rad).view(np.int8)
+    change = np.flatnonzero(side[1:] != side[:-1])
+    first = change[side[change + 1] != 0]
+    last = change[side[change] != 0] - 1
+    sign = side[first + 1]
+    if first.size == 0:
+        return NO_EXCURSIONS
+    uplift = _crossing(t, theta, first, sign * threshold_rad)
+    impact = _impacts(t, theta, rate, last)
+    # From the side before: samples of the excursion itself but its first, which the impact before it may still hold.
+    before = _extrapolated(t, rate, impact, last, -1, last - first)
+    after = _after(t, rate, impact, np.append(last[1:], t.size - 1))
+    peak = sign * np.maximum.reduceat(np.abs(theta), first)
+    # Samples between two excursions are below the threshold, so they never hold the maximum.
+    end = np.where(np.isfinite(impact), impact, t[last])
+    return Excursions(
+        sign, uplift, _from_rest(rate, first, last), peak, impact, before, after, np.maximum(end - uplift, 0.0)
+    )
+
+
+def _from_rest(rate: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether the statue paused before each excursion: between two arcs of rocking the rate never falls to a fifth."""
+    paused = np.ones(first.size, dtype=np.bool_)
+    for k in range(1, first.size):
+        between = rate[last[k - 1] + 1 : first[k]]
+        paused[k] = between.size > 0 and np.abs(between).min() < 0.2 * abs(rate[first[k]])
+    return paused
+
+
+def _crossing(t: Array, theta: Array, first: NDArray[np.intp], level: Array) -> Array:
+    """When θ passes `level` between sample `first − 1` and `first`, linearly (the first sample's time at a start)."""
+    previous = np.maximum(first - 1, 0)
+    rise = theta[first] - theta[previous]
+    share = np.divide(level - theta[previous], rise, out=np.ones_like(rise), where=rise != 0.0)
+    return np.asarray(t[previous] + np.clip(share, 0.0, 1.0) * (t[first] - t[previous]))
+
+
+def _impacts(t: Array, theta: Array, rate: Array, last: NDArray[np.intp]) -> Array:
+    """Time of θ = 0 after sample `last`; NaN where the history ends before it.
+
+    The velocity jumps between two samples, so the side before is extrapolated by its own parabola: θ + θ̇τ + θ̈τ²/2 = 0 with
+    θ̈ from the last two samples before.
+    """
+    inside = last + 1 < t.size
+    i = np.minimum(last, t.size - 1)
+    step = t[np.minimum(i + 1, t.size - 1)] - t[i]
+    wait = _root(theta[i], rate[i], _slope(t, rate, np.maximum(i - 1, 0), i))
+    # Sinking to rest below the threshold takes a few samples: allow the fall from there.
+    crossed = theta[np.minimum(i + 1, t.size - 1)] * np.sign(theta[i]) <= 0.0
+    longest = np.where(crossed, step, 3.0 * step + np.abs(theta[i]) / np.maximum(np.abs(rate[i]), 1e-12))
+    return np.where(inside, t[i] + np.minimum(wait, longest), np.nan)
+
+
+def _after(t: Array, rate: Array, impact: Array, until: NDArray[np.intp]) -> Array:
+    """The rate just after each impact, shape (k,), from samples up to index `until`, the last of the next excursion.
+
+    A contact engine's impact takes one to three of its own steps, so the sample beside it may lie inside the impact: it is left
+    out wherever there is another.
+    """
+    beside = np.minimum(np.searchsorted(t, np.where(np.isfinite(impact), impact, t[-1]), side="right"), t.size - 1)
+    return _extrapolated(t, rate, impact, np.minimum(beside + 1, until), 1, until - beside)
+
+
+def _extrapolated(
+    t: Array, rate: Array, to_s: Array, start: NDArray[np.intp], towards: int, count: NDArray[np.intp]
+) -> Array:
+    """The rate at `to_s` by the line through sample `start` and the next one away from it, where `count` allows two.
+
+    A line, though a parabola would be nearer where θ̈ changes: a contact engine loses its contact for single steps, and three
+    samples magnify what that leaves in the rate fivefold.
+    """
+    i = np.clip(start, 0, t.size - 1)
+    j = np.where(count >= 2, np.clip(start + towards, 0, t.size - 1), i)
+    return np.asarray(rate[i] + _slope(t, rate, np.minimum(i, j), np.maximum(i, j)) * (to_s - t[i]))
+
+
+def _slope(t: Array, rate: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
+    step = t[j] - t[i]
+    return np.divide(rate[j] - rate[i], step, out=np.zeros_like(step), where=step > 0.0)
+
+
+def _root(theta: Array, rate: Array, accel: Array) -> Array:
+    """The least τ ≥ 0 with θ + θ̇τ + θ̈τ²/2 = 0, by the form that does not cancel."""
+    disc = np.sqrt(np.maximum(rate * rate - 2.0 * accel * theta, 0.0))
+    q = -(rate + np.copysign(disc, rate))
+    return np.abs(np.divide(2.0 * theta, q, out=np.zeros_like(q), where=q != 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Events of two histories that are the same event: indices into each, and how many have no partner."""
+
+    index_a: NDArray[np.intp]
+    index_b: NDArray[np.intp]
+    alone_a: int
+    alone_b: int
+
+    def until(self, time_a: Array, time_b: Array, end_s: float) -> Matched:
+        """Only the pairs whose event in b, and the events alone, that come up to `end_s`; `time_*` are all events' times."""
+        early = time_b[self.index_b] <= end_s
+        alone = [
+            int(np.sum(np.delete(times, index) <= end_s))
+            for times, index in ((time_a, self.index_a), (time_b, self.index_b))
+        ]
+        return Matched(self.index_a[early], self.index_b[early], *alone)
+
+
+def match(time_a: Array, side_a: Side, window_a: Array, time_b: Array, side_b: Side, window_b: Array) -> Matched:
+    """Pair events that are each other's nearest on the same side and no further apart than both allow.
+
+    Mutual nearest neighbours on a line never cross, so the order of time is kept.
+    """
+    found_a: list[NDArray[np.intp]] = []
+    found_b: list[NDArray[np.intp]] = []
+    for side in (-1, 1):
+        ia, ib = np.flatnonzero(side_a == side), np.flatnonzero(side_b == side)
+        if ia.size == 0 or ib.size == 0:
+            continue
+        to_b, to_a = _nearest(time_a[ia], time_b[ib]), _nearest(time_b[ib], time_a[ia])
+        mutual = to_a[to_b] == np.arange(ia.size)
+        pair_a, pair_b = ia[mutual], ib[to_b[mutual]]
+        close = np.abs(time_a[pair_a] - time_b[pair_b]) <= np.minimum(window_a[pair_a], window_b[pair_b])
+        found_a.append(pair_a[close])
+        found_b.append(pair_b[close])
+    a = np.concatenate(found_a) if found_a else np.zeros(0, dtype=np.intp)
+    b = np.concatenate(found_b) if found_b else np.zeros(0, dtype=np.intp)
+    order = np.argsort(a, kind="stable")
+    return Matched(a[order], b[order], time_a.size - a.size, time_b.size - b.size)
+
+
+def _nearest(from_s: Array, to_s: Array) -> NDArray[np.intp]:
+    right = np.clip(np.searchsorted(to_s, from_s), 0, to_s.size - 1)
+    left = np.maximum(right - 1, 0)
+    return np.where(np.abs(to_s[left] - from_s) <= np.abs(to_s[right] - from_s), left, right)

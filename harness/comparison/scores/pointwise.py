@@ -1,0 +1,85 @@
+"""Scores taken sample by sample: differences, peaks, residuals, and how long two histories stay together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.model.history import History
+from harness.model.history_pair import Pair, first_beyond_s
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest rotation by size, signed, and its time."""
+
+    theta_rad: float
+    time_s: float
+
+
+@dataclass(frozen=True)
+class SpragueGeers:
+    """Magnitude M, phase P and combined error C of a history against a reference; 0 is perfect.
+
+    M and C are None when the reference never moves, P and C when either does not.
+    """
+
+    magnitude: float | None
+    phase: float | None
+    combined: float | None
+
+
+def rms_rad(pair: Pair) -> float:
+    """Root mean square of θ_a − θ_b over the window, weighted by time."""
+    d = pair.difference_rad
+    return math.sqrt(pair.integral(d, d) / float(pair.weights_s.sum()))
+
+
+def rms_slip_m(pair: Pair) -> float:
+    """Root mean square of the difference of the slips over the window, weighted by time."""
+    d = pair.slip_a_m - pair.slip_b_m
+    return math.sqrt(pair.integral(d, d) / float(pair.weights_s.sum()))
+
+
+def peak(history: History, until_s: float = math.inf) -> Peak:
+    """The largest |θ| up to `until_s`, signed; between samples it is the Hermite value where the rate, taken as linear, vanishes.
+
+    A history that begins later than `until_s` gives its first sample.
+    """
+    count = max(int(np.searchsorted(history.t_s, until_s, side="right")), 1)
+    k = int(np.argmax(np.abs(history.theta_rad[:count])))
+    best = Peak(float(history.theta_rad[k]), float(history.t_s[k]))
+    rate = history.theta_rate_rad_s
+    for i in (k - 1, k):
+        if i < 0 or i + 1 >= rate.size or rate[i] * rate[i + 1] >= 0.0:
+            continue
+        share = rate[i] / (rate[i] - rate[i + 1])
+        time = float(history.t_s[i] + share * (history.t_s[i + 1] - history.t_s[i]))
+        theta = float(history.at(np.array([time]))[0])
+        if abs(theta) > abs(best.theta_rad) and time <= until_s:
+            best = Peak(theta, time)
+    return best
+
+
+def sprague_geers(pair: Pair) -> SpragueGeers:
+    """Sprague and Geers' integral errors, b being the reference (Shock and Vibration Bulletin 60, 1989).
+
+    M = √(∫a²/∫b²) − 1, P = acos(∫ab/√(∫a²∫b²))/π, C = √(M² + P²).
+    """
+    a, b = pair.theta_a_rad, pair.theta_b_rad
+    aa, bb, ab = pair.integral(a, a), pair.integral(b, b), pair.integral(a, b)
+    if aa == 0.0 and bb == 0.0:
+        return SpragueGeers(0.0, 0.0, 0.0)
+    magnitude = None if bb == 0.0 else math.sqrt(aa / bb) - 1.0
+    if aa == 0.0 or bb == 0.0:
+        return SpragueGeers(magnitude, None, None)
+    phase = 0.0 if np.array_equal(a, b) else math.acos(min(max(ab / math.sqrt(aa * bb), -1.0), 1.0)) / math.pi
+    return SpragueGeers(magnitude, phase, math.hypot(magnitude or 0.0, phase))
+
+
+def together_until_s(pair: Pair, tolerance_rad: float) -> float:
+    """The time up to which |θ_a − θ_b| has stayed within the tolerance; the window's end when it always does."""
+    left = first_beyond_s(pair.t_s, np.abs(pair.difference_rad), tolerance_rad)
+    return pair.end_s if left is None else left

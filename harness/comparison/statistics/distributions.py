@@ -1,0 +1,149 @@
+"""Distributions compared: empirical distances, bootstrap bands, binomial intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.model.history import Array
+
+CONFIDENCE: Final = 0.95
+RESAMPLES: Final = 1000
+"""Bootstrap resamples: the 2.5 % quantile then rests on 25 of them, a standard error of 0.5 % in probability."""
+
+
+def _sample(values: ArrayLike, name: str) -> Array:
+    array = np.sort(np.asarray(values, dtype=np.float64).ravel())
+    if array.size == 0 or not np.all(np.isfinite(array)):
+        raise ValueError(f"sample {name}: at least one value, all finite, wanted; got {array.size} values")
+    return array
+
+
+def _distributions(a: Array, b: Array) -> tuple[Array, Array, Array]:
+    """All values in order, and both empirical distribution functions just after each."""
+    every = np.sort(np.concatenate((a, b)))
+    return (
+        every,
+        np.searchsorted(a, every, side="right") / a.size,
+        np.searchsorted(b, every, side="right") / b.size,
+    )
+
+
+def ks_distance(a: ArrayLike, b: ArrayLike) -> float:
+    """Kolmogorov and Smirnov's distance: the largest gap between two empirical distribution functions."""
+    _, f_a, f_b = _distributions(_sample(a, "a"), _sample(b, "b"))
+    return float(np.max(np.abs(f_a - f_b)))
+
+
+def kolmogorov_smirnov(a: ArrayLike, b: ArrayLike) -> tuple[float, float]:
+    """The distance and the probability of one at least as large when both samples have the same distribution."""
+    from scipy.stats import ks_2samp
+
+    found = ks_2samp(_sample(a, "a"), _sample(b, "b"))
+    return float(found.statistic), float(found.pvalue)
+
+
+def area_metric(a: ArrayLike, b: ArrayLike) -> float:
+    """The area between two empirical distribution functions (Wasserstein's distance), in the unit of the values."""
+    every, f_a, f_b = _distributions(_sample(a, "a"), _sample(b, "b"))
+    return float(np.abs(f_a - f_b)[:-1] @ np.diff(every))
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate with its two-sided confidence interval."""
+
+    value: float
+    low: float
+    high: float
+    confidence: float = CONFIDENCE
+
+
+def wilson(hits: int, total: int, confidence: float = CONFIDENCE) -> Interval | None:
+    """A proportion with Wilson's score interval (JASA 22, 1927); None of an empty set."""
+    if total == 0:
+        return None
+    z = _normal_quantile(0.5 + 0.5 * confidence)
+    p = hits / total
+    centre = (p + z * z / (2.0 * total)) / (1.0 + z * z / total)
+    half = z / (1.0 + z * z / total) * float(np.sqrt(p * (1.0 - p) / total + z * z / (4.0 * total * total)))
+    return Interval(
+        p, min(centre - half, p) if hits else 0.0, max(centre + half, p) if hits < total else 1.0, confidence
+    )
+
+
+def _normal_quantile(probability: float) -> float:
+    from statistics import NormalDist
+
+    return NormalDist().inv_cdf(probability)
+
+
+def bootstrap(
+    score: Callable[[NDArray[np.intp]], float],
+    size: int,
+    *,
+    seed: int = 0,
+    resamples: int = RESAMPLES,
+    confidence: float = CONFIDENCE,
+) -> Interval | None:
+    """Percentile bootstrap of a score of `size` cases, given their indices; None when it is nowhere defined.
+
+    Resamples in which the score is not defined (NaN) are left out.
+    """
+    if size == 0:
+        return None
+    value = score(np.arange(size))
+    rng = np.random.default_rng(seed)
+    found = np.array([score(rng.integers(0, size, size)) for _ in range(resamples)])
+    found = found[np.isfinite(found)]
+    if not np.isfinite(value) or found.size == 0:
+        return None
+    tail = 0.5 * (1.0 - confidence)
+    low, high = np.quantile(found, (tail, 1.0 - tail))
+    return Interval(float(value), float(low), float(high), confidence)
+
+
+@dataclass(frozen=True)
+class DistributionScores:
+    """Two samples of one quantity: their distance by two measures, each with its meaning in probability.
+
+    `area_null` is the quantile (at `confidence`) of the area metric between two samples of these sizes drawn from the pooled
+    values: an area above it is more than chance.
+    """
+
+    size_a: int
+    size_b: int
+    ks: float
+    ks_p: float
+    area: Interval
+    area_null: float
+
+
+def compare_distributions(
+    a: ArrayLike, b: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES
+) -> DistributionScores:
+    """Compare two samples (peak rotations of two models over many motions) by distribution."""
+    x, y = _sample(a, "a"), _sample(b, "b")
+    rng = np.random.default_rng(seed)
+    pooled = np.concatenate((x, y))
+    drawn = np.empty(resamples)
+    null = np.empty(resamples)
+    for k in range(resamples):
+        drawn[k] = area_metric(rng.choice(x, x.size), rng.choice(y, y.size))
+        shuffled = rng.permutation(pooled)
+        null[k] = area_metric(shuffled[: x.size], shuffled[x.size :])
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = np.quantile(drawn, (tail, 1.0 - tail))
+    distance, p = kolmogorov_smirnov(x, y)
+    return DistributionScores(
+        x.size,
+        y.size,
+        distance,
+        p,
+        Interval(area_metric(x, y), float(low), float(high)),
+        float(np.quantile(null, CONFIDENCE)),
+    )

@@ -1,0 +1,259 @@
+"""Why two runs differ, computed from the record.
+
+Numerical error, model, plane, horizon, an error that is not bounded so far, or a model outside its domain.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any, Final
+
+from harness.comparison.differences import ROUNDING, Facts, from_histories, from_peaks
+from harness.comparison.scores.pointwise import Peak
+from harness.model.history import History, Outcome
+from harness.model.history_pair import Pair
+from harness.model.run import Run
+
+COVERAGE: Final = 2.0
+"""A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
+
+Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
+number that calls no pair of equal models different and misses no effect above three times the uncertainty.
+"""
+
+
+class Verdict(StrEnum):
+    """Why two answers differ, if they do."""
+
+    AGREE = "agree within numerical error"
+    MODEL = "differ: model"
+    HORIZON = "differ: beyond the horizon"
+    DOMAIN = "differ: the model left its domain"
+    PLANE = "differ: the plane left out"
+    UNBOUNDED = "differ: numerical error not bounded"
+
+
+OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
+"""Verdicts with which outcomes that differ decide nothing between the two."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """What the verdict needs to know of one run; None: not stated.
+
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
+    """
+
+    name: str
+    outcome: Outcome | None = None
+    uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None = None
+    horizon_s: float | None = None
+    left_domain_s: float | None = None
+    left_domain_by: str = ""
+    axes: tuple[str, ...] | None = None
+    no_return_s: float | None = None
+
+    @property
+    def until_s(self) -> float:
+        """The time up to which this side's uncertainty holds and its problem is predictable."""
+        known = [t for t in (self.reliable_until_s, self.horizon_s) if t is not None]
+        return min(known, default=math.inf)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict with its sentence and the numbers that it follows from."""
+
+    verdict: Verdict
+    sentence: str
+    evidence: Mapping[str, Any]
+
+
+def side_of(
+    answer: Run | History,
+    name: str,
+    horizon_s: float | None = None,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+) -> Side:
+    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
+    if isinstance(answer, History):
+        return Side(name, uncertainty_rad=uncertainty_rad, slip_uncertainty_m=slip_uncertainty_m, horizon_s=horizon_s)
+    left_s, by = left_domain(answer)
+    return Side(
+        name,
+        answer.outcome,
+        answer.numerical_uncertainty_rad,
+        answer.slip_uncertainty_m,
+        answer.reliable_until_s,
+        horizon_s,
+        left_s,
+        by,
+        None if answer.motion_axes is None else tuple(answer.motion_axes),
+        answer.no_return_time_s,
+    )
+
+
+def left_domain(run: Run) -> tuple[float | None, str]:
+    """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
+
+    Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
+    friction paradox leaves at its end.
+    """
+    stated = run.validity.get("left_domain_s")
+    if stated is not None:
+        return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
+    if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
+        return run.end_s, run.outcome.sentence
+    return None, ""
+
+
+def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
+    """The verdict on two answers from their histories on one grid, or from their peaks where a history is missing.
+
+    Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
+    """
+    turned = max(COVERAGE * ((a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)), ROUNDING)
+    slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
+    until = min(a.until_s, b.until_s)
+    facts = from_peaks(peaks, turned, slid, until) if both is None else from_histories(both, turned, slid, until)
+    known = a.outcome is not None and b.outcome is not None
+    flips = known and a.outcome is not b.outcome
+    sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
+    if flips:
+        facts = _with_falls_across(facts, a, b)
+    verdict, left = _decide(a, b, facts, flips)
+    evidence = {
+        "uncertainty_a_rad": a.uncertainty_rad,
+        "uncertainty_b_rad": b.uncertainty_rad,
+        "slip_uncertainty_a_m": a.slip_uncertainty_m,
+        "slip_uncertainty_b_m": b.slip_uncertainty_m,
+        "limit_rad": turned,
+        "slip_limit_m": slid,
+        "coverage": COVERAGE,
+        "differs_in": facts.differs_in,
+        "exceeded_s": facts.exceeded_s,
+        "largest_difference_rad": facts.rotation.largest,
+        "largest_reliable_difference_rad": facts.rotation.largest_reliable,
+        "largest_slip_difference_m": facts.slip.largest,
+        "largest_reliable_slip_difference_m": facts.slip.largest_reliable,
+        "horizon_s": until if math.isfinite(until) else None,
+        "compared_until_s": facts.end_s,
+        "left_domain_s": None if left is None else left.left_domain_s,
+        "left_domain_by": "" if left is None else f"{left.name}: {left.left_domain_by}",
+        "outcome_flips_within_uncertainty": flips and not sided and verdict in OPEN,
+        "side_flips_within_uncertainty": sided and verdict in OPEN,
+        "motion_not_given": _not_given(a, b),
+    }
+    return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
+
+
+def _decide(a: Side, b: Side, facts: Facts, flips: bool) -> tuple[Verdict, Side | None]:
+    """The verdict, and the side that left its domain where that decides."""
+    exits = [side for side in (a, b) if side.left_domain_s is not None]
+    first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
+    left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
+    if facts.exceeded_s is None:
+        if not flips:
+            return Verdict.AGREE, None
+        if left_s < math.inf:
+            return Verdict.DOMAIN, first
+        return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
+    if facts.exceeded_s <= min(left_s, facts.until_s):
+        return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
+    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
+
+
+def _beyond(a: Side, b: Side, at_s: float) -> Verdict:
+    """What a difference at a time past what is known rests on: the problem's own measured sensitivity, or an engine's error."""
+    return Verdict.HORIZON if at_s > _horizon_s(a, b) else Verdict.UNBOUNDED
+
+
+def _horizon_s(a: Side, b: Side) -> float:
+    return min((side.horizon_s for side in (a, b) if side.horizon_s is not None), default=math.inf)
+
+
+def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
+    """The axes of the floor's motion that one side was given and the other, by its name, was not."""
+    if a.axes is None or b.axes is None:
+        return {}
+    missing = {a.name: sorted(set(b.axes) - set(a.axes)), b.name: sorted(set(a.axes) - set(b.axes))}
+    return {name: axes for name, axes in missing.items() if axes}
+
+
+def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
+    """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
+    across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+    times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
+    return replace(facts, fallen_s=min(times, default=None))
+
+
+def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
+    names = f"{a.name} and {b.name}"
+    when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
+    joint = "twice their joint numerical error"
+    if verdict is Verdict.AGREE:
+        text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
+        text += f"({_rad(facts.rotation.limit)})"
+        if facts.slip.largest > ROUNDING:
+            text += f", their slips {_mm(facts.slip.largest)} ({_mm(facts.slip.limit)})"
+    elif verdict in (Verdict.MODEL, Verdict.PLANE):
+        slips = facts.differs_in == "slip"
+        limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+        apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
+        cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
+        text = f"{names} differ by {cause}: {apart}{when}{_before(a, b, facts.until_s)}"
+    elif verdict is Verdict.UNBOUNDED:
+        text = f"{names} agree up to {facts.until_s:.4g} s and differ{when}, where the numerical error of "
+        text += " and ".join(side.name for side in (a, b) if side.reliable_until_s == facts.until_s)
+        text += " is not bounded any more"
+    elif verdict is Verdict.HORIZON:
+        text = f"{names} agree up to {facts.until_s:.4g} s and differ beyond the horizon of prediction{when}"
+    else:
+        side = left or a
+        text = f"{names} differ{when}, after {side.name} left its domain at {side.left_domain_s or 0.0:.4g} s"
+        text += f" ({side.left_domain_by})"
+    if flips and (sided or verdict in OPEN):
+        within = " within the stated uncertainty" if verdict in OPEN else ""
+        text += f"; both overturn, to different sides{within}" if sided else f"; the outcome flips{within}"
+    for name, axes in _not_given(a, b).items():
+        text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
+    unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
+    if unstated:
+        text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
+    slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
+    if slipless and facts.slip.largest > ROUNDING:
+        text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
+    return text + "."
+
+
+def _before(a: Side, b: Side, until_s: float) -> str:
+    """What a robust difference came before."""
+    if math.isinf(until_s):
+        return ""
+    if until_s == _horizon_s(a, b):
+        return f", before the horizon at {until_s:.4g} s"
+    return f", while both numerical errors are bounded (until {until_s:.4g} s)"
+
+
+def _rad(value: float) -> str:
+    return f"{value:.2g} rad"
+
+
+def _mm(value_m: float) -> str:
+    return f"{1e3 * value_m:.2g} mm"
+
+
+def shares(verdicts: Iterable[Verdict]) -> dict[str, float]:
+    """The share of each verdict over a set; all zero for an empty one."""
+    counts = Counter(verdicts)
+    total = sum(counts.values())
+    return {verdict.value: counts[verdict] / total if total else 0.0 for verdict in Verdict}

@@ -1,0 +1,244 @@
+"""The analytic two-block model (docs/model.md) behind the engine contract."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+
+import numpy as np
+
+from analytic.excitation import Rest
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.history import History, Outcome
+from harness.model.options import Capabilities, Want
+from harness.model.run import Pattern, Run
+from harness.model.scene import OVERTURN_RAD, Scene
+
+if TYPE_CHECKING:
+    from analytic import Block, Certified, CommonKeywords, Form, Pedestal, Solution, Wall
+
+ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
+"""The ladder: aimed error of the rotation before it is amplified by the problem itself."""
+PROBE_STEP_S: Final = 0.02
+"""Longest step of the probe that checks the step's length."""
+RELIABLE_RAD: Final = 1e-6
+"""Error up to which a history counts as reliable, whatever is asked of the other engines."""
+
+
+@dataclass(frozen=True)
+class TwoBlockSettings(Settings):
+    """Aimed error of the rotation and the longest step (infinite: as the Taylor series allow)."""
+
+    accuracy_rad: float = 1e-12
+    step_cap_s: float = float("inf")
+
+
+@final
+class TwoBlock(Engine):
+    """Event-driven Taylor integration of the two-block model; rolls over the base profile of a scanned statue."""
+
+    name: ClassVar[str] = "analytic"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=2,
+        certifies=True,
+        uses_mesh=True,
+        skips=frozenset({"quiet_start", "quiet_end", "energy_outcome", "no_history"}),
+    )
+    order: ClassVar[float] = 8.0
+
+    def missing(self) -> str | None:
+        """Always there."""
+        return None
+
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        """Three aimed errors; the step's length follows from them."""
+        return tuple(TwoBlockSettings(0.0, accuracy, accuracy) for accuracy in ACCURACIES_RAD)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        """The finest aimed error with steps no longer than dt_s."""
+        return TwoBlockSettings(dt_s, ACCURACIES_RAD[-1], ACCURACIES_RAD[-1], dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        """A hundredth of the aimed error, and short steps."""
+        accuracy = _own(settings).accuracy_rad
+        return (
+            TwoBlockSettings(0.0, accuracy, 0.01 * accuracy),
+            TwoBlockSettings(PROBE_STEP_S, accuracy, accuracy, PROBE_STEP_S),
+        )
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene and certify the numbers; raises EngineFailure when the model refuses the scene."""
+        from analytic import AnalyticInputError, certify
+
+        chosen = _own(settings)
+        keep = want.history or not want.may_skip("no_history")
+        given: CommonKeywords = {
+            **keywords(scene),
+            "dt_s": scene.output_dt_s if keep else None,
+            "skip_start": want.may_skip("quiet_start"),
+            "skip_rest": want.may_skip("quiet_end"),
+            "skip_energy": want.may_skip("energy_outcome"),
+        }
+        start = time.perf_counter()
+        try:
+            certified = certify(
+                block_of(scene),
+                scene.shake.x,
+                scene.shake.z,
+                accuracy_rad=RELIABLE_RAD,
+                base_accuracy_rad=chosen.accuracy_rad,
+                step_cap_s=chosen.step_cap_s,
+                **given,
+            )
+        except AnalyticInputError as error:
+            raise EngineFailure(str(error)) from error
+        return _run(scene, chosen, certified, time.perf_counter() - start, keep)
+
+
+def _own(settings: Settings) -> TwoBlockSettings:
+    if isinstance(settings, TwoBlockSettings):
+        return settings
+    return TwoBlockSettings(settings.dt_s, settings.expected_error_rad)
+
+
+def block_of(scene: Scene) -> Block:
+    """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one."""
+    from analytic import Block
+
+    statue = scene.statue
+    profile: tuple[tuple[float, float], ...] = ((-statue.corner_left_m, 0.0), (statue.corner_right_m, 0.0))
+    if statue.solid is not None and len(statue.solid.base_profile_m) > 2:
+        profile = tuple((float(x), float(z)) for x, z in statue.solid.base_profile_m)
+    return Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, profile)
+
+
+def _form(scene: Scene) -> Form:
+    from analytic import Form
+
+    return Form(scene.form.friction_normal, scene.contact.restitution, scene.form.pedestal_at_impact)
+
+
+def _pedestal(scene: Scene) -> Pedestal | None:
+    from analytic import Pedestal
+
+    given = scene.pedestal
+    return None if given is None else Pedestal(given.mass_kg, given.width_m, given.height_m, given.offset_m)
+
+
+def _wall(scene: Scene) -> Wall | None:
+    from analytic import Wall
+
+    rotation = scene.wall_rotation_rad
+    return None if scene.wall is None or rotation is None else Wall(scene.wall.side, rotation)
+
+
+def keywords(scene: Scene) -> CommonKeywords:
+    """The keywords of ``analytic.simulate`` that a scene decides."""
+    return {
+        "pedestal": _pedestal(scene),
+        "floor_static": scene.contact.floor_static,
+        "floor_kinetic": scene.contact.floor_kinetic,
+        "statue_friction": scene.contact.statue,
+        "form": _form(scene),
+        "theta0_rad": scene.initial.theta_rad,
+        "theta_rate0_rad_s": scene.initial.theta_rate_rad_s,
+        "duration_s": scene.duration_s,
+        "gravity_m_s2": scene.gravity_m_s2,
+        "wall": _wall(scene),
+        "overturn_rad": OVERTURN_RAD,
+    }
+
+
+def _history(solution: Solution) -> History:
+    return History(solution.t_s, solution.theta_rad, solution.theta_rate_rad_s, solution.slip_m, solution.slip_rate_m_s)
+
+
+def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
+    limits = solution.validity
+    share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
+    found: dict[str, Any] = {
+        "peak_over_slenderness": share,
+        "impact_ratios": [
+            _ratio(event.theta_rate_after_rad_s, event.theta_rate_before_rad_s) for event in solution.impacts
+        ],
+        "energy_gained_j": solution.energy_gained_j,
+        "energy_lost_j": solution.energy_lost_j,
+    }
+    if limits is None:
+        return found
+    found |= {
+        "statue_friction_needed": limits.pivot_friction_needed,
+        "statue_friction_needed_at_impact": limits.pivot_friction_needed_at_impact,
+        "statue_normal_least_n": limits.least_pivot_force_n,
+        "floor_normal_least_n": limits.least_floor_force_n,
+        "left_domain_s": limits.left_domain_s,
+        "left_domain_by": limits.left_domain_by,
+    }
+    if scene.pedestal is not None:
+        found["pedestal_tipping_margin_m"] = limits.pedestal_tipping_margin_m
+        found["pedestal_tipping_margin_at_impact_m"] = limits.pedestal_tipping_margin_at_impact_m
+    return found
+
+
+def _ratio(after: float, before: float) -> float:
+    return after / before if before != 0.0 else 0.0
+
+
+def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
+    work, told = solution.work, []
+    if work.skipped_s > 0.0:
+        told.append(
+            f"{work.skipped_s:.4g} s in which no limit of rest is reached ({work.quiet_samples_skipped} samples of the motion) "
+            "were looked through, not integrated."
+        )
+    if work.ended_by_energy and solution.end_s > 0.0 and not keep:
+        told.append(f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone.")
+    if not keep:
+        told.append("No history and no list of impacts was kept: only the outcome was asked.")
+    if solution.overturn_time_s is not None:
+        told.append("The run ends when the statue has overturned.")
+    return tuple(told)
+
+
+def _warnings(scene: Scene, certified: Certified) -> tuple[str, ...]:
+    told = list(certified.warnings)
+    if not isinstance(scene.shake.y, Rest):
+        told.append("The model is planar: the motion across the rocking plane is left out.")
+    return tuple(told)
+
+
+def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
+    plain = settings.as_dict()
+    return {name: value for name, value in plain.items() if np.isfinite(value) and (name != "dt_s" or value > 0.0)}
+
+
+def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s: float, keep: bool) -> Run:
+    solution = certified.solution
+    work = solution.work
+    return Run(
+        engine=TwoBlock.name,
+        outcome=Outcome(solution.outcome.value),
+        history=_history(solution) if keep else None,
+        settings=_settings(settings),
+        steps=work.steps,
+        wall_s=wall_s,
+        peak_theta_rad=solution.peak_theta_rad,
+        peak_time_s=solution.peak_time_s,
+        end_s=solution.end_s,
+        overturn_time_s=solution.overturn_time_s,
+        no_return_time_s=solution.no_return_time_s,
+        impact_times_s=tuple(float(t) for t in solution.impact_times_s),
+        uplift_times_s=tuple(float(t) for t in solution.uplift_times_s),
+        peak_slip_m=solution.peak_slip_m,
+        residual_slip_m=solution.final_slip_m,
+        patterns=tuple(Pattern(item.start_s, item.end_s, item.pattern) for item in solution.patterns),
+        validity=_validity(scene, solution),
+        numerical_uncertainty_rad=certified.uncertainty_rad,
+        slip_uncertainty_m=certified.slip_uncertainty_m,
+        reliable_until_s=certified.reliable_until_s,
+        work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
+        skipped=_skipped(solution, keep),
+        warnings=_warnings(scene, certified),
+    )

@@ -1,0 +1,75 @@
+"""The contract of an engine: what a model must offer to be run beside the others.
+
+How to add an engine
+--------------------
+1. Write one file in `harness/engines/`, with one final class derived from `Engine`. Import the simulator inside that file
+   only, and inside functions, so that a run that does not ask for it does not pay for it.
+2. Declare `name`, `capabilities` and `order`; the shared tests are driven by them and check them: a flag that is not true
+   fails.
+3. Implement `missing`, `ladder`, `settings_for_dt`, `probes` and `simulate`. A scene arrives resolved (plain numbers, arrays,
+   accelerations): no engine reads a file. Translate the simulator's exceptions into `EngineFailure` at this boundary.
+4. Fill every field of `Run` that the engine can know. A scene that asks for what the engine cannot compute is refused by
+   `EngineFailure` in one sentence; a form of the two-block model that it replaces by its own contact is said in `Run.warnings`.
+5. Add one line to the registry in `harness/engines/__init__.py`, and run `make test`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar, Final
+
+from harness.model.options import Capabilities, Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+FINER: Final = 0.45
+"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
+
+
+class EngineFailure(RuntimeError):
+    """The engine could not finish this run; the harness records it as a failure of this run only."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of one run; each engine extends them. `expected_error_rad` is what this rung reached where it was tuned."""
+
+    dt_s: float
+    expected_error_rad: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """The settings as plain values, as they stand in the record."""
+        return asdict(self)
+
+
+class Engine(ABC):
+    """One model behind the contract. Engines hold no state: every call stands alone."""
+
+    name: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+    order: ClassVar[float]
+    """Declared order of convergence of the rotation in `dt_s`, before the first impact."""
+    agreements: ClassVar[int] = 2
+    """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
+    are shown to fall evenly with the step (`python -m harness.bench.coverage`), two where runs may agree by chance."""
+
+    @abstractmethod
+    def missing(self) -> str | None:
+        """Why the engine cannot run here, in one sentence, or None when it can."""
+
+    @abstractmethod
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        """Settings for this scene from coarse and cheap to fine and dear."""
+
+    @abstractmethod
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        """Settings with the expert's own time step."""
+
+    @abstractmethod
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        """Variations of `settings` (half the step, other body order, more iterations) whose spread is the numerical error."""
+
+    @abstractmethod
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

@@ -1,3 +1,0 @@
-"""Private parts of the pybullet adapter: geometry of the contact, the world, its loop, and what is made of its samples."""
-
-from harness.engines.bullet import quiet as quiet

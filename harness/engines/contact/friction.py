@@ -1,0 +1,60 @@
+"""Two coefficients of friction in an engine that knows one.
+
+The rule, for each step: if the pedestal is stuck when the step begins, the step is computed with the static coefficient; if
+the floor's friction impulse then stands at its limit, the static limit was passed inside the step, and the step is computed
+again from its beginning with the kinetic coefficient (docs/model.md, sections 2 and 3: sticking holds while |F| ≤ μ_s N, else
+F = −μ_k N, in motion and in an impact alike). A step that begins sliding is computed with the kinetic coefficient; when the
+velocity comes to rest or changes sign in it, the next one begins stuck. Without the repetition the first sliding step, or an
+impact that breaks the pedestal loose, acts with μ_s: at an impact that is an error of (μ_s − μ_k) P_n that no step size cures.
+Judging by the velocity instead of the impulse is late by a time that falls only with the root of the step: the velocity has
+first to grow above what the solver leaves in a pedestal that is stuck.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from harness.model.scene import Scene
+
+STUCK_SHARE: Final = 0.02
+"""A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""
+
+LIMIT_SHARE: Final = 1e-6
+"""A friction impulse within this share of μ times the normal impulse is at its limit: rounding of the sums."""
+
+
+@dataclass(frozen=True)
+class FloorFriction:
+    """Coefficients of the pedestal on the floor; `stuck_below_m_s` is the velocity that counts as rest."""
+
+    static: float
+    kinetic: float
+    stuck_below_m_s: float
+
+    @property
+    def switches(self) -> bool:
+        """Whether the two numbers differ, so that the coefficient must follow the sliding state."""
+        return self.static != self.kinetic
+
+    def at_limit(self, friction_n_s: float, normal_n_s: float, *, stuck: bool) -> bool:
+        """Whether an impulse of friction has reached what the coefficient of that state allows."""
+        coefficient = self.static if stuck else self.kinetic
+        return abs(friction_n_s) >= coefficient * normal_n_s * (1.0 - LIMIT_SHARE)
+
+
+def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:
+    """The floor's friction for steps of `dt_s`."""
+    contact = scene.contact
+    return FloorFriction(
+        contact.floor_static, contact.floor_kinetic, STUCK_SHARE * contact.floor_kinetic * scene.gravity_m_s2 * dt_s
+    )
+
+
+def followed(friction: FloorFriction, rate_m_s: float) -> float:
+    """The plainest rule for two numbers in an engine that knows one: kinetic while the pedestal slides, else static.
+
+    It is asked after a step and holds for the next. No step is repeated, so the step in which the pedestal breaks loose acts with
+    the static coefficient: at an impact an error of (μ_s − μ_k) P_n that no step size cures (see above).
+    """
+    return friction.kinetic if abs(rate_m_s) > friction.stuck_below_m_s else friction.static

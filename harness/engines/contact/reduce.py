@@ -1,0 +1,213 @@
+"""From a contact engine's trajectory to the record of its run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.contact import forces, support
+from harness.engines.contact.falling import Fall, fall
+from harness.engines.contact.layer import layer_left
+from harness.engines.contact.rocking import patterns, rocking
+from harness.engines.contact.trajectory import Trajectory
+from harness.model.history import History, Outcome, hermites, output_grid
+from harness.model.run import Run
+from harness.model.scene import OVERTURN_RAD, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What the adapter knows of its own run: settings, counts, sentences.
+
+    `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
+    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it.
+    """
+
+    engine: str
+    settings: Mapping[str, Any]
+    steps: int
+    wall_s: float
+    resolution_rad: float
+    stuck_below_m_s: float
+    rested: bool = False
+    with_history: bool = True
+    validity: Mapping[str, Any] = field(default_factory=dict)
+    work: Mapping[str, int] = field(default_factory=dict)
+    skipped: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    labels: Sequence[str] = ()
+
+
+def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
+    """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
+
+    The run ends at the overturning rotation, the same in every model; the time is interpolated between two samples.
+    """
+    finite = (
+        np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
+    )
+    if not finite.all():
+        return _diverged(report, float(trajectory.t_s[int(np.flatnonzero(~finite)[0])]))
+    end_s, overturn_s, kept = _ending(scene, trajectory, report.rested)
+    motion = trajectory.until(kept)
+    theta, rate = motion.theta_rad, motion.theta_rate_rad_s
+    swings = rocking(motion.t_s, theta, rate, report.resolution_rad)
+    wall = support.wall_touch(scene, motion)
+    inside = motion.t_s <= end_s
+    peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
+    derived = _derive(scene, motion)
+    fallen = fall(scene, motion, overturn_s)
+    outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
+    if not outcome.overturned and overturn_s is None:
+        fallen = None
+    validity = _validity(scene, motion, derived)
+    validity |= layer_left(motion, derived.slip_m, derived.gap_m)
+    validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
+    if wall is not None:
+        validity["wall_touch_time_s"] = float(motion.t_s[wall])
+    return Run(
+        engine=report.engine,
+        outcome=outcome,
+        history=_history(scene, motion, derived, end_s) if report.with_history else None,
+        settings=report.settings,
+        steps=report.steps,
+        wall_s=report.wall_s,
+        peak_theta_rad=float(abs(theta[peak])) if overturn_s is None else OVERTURN_RAD,
+        peak_time_s=float(motion.t_s[peak]) if overturn_s is None else overturn_s,
+        end_s=end_s,
+        overturn_time_s=None if fallen is None else fallen.overturn_s,
+        no_return_time_s=None if fallen is None else fallen.no_return_s,
+        impact_times_s=tuple(time for time in swings.impact_times_s if time <= end_s),
+        uplift_times_s=tuple(time for time in swings.uplift_times_s if time <= end_s),
+        peak_slip_m=float(np.abs(motion.slip_m).max()),
+        residual_slip_m=float(motion.slip_m[-1]),
+        patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
+        validity=validity | dict(report.validity),
+        work=report.work,
+        skipped=report.skipped,
+        warnings=report.warnings,
+        labels=report.labels,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Derived:
+    """What validity and history both read off a trajectory, shape (n,): impulses, slip and gap of the corners, energy."""
+
+    impulses: forces.Impulses
+    slip_m: Array
+    gap_m: Array
+    energy_j: Array
+
+
+def _derive(scene: Scene, motion: Trajectory) -> _Derived:
+    at = support.corners(scene, motion)
+    return _Derived(
+        forces.impulses(scene, motion),
+        support.statue_slip_m(scene, motion, at),
+        support.gap_m(scene, motion, at),
+        forces.energy_j(scene, motion),
+    )
+
+
+def _diverged(report: Report, time_s: float) -> Run:
+    message = f"the engine's numbers are not finite from {time_s:.6g} s"
+    return Run(
+        engine=report.engine,
+        outcome=Outcome.DIVERGED,
+        history=None,
+        settings=report.settings,
+        steps=report.steps,
+        wall_s=report.wall_s,
+        peak_theta_rad=0.0,
+        peak_time_s=0.0,
+        end_s=time_s,
+        message=message,
+        warnings=(*report.warnings, message),
+        labels=report.labels,
+    )
+
+
+def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, float | None, int]:
+    """End of the run, time of overturning or None, and the number of samples that belong to it."""
+    t_s, size = trajectory.t_s, np.abs(trajectory.theta_rad)
+    over = np.flatnonzero(size >= OVERTURN_RAD)
+    if over.size:
+        k = int(over[0])
+        if k == 0:
+            return float(t_s[0]), float(t_s[0]), 1
+        share = (OVERTURN_RAD - size[k - 1]) / (size[k] - size[k - 1])
+        time = float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
+        if time <= scene.duration_s:
+            return time, time, k + 1
+    last = scene.duration_s if rested else min(float(t_s[-1]), scene.duration_s)
+    count = int(np.searchsorted(t_s, last, side="left")) + 1
+    return last, None, min(count, t_s.size)
+
+
+def _outcome(scene: Scene, motion: Trajectory, fallen: Fall | None, wall: int | None, statue_slip_m: Array) -> Outcome:
+    """What came first: the wall before a fall across the plane, the slide off the support before the balance point."""
+    passed_s = math.inf if fallen is None or fallen.no_return_s is None else fallen.no_return_s
+    if wall is not None and (fallen is None or not fallen.across or motion.t_s[wall] <= passed_s):
+        return Outcome.TOUCHES_WALL
+    if fallen is not None and fallen.whole:
+        return fallen.outcome
+    until = int(np.searchsorted(motion.t_s[:-1], passed_s))
+    if _left_support(scene, motion, float(statue_slip_m[until])):
+        return Outcome.LEFT_PEDESTAL
+    return Outcome.STANDS if fallen is None else fallen.outcome
+
+
+def _left_support(scene: Scene, motion: Trajectory, statue_slip_m: float) -> bool:
+    """Whether the middle of the statue's base is beside the pedestal's top."""
+    if scene.pedestal is None or motion.pedestal_xz_m is None:
+        return False
+    middle = -scene.pedestal.offset_m + statue_slip_m
+    return abs(middle) > 0.5 * scene.pedestal.width_m
+
+
+def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, Any]:
+    gap = derived.gap_m
+    validity: dict[str, Any] = {
+        **forces.force_limits(scene, motion, derived.impulses),
+        "statue_slip_m": float(np.abs(derived.slip_m).max()),
+        "statue_flight_m": float(max(gap.max(), 0.0)),
+        "penetration_m": float(max(-gap.min(), 0.0)),
+        "energy_gained_j": forces.energy_gained_j(scene, motion, derived.energy_j),
+    }
+    if "pedestal_tilt_rad" in motion.extra:
+        validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
+    return validity
+
+
+def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
+    return [b / a if a != 0.0 else 0.0 for a, b in zip(before, after, strict=True)]
+
+
+def _history(scene: Scene, motion: Trajectory, derived: _Derived, end_s: float) -> History:
+    grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
+    t_s, found = motion.t_s, derived.impulses
+    columns = {"statue_slip_m": derived.slip_m, "energy_j": derived.energy_j, **motion.extra}
+    extra = {name: np.interp(grid, t_s, values) for name, values in columns.items()}
+    loads = {"statue_force_x_n": found.statue_x, "statue_force_z_n": found.statue_z}
+    if scene.pedestal is not None:
+        loads |= {"floor_force_x_n": found.floor_x, "floor_force_z_n": found.floor_z}
+    extra |= zip(loads, forces.mean_forces(t_s, list(loads.values()), grid), strict=True)
+    theta, slip = hermites(
+        grid, t_s, ((motion.theta_rad, motion.theta_rate_rad_s), (motion.slip_m, motion.slip_rate_m_s))
+    )
+    return History(
+        grid,
+        theta,
+        np.interp(grid, t_s, motion.theta_rate_rad_s),
+        slip,
+        np.interp(grid, t_s, motion.slip_rate_m_s),
+        extra,
+    )

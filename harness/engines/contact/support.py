@@ -1,0 +1,97 @@
+"""Where the statue stands on its support: slip, gap and penetration of its corners, and the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.contact.trajectory import Trajectory
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+CORNERS_ONLY_RAD: Final = 0.3
+"""Below this lean a statue on a flat base is taken to touch with its corners only; above it every point is asked."""
+FLAT_M: Final = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Places of both corners in the table's frame, m, shape (n,), for a planar pose."""
+
+    right_x: Array
+    right_z: Array
+    left_x: Array
+    left_z: Array
+
+
+def corners(scene: Scene, trajectory: Trajectory) -> Corners:
+    """Where both corners of the base are at each sample."""
+    statue = scene.statue
+    right, left, z = statue.corner_right_m, -statue.corner_left_m, -statue.centroid_height_m
+    cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
+    place_x, place_z = trajectory.statue_xz_m[:, 0], trajectory.statue_xz_m[:, 1]
+    # θ turns clockwise: x' = x cos θ + z sin θ, z' = z cos θ − x sin θ.
+    z_sin, z_cos = z * sin, z * cos
+    return Corners(
+        place_x + (right * cos + z_sin),
+        place_z + (z_cos - right * sin),
+        place_x + (left * cos + z_sin),
+        place_z + (z_cos - left * sin),
+    )
+
+
+def statue_slip_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
+    """Displacement of the standing corner along the support since t = 0, shape (n,): the model assumes none."""
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    # Upright the corners are a base apart; the standing one tells where the base is.
+    place = np.where(trajectory.theta_rad >= 0.0, at.right_x, at.left_x + base) - trajectory.slip_m
+    start: Array = place - place[0]
+    return start
+
+
+def gap_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
+    """Height of the lowest point above the support, shape (n,); negative: penetration. The support is taken as level.
+
+    Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
+    """
+    lowest = np.minimum(at.right_z, at.left_z)
+    far = np.abs(trajectory.theta_rad) > CORNERS_ONLY_RAD if _flat(scene) else np.ones(lowest.size, dtype=bool)
+    if far.any():
+        theta, height = trajectory.theta_rad[far], trajectory.statue_xz_m[far, 1]
+        cos, sin = np.cos(theta), np.sin(theta)
+        least = np.full(theta.size, np.inf)
+        for x, z in scene.statue.section_m:
+            least = np.minimum(least, (z - scene.statue.centroid_height_m) * cos - x * sin)
+        lowest[far] = height + least
+    top = np.zeros_like(lowest)
+    if scene.pedestal is not None and trajectory.pedestal_xz_m is not None:
+        top = trajectory.pedestal_xz_m[:, 1] + scene.pedestal.centroid_height_m
+    gap: Array = lowest - top
+    return gap
+
+
+def _flat(scene: Scene) -> bool:
+    """Whether the silhouette has both corners at z = 0 and nothing below."""
+    statue = scene.statue
+    corners = np.array([[-statue.corner_left_m, 0.0], [statue.corner_right_m, 0.0]])
+    apart = np.abs(statue.section_m[:, None, :] - corners[None, :, :]).sum(axis=2)
+    return bool(np.all(apart.min(axis=0) <= FLAT_M) and np.min(statue.section_m[:, 1]) >= -FLAT_M)
+
+
+def wall_touch(scene: Scene, trajectory: Trajectory) -> int | None:
+    """First sample at which the statue's silhouette reaches the wall, None if it never does or there is no wall."""
+    if scene.wall is None:
+        return None
+    statue, sign = scene.statue, scene.wall.sign
+    reach = statue.corner_m(sign) + scene.wall.distance_m
+    cos, sin = np.cos(trajectory.theta_rad), np.sin(trajectory.theta_rad)
+    furthest = np.full(trajectory.t_s.size, -np.inf)
+    for x, z in statue.section_m:
+        along = x * cos + (z - statue.centroid_height_m) * sin
+        furthest = np.maximum(furthest, sign * (trajectory.statue_xz_m[:, 0] + along))
+    touching = np.flatnonzero(furthest >= reach)
+    return int(touching[0]) if touching.size else None

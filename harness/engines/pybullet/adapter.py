@@ -1,0 +1,174 @@
+"""pybullet: rigid bodies with contact in three dimensions, the statue's own mesh on spheres at its base's vertices."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.contact.friction import floor_friction
+from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.pybullet.settings import BulletSettings
+from harness.model.options import Capabilities, Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.course import Course, Setup
+
+Array = NDArray[np.float64]
+
+STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
+ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
+"""What the rungs are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
+`python -m harness.bench.pybullet_levels`, as random scenes err by more (docs/pybullet_contact.md).
+"""
+ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
+"""The same on a pedestal, and"""
+ACROSS_RAD: Final = (6e-4, 4e-4, 1.5e-4, 9e-5, 7e-5, 6e-5, 6e-5)
+"""for a scan or motion across the plane: the largest errors on a rung or a finer one, rounded up."""
+TIGHTER: Final = 0.3
+"""Residual of a probe over its rung's."""
+SWEEPS: Final = 1000
+"""So many the finest rung makes, and"""
+SWEEPS_ALONE: Final = 300
+"""without a pedestal, where these already reach rounding."""
+REST_BAND_RAD: Final = 1e-5
+"""Rotation within which a statue that rests on all its feet is left by the contact's slop."""
+OUT_OF_PLANE_TOLD_RAD: Final = 1e-3
+"""A larger rotation out of the plane is said: a planar model cannot follow it."""
+
+
+@final
+class Bullet3D(Engine):
+    """pybullet, in the contract of the harness."""
+
+    name: ClassVar[str] = "pybullet"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=3,
+        uses_mesh=True,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        moving_table=True,
+        forces=True,
+        skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),
+    )
+    order: ClassVar[float] = 1.0
+    agreements: ClassVar[int] = 1
+
+    def missing(self) -> str | None:
+        """Why pybullet cannot run here, or None."""
+        try:
+            import pybullet  # noqa: F401
+        except ImportError as error:
+            return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
+        return None
+
+    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+        """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
+        return _rungs(scene)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
+        """The nearest finer rung's settings with the expert's step."""
+        ladder = _rungs(scene)
+        rung = next((item for item in ladder if item.dt_s <= dt_s * (1.0 + 1e-9)), ladder[-1])
+        return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        """Less than half the step, with the equations of each step solved more tightly; where they are solved to the end (a
+        residual of 0), with the bodies in the other order too: before that the order changes how far the sweeps get, not what
+        they seek. It is expected to err by what the finest rung does that is no finer.
+        """
+        rung = _own(settings)
+        other = rung.reversed_bodies != (rung.residual == 0.0)
+        tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations, reversed_bodies=other)
+        probe = replace(tighter, dt_s=FINER * rung.dt_s)
+        coarser = (item for item in _rungs(scene) if item.dt_s >= probe.dt_s and item.residual >= probe.residual)
+        expected = min((item.expected_error_rad for item in coarser), default=rung.expected_error_rad)
+        return (replace(probe, expected_error_rad=min(expected, rung.expected_error_rad)),)
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
+        from harness.engines.pybullet import course
+        from harness.engines.pybullet.columns import trajectory
+
+        rung = _own(settings)
+        begin = time.perf_counter()
+        setup = course.prepare(scene)
+        found = course.run(scene, rung, setup, want)
+        path = trajectory(scene, found.record, setup.axes, rung.dt_s)
+        report = Report(
+            engine=self.name,
+            settings=rung.as_dict(),
+            steps=len(found.record.t_s) - 1,
+            wall_s=time.perf_counter() - begin,
+            resolution_rad=REST_BAND_RAD,
+            stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
+            rested=found.record.rested,
+            with_history=want.history or not want.may_skip("no_history"),
+            validity=_validity(path.extra, setup, found),
+            work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
+            skipped=found.skipped,
+            warnings=_warnings(scene, setup, found, path.extra),
+            labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
+        )
+        return reduce_trajectory(scene, path, report)
+
+
+def _rungs(scene: Scene) -> tuple[BulletSettings, ...]:
+    """The ladder: steps that halve, then the finest one with its equations solved to the end."""
+    expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
+    *stepped, last = expected if scene.planar else ACROSS_RAD
+    sweeps = SWEEPS_ALONE if scene.pedestal is None else SWEEPS
+    halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
+    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=sweeps))
+
+
+def _own(settings: Settings) -> BulletSettings:
+    if not isinstance(settings, BulletSettings):
+        raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
+    return settings
+
+
+def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[str, Any]:
+    """What three dimensions add to the limits of the planar model."""
+    return {
+        "out_of_plane_rad": float(np.max(np.abs(extra["out_of_plane_rad"]))),
+        "yaw_rad": float(np.max(np.abs(extra["yaw_rad"] - extra["yaw_rad"][0]))),
+        "statue_across_m": float(np.max(np.abs(extra["statue_y_m"]))),
+        "rest_lean_rad": setup.rest.lean_rad,
+        "touching_vertices": len(setup.feet_m),
+        "mirrored": found.mirrored,
+        "plain_from_s": found.record.plain_from_s,
+        "plain_for_s": found.record.plain_s,
+        "full_shape_from_s": found.full_from_s,
+        "full_shape": None if found.full is None else found.full.told,
+    }
+
+
+def _warnings(scene: Scene, setup: Setup, found: Course, extra: Mapping[str, Array]) -> tuple[str, ...]:
+    said = []
+    if found.full is not None and found.full.warning is not None:
+        said.append(found.full.warning)
+    if scene.form.friction_normal == "static" and scene.pedestal is not None:
+        said.append("friction uses the contact's own normal force: model.friction_normal = static is not computed")
+    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
+        said.append("impacts are the contact's own: model.pedestal_at_impact = unchanged is not computed")
+    if not setup.rest.found:
+        said.append("no face of the mesh's hull carries the centroid within 0.2 rad of upright: the run starts upright")
+    if setup.rest.lean_rad > 0.0:
+        said.append(
+            f"the base as scanned is not flat: at rest the statue's axis leans by {setup.rest.lean_rad:.3g} rad"
+        )
+    across = float(np.max(np.abs(extra["out_of_plane_rad"] - extra["out_of_plane_rad"][0])))
+    if scene.planar and across > OUT_OF_PLANE_TOLD_RAD:
+        said.append(f"the scene is planar, yet the statue left its plane by {across:.2g} rad")
+    return tuple(said)

@@ -1,0 +1,231 @@
+"""The course of one run: what the statue is in this world, where integration begins, and which shapes it needs when."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.contact.frame import greatest_pull_m_s2, step_count
+from harness.engines.pybullet import feet, loop, mirror, pose
+from harness.engines.pybullet.edge import Crossing, EdgeWatch
+from harness.engines.pybullet.full import FullShape, full_shape
+from harness.engines.pybullet.loop import MOST_FREE, Watch
+from harness.engines.pybullet.march import March
+from harness.engines.pybullet.schedule import Schedule
+from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.pybullet.stepper import Record, Row, Stepper, reader
+from harness.engines.pybullet.touch import Touch
+from harness.engines.pybullet.world import STILL, UPRIGHT, World
+from harness.model.options import Want
+from harness.model.scene import Scene
+from harness.statics.plan import first_motion_s
+
+Array = NDArray[np.float64]
+
+LOOK_AHEAD_STEPS: Final = MOST_FREE + 4
+"""Steps between two looks at the pedestal's edge at most: those taken at once, and what an event takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """The statue in its principal frame, origin at its centroid: `axes` (3, 3) as columns in the statue frame, `moments` (3,),
+    `feet_m` (k, 3) and `hull_m` (n, 3); `rest` is its pose at rest, `start` its state at t = 0.
+    """
+
+    axes: Array
+    moments: Array
+    feet_m: Array
+    hull_m: Array
+    rest: feet.Rest
+    start: pose.Body
+    mirrored: bool = False
+    in_plane: bool = False
+
+    @property
+    def flat(self) -> Setup:
+        """All of a scene that mirrors itself, its bodies turning in the plane alone."""
+        return replace(self, moments=mirror.locked(self.moments), in_plane=True)
+
+    @property
+    def halved(self) -> Setup:
+        """The half of a scene that mirrors itself."""
+        return replace(self.flat, feet_m=mirror.halved(self.feet_m), mirrored=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Samples of a whole run; `full_from_s` is when the full shape `full` took over from its feet, both None if it never did.
+
+    `mirrored` says that half of a scene that is its own mirror image was computed, up to there.
+    """
+
+    record: Record
+    skipped: tuple[str, ...]
+    full_from_s: float | None
+    full: FullShape | None
+    mirrored: bool = False
+
+
+def prepare(scene: Scene) -> Setup:
+    """Feet, hull, inertia, rest pose and start of a scene's statue."""
+    statue = scene.statue
+    moments, axes = pose.principal(statue)
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    hull = feet.hull_vertices(statue)
+    # A wall can be touched by any vertex, a level support only by those that a lean brings down.
+    touching = hull if scene.wall is not None else feet.touchable(statue)
+    rest = feet.rest(statue)
+    start = pose.start(scene, touching, rest, axes)
+    return Setup(axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start)
+
+
+def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
+    """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
+    count = step_count(scene.duration_s, rung.dt_s)
+    quiet_s = quiet_start_s(scene, setup) if want.may_skip("quiet_start") else 0.0
+    first = min(int(quiet_s / rung.dt_s), count - 1)
+    schedule = Schedule(scene, rung.dt_s, first, count)
+    full = None
+    if scene.pedestal is not None and not want.may_skip("base_only"):
+        full = full_shape(scene, rung.full_shape)
+    whole = setup
+    if want.may_skip("mirror") and mirror.halves(scene):
+        whole = setup.flat
+        setup = whole if full is not None else setup.halved
+    crossing = None if full is None else _crossing(scene, setup, _first_row(scene, setup))
+    watch = _watch(scene, rung, setup, want, crossing)
+    record = _part(scene, rung, setup, schedule, watch, full=full, crossing=crossing)
+    full_from = None if full is None else 0.0
+    while watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
+        # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
+        # world with the full shape, and with these feet.
+        full_from = record.t_s[-1] if full_from is None else full_from
+        full, crossing = full or full_shape(scene, rung.full_shape), _crossing(scene, whole, record.last)
+        watch = _watch(scene, rung, whole, want, crossing)
+        rest_of = _part(scene, rung, whole, schedule, watch, full=full, crossing=crossing, done=record)
+        record = _joined(record, rest_of)
+    said = _skipped(scene, first * rung.dt_s, full_from, record.rested, in_plane=setup.in_plane)
+    return Course(record, said, full_from, full, setup.mirrored)
+
+
+def _crossing(scene: Scene, setup: Setup, row: Row) -> Crossing | None:
+    """What tells a foot that comes over the pedestal's edges, from a row on."""
+    p = scene.pedestal
+    return None if p is None else Crossing(setup.feet_m, (0.5 * p.width_m, 0.5 * p.depth_m), row)
+
+
+def _first_row(scene: Scene, setup: Setup) -> Row:
+    """The row at t = 0 on a pedestal."""
+    p, start = scene.pedestal, setup.start
+    centre = (0.0, 0.0, 0.0) if p is None else (scene.statue.base_centre_m + p.offset_m, 0.0, p.centroid_height_m)
+    return (*start.place_m, *start.turn, *start.velocity_m_s, *start.rate_rad_s, *centre, *UPRIGHT, *STILL, *STILL)
+
+
+def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, crossing: Crossing | None) -> Watch:
+    """What the loop looks at; with `crossing` in a world of full shapes."""
+    end_s = scene.shake.end_s
+    may_rest = want.may_skip("quiet_end") and end_s < scene.duration_s
+    edges = None
+    if scene.pedestal is not None:
+        p = scene.pedestal
+        half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
+        edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, greatest_pull_m_s2(scene))
+    return Watch(
+        axis=_vector(setup.axes[2]),
+        rest=_vector(setup.rest.rotation[:, 2]),
+        quiet_from=math.ceil(end_s / rung.dt_s) if may_rest else None,
+        impose=scene.contact.restitution is not None,
+        halt=edges if crossing is None else crossing,
+        stop=want.stop,
+        touch=touch_of(scene, setup, rung, edges=crossing is not None) if rung.events else None,
+        edges=None if crossing is None else edges,
+    )
+
+
+def touch_of(scene: Scene, setup: Setup, rung: BulletSettings, *, edges: bool = False) -> Touch:
+    """What finds the impacts of the base; with `edges` a foot beside the pedestal's top meets nothing there."""
+    p = scene.pedestal
+    half = None if p is None else 0.5 * p.height_m
+    within = (0.5 * p.width_m, 0.5 * p.depth_m) if edges and p is not None else None
+    return Touch(scene, setup.feet_m, half, rung.dt_s, within)
+
+
+def _part(
+    scene: Scene,
+    rung: BulletSettings,
+    setup: Setup,
+    schedule: Schedule,
+    watch: Watch,
+    *,
+    full: FullShape | None,
+    crossing: Crossing | None,
+    done: Record | None = None,
+) -> Record:
+    """One world: from the scene's start, or from where another one has come to."""
+    statue = scene.statue
+    pedestal = wall = None
+    if scene.pedestal is not None:
+        pedestal = (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
+    if scene.wall is not None:
+        sign = scene.wall.sign
+        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    bodies = None if full is None else full.turned(centroid, setup.axes)
+    with World(rung, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
+        whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
+        world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
+        stepper = Stepper(world, scene, schedule)
+        if done is None:
+            march = March(stepper, reader(world)(), schedule.first, schedule.first * rung.dt_s, even=True)
+        else:
+            stepper.restore(done.last)
+            march = March(stepper, done.last, round(done.t_s[-1] / rung.dt_s), done.kick_s[-1], even=False)
+        return loop.integrate(scene, schedule, watch, march)
+
+
+def _joined(before: Record, after: Record) -> Record:
+    return Record(
+        before.width,
+        before.t_s + after.t_s[1:],
+        before.kick_s + after.kick_s[1:],
+        before.flat + after.flat[after.width :],
+        before.repeated + after.repeated,
+        before.imposed + after.imposed,
+        after.rested,
+        after.plain_from_s if before.plain_from_s is None else before.plain_from_s,
+        before.plain_s + after.plain_s,
+    )
+
+
+def quiet_start_s(scene: Scene, setup: Setup) -> float:
+    """Time before which nothing can move: 0 where the statue rests aslant."""
+    return first_motion_s(scene) if setup.rest.lean_rad == 0.0 else 0.0
+
+
+def _skipped(
+    scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool, *, in_plane: bool
+) -> tuple[str, ...]:
+    said = []
+    if in_plane:
+        half = "its bodies turn in the plane alone" if full_from_s == 0.0 else "half of it is computed"
+        said.append(f"mirror: the scene is its own mirror image across the rocking plane: {half}")
+    if quiet_s > 0.0:
+        said.append(f"quiet_start: the first {quiet_s:.4g} s, in which nothing can move")
+    if full_from_s is None:
+        why = (
+            "a level floor and a wall touch a convex body at its vertices only"
+            if scene.pedestal is None
+            else "no part of the statue came below the pedestal's top or beside it, where its edges are"
+        )
+        said.append(f"base_only: collision shapes beyond the vertices that touch; {why}")
+    if rested:
+        said.append("quiet_end: the rest of the run, in which statue and table are still")
+    return tuple(said)
+
+
+def _vector(values: Array) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])

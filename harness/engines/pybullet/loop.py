@@ -1,0 +1,222 @@
+"""The loop: whole steps, shorter ones around events, when to stop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from harness.engines.contact.frame import greatest_pull_m_s2
+from harness.engines.contact.spatial import fallen
+from harness.engines.pybullet import imposing
+from harness.engines.pybullet import micro_rocking as rattle
+from harness.engines.pybullet.coming import Coming
+from harness.engines.pybullet.march import March
+from harness.engines.pybullet.meeting import meet
+from harness.engines.pybullet.schedule import Schedule, Vector
+from harness.engines.pybullet.stepper import ALONE, Record, Row, axis_of
+from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, Touch
+from harness.model.scene import Scene
+
+AHEAD: Final = 1.5
+"""Steps between the last look at an event and the step in which it may fall."""
+LEAST_SHARE: Final = 0.1
+"""Share of kinetic friction's deceleration below which a change of the pedestal's velocity is the solver's remainder."""
+RESTING_FREE: Final = 4
+"""Steps taken at once at rest: an uplift and its return inside them are below a step's own error."""
+MOST_FREE: Final = 16
+"""Steps taken at once at most: so often are overturning, rest and the pedestal's edge looked at."""
+BESIDE_FREE: Final = 2
+"""Steps taken at once where the pedestal's edges may be met: a foot that slides over one stands beside it for no longer."""
+MOST_JOLTS: Final = 8
+"""Events met within one step at most: what touches again and again comes to rest in a whole one."""
+LEANING: Final = 0.2
+"""An axis whose vertical component is larger is far from overturned."""
+TIPPED_RAD: Final = 2e-5
+"""A pedestal that leans more than this by the end of a step tips (the sweeps leave up to 1e-6 rad in one that stands, in a
+whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
+TIPPED_RAD_S2: Final = 20.0
+"""this acceleration, of a body that tips freely, gives in two steps: of so much the sweeps of longer steps leave a part."""
+STILL_LEAN_RAD: Final = 1e-4
+"""A statue at rest on its base leans less than this from its pose at rest."""
+STILL_M_S: Final = 1e-5
+"""Velocity, m/s and rad/s, below which everything counts as still."""
+LOOK_STEPS: Final = 64
+"""Steps between two questions whether the run may end."""
+STILL_CHECK: Final = 64
+STILL_CHECKS: Final = 16
+"""A run may end when everything was still at this many checks in a row, `STILL_CHECK` steps apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """What the loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
+
+    `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
+    run is not ended at rest). `halt` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
+    `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps,
+    as they are while `edges` says that the pedestal's edges may be met.
+    """
+
+    axis: Vector
+    rest: Vector
+    quiet_from: int | None
+    impose: bool
+    halt: Callable[[Row], bool] | None = None
+    stop: Callable[[float, float], bool] | None = None
+    touch: Touch | None = None
+    edges: Callable[[Row], bool] | None = None
+
+
+def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> Record:
+    """Run `march` to the schedule's end, an overturn, rest, or a halt."""
+    pull = greatest_pull_m_s2(scene)
+    kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
+    still, record = Still(watch), march.record
+    look, halt_look, beside = march.number, march.number, False
+    while march.number < schedule.count:
+        row = march.row
+        zx, zy, zz = axis_of(row, watch.axis)
+        if zz < LEANING and fallen(zx, zy, zz):
+            break
+        if march.on_grid:
+            if watch.halt is not None and march.number >= halt_look:
+                if watch.halt(row):
+                    break
+                beside = watch.edges is not None and watch.edges(row)
+                halt_look = march.number + (BESIDE_FREE if beside else MOST_FREE)
+            if watch.stop is not None and march.number >= look:
+                look = march.number + LOOK_STEPS
+                if watch.stop(march.t_s, math.atan2(zx, zz)):
+                    break
+            if still.lasts(march.number, row, zx, zy):
+                record.rested = True
+                break
+        free = MOST_FREE
+        if watch.touch is not None and (beside or tips(row, march.step_s)):
+            free = BESIDE_FREE if beside else MOST_FREE
+            march.leave_plain(free)
+        elif watch.touch is not None and march.jolts < MOST_JOLTS:
+            free = _touched(march, scene, watch.touch, watch)
+            if free == 0:
+                continue
+            if len(row) > ALONE and len(record.t_s) > 1:
+                free = min(free, _halted(march, pull, kinetic))
+                if free == 0:
+                    continue
+        if march.even:
+            begin = march.number - schedule.first
+            march.wholes(schedule.coarse[begin : begin + free])
+        else:
+            march.to_next()
+    record.repeated = march.stepper.repeated
+    return record
+
+
+def tips(row: Row, step_s: float) -> bool:
+    """Whether the pedestal tips: its impacts on the floor are not located, and those of the statue are none on a held support."""
+    if len(row) == ALONE:
+        return False
+    a, b, c, d = row[16:20]
+    tilt = math.hypot(2.0 * (a * c + b * d), 2.0 * (b * c - a * d))
+    return tilt + step_s * math.hypot(row[23], row[24]) > max(TIPPED_RAD, TIPPED_RAD_S2 * step_s * step_s)
+
+
+def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
+    """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
+    stepper, step_s = march.stepper, march.step_s
+    if march.swing is not None and _followed(march, touch, march.swing):
+        return 0
+    coming, soonest, foot = touch(march.row, stepper.table_place[2], stepper.table_rate[2])
+    if watch.impose:
+        return _imposed(march, scene, touch, watch, soonest)
+    # Its velocity is of half a step ago: it may come sooner than at that.
+    if coming == math.inf or march.t_s + min(coming, soonest) > march.next_s:
+        return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
+    _meet(march, touch, Coming(march, touch, foot))
+    return 0
+
+
+def _meet(march: March, touch: Touch, coming: Coming) -> None:
+    """A foot that comes down, and the swing that begins with its impact."""
+    meet(march, touch, coming, march.impact, coming.speeds)
+    if march.jolted:
+        march.swing = rattle.after_impact(march, touch)
+
+
+def _followed(march: March, touch: Touch, swing: rattle.Swing) -> bool:
+    """Whether a part of a short swing, or its impact, was made; if not it is no short one any more."""
+    due = rattle.follow(march, swing)
+    if due is None:
+        march.swing = None
+    elif due:
+        _meet(march, touch, swing.coming)
+    return due is not None
+
+
+def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: float) -> int:
+    """The same where impacts are prescribed: one is imposed when the statue passes upright."""
+    step_s = march.step_s
+    # Right after an impact the statue is upright, to the last digit or not.
+    coming = math.inf if march.jolted else _upright(march, watch)
+    sure = min(soonest, coming)
+    if coming == math.inf or march.t_s + sure > march.next_s:
+        return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
+
+    def impose() -> None:
+        lean = axis_of(march.row, watch.axis)[0] - watch.rest[0]
+        march.jolt(imposing.impose(march.stepper, scene, march.row, lean))
+        march.record.imposed += 1
+
+    meet(march, touch, lambda: _upright(march, watch), impose)
+    return 0
+
+
+def _upright(march: March, watch: Watch) -> float:
+    """Time, s, until the statue passes upright; infinite when it does not come down."""
+    lean, rate = axis_of(march.row, watch.axis)[0] - watch.rest[0], march.row[11]
+    return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
+
+
+def _halted(march: March, pull: float, kinetic: float) -> int:
+    """Number of whole steps in which the pedestal cannot come to a halt; 0 when it was about to and its halt has been met.
+
+    `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
+    """
+    stepper, row, record, step_s = march.stepper, march.row, march.record, march.step_s
+    before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
+    vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
+    speed = math.hypot(vx, vy)
+    if speed <= LEAST_SHARE * kinetic * step_s:
+        return RESTING_FREE
+    last_s = record.kick_s[-1] - record.kick_s[-2]
+    if last_s <= 0.0 or march.jolted:
+        return 1
+    ax = (vx - before[0] + stepper.table_before[0]) / last_s
+    ay = (vy - before[1] + stepper.table_before[1]) / last_s
+    slowing = -(vx * ax + vy * ay) / speed
+    if slowing > LEAST_SHARE * kinetic:
+        halt_s = march.kick_s + speed / slowing
+        if halt_s <= 0.5 * (march.t_s + march.next_s):
+            march.halt(halt_s)
+            return 0
+    return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
+
+
+class Still:
+    """Counts the checks in a row at which nothing moved, from the step on from which the table is still."""
+
+    def __init__(self, watch: Watch) -> None:
+        self.watch, self.next, self.count = watch, watch.quiet_from, 0
+
+    def lasts(self, number: int, row: Row, zx: float, zy: float) -> bool:
+        """Whether everything has been still long enough."""
+        if self.next is None or number < self.next:
+            return False
+        self.next = number + STILL_CHECK
+        rest = self.watch.rest
+        moving = row[7:13] if len(row) == 13 else row[7:13] + row[20:26]
+        upright = max(abs(zx - rest[0]), abs(zy - rest[1])) < STILL_LEAN_RAD
+        self.count = self.count + 1 if upright and max(map(abs, moving)) < STILL_M_S else 0
+        return self.count >= STILL_CHECKS

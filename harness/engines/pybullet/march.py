@@ -1,0 +1,176 @@
+"""One step after another: whole ones, and shorter ones around an event. Places and velocities keep clocks of their own.
+
+Bullet changes velocities first and places after. A step is therefore two numbers: how far the places go, and up to when the
+velocities are taken (`kick_s`, the middle of a whole step). For an impact the velocities are brought to its instant, the places
+to the contact, and the impact takes no time: Bullet solves a step in which nothing pulls, of which only the velocities are kept.
+"""
+
+from __future__ import annotations
+
+from array import array
+from typing import TYPE_CHECKING, Final
+
+from harness.engines.pybullet import release
+from harness.engines.pybullet.pose import advanced
+from harness.engines.pybullet.schedule import Vector
+from harness.engines.pybullet.stepper import ALONE, Record, Row, Stepper
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.micro_rocking import Swing
+
+NO_PULL: Final = (0.0, 0.0, 0.0)
+SHORTEST: Final = 2e-3
+"""Share of a step below which none is taken."""
+TOGETHER: Final = 0.05
+"""Feet that come down within this share of a step meet their support at once, as those of one edge do: an impact's length."""
+LEAST_REST: Final = 0.04
+"""A rest of a step shorter than this goes with the part before it."""
+LOOK_STEPS: Final = 16
+"""Steps after which the bodies' contacts are looked at again."""
+PAST_HALT: Final = 0.01
+"""Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
+
+
+class March:
+    """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
+
+    `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
+    impact's, `jolts` how many there were since the last whole step. `swing` is the short swing in progress, if any.
+    """
+
+    def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
+        self.stepper, self.schedule, self.row = stepper, stepper.schedule, row
+        self.step_s, self.number = stepper.schedule.step_s, start
+        self.t_s, self.kick_s = start * self.step_s, kick_s
+        self.length_s, self.even = self.step_s, even
+        self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
+        self.jolted, self.jolts, self.look_from = False, 0, start
+        self.swing: Swing | None = None
+
+    @property
+    def next_s(self) -> float:
+        """The next whole step's time."""
+        return (self.number + 1) * self.step_s
+
+    @property
+    def on_grid(self) -> bool:
+        """Whether the places stand at a whole step."""
+        return self.t_s == self.number * self.step_s
+
+    def leave_plain(self, steps: int) -> None:
+        """Say that nothing is located in the coming whole steps: the engine is plain, and a swing is not followed."""
+        self.swing = None
+        record, steps = self.record, steps if self.even else 1
+        record.plain_s += min(self.number + steps, self.schedule.count) * self.step_s - self.t_s
+        if record.plain_from_s is None:
+            record.plain_from_s = self.t_s
+
+    def to(self, t_s: float, kick_s: float) -> Row:
+        """One step of places to `t_s` and of velocities to `kick_s`."""
+        length = t_s - self.t_s
+        self._set(length)
+        gravity = self.schedule.between(self.kick_s, kick_s, length)
+        self.row = self.stepper.step(gravity, self.t_s, length, self.row)
+        self.t_s, self.kick_s, self.even, self.jolted = t_s, kick_s, False, False
+        self.record.keep(t_s, kick_s, self.row)
+        return self.row
+
+    def kick(self, length_s: float, kick_s: float) -> None:
+        """Velocities to `kick_s` by a step of the places over `length_s` that is no sample: their clock goes on by `length_s`."""
+        self._set(length_s)
+        gravity = self.schedule.between(self.kick_s, kick_s, length_s)
+        self.row = self.stepper.step(gravity, self.t_s, length_s, self.row)
+        self.t_s, self.kick_s, self.even = self.t_s + length_s, kick_s, False
+
+    def coast(self, seconds: float) -> None:
+        """Places go on, or back, with the present velocities, by no step of Bullet's."""
+        self.row = advanced(self.row, seconds)
+        self.stepper.restore(self.row)
+        self.t_s += seconds
+
+    def turn(self, seconds: float) -> None:
+        """Turn the statue's velocity over its support as a standing body's goes on turning: v' = ω × v."""
+        row = self.row
+        base = self.stepper.table_rate if len(row) == ALONE else row[20:23]
+        u, v, w = (row[7 + k] - base[k] for k in range(3))
+        a, b, c = (seconds * rate for rate in row[10:13])
+        turned = (row[7] + b * w - c * v, row[8] + c * u - a * w, row[9] + a * v - b * u)
+        self.row = (*row[:7], *turned, *row[10:])
+        self.stepper.restore(self.row)
+
+    def impact(self) -> None:
+        """An impact here and now: everything that touches meets at once, and nothing else moves."""
+        length = TOGETHER * self.step_s
+        self._set(length)
+        after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
+        before = self.row
+        # Only the velocities are kept.
+        row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
+        self.stepper.restore(row)
+        self.jolt(row)
+
+    def jolt(self, row: Row) -> None:
+        """A sample with other velocities at this instant."""
+        shortest = SHORTEST * self.step_s
+        self.row, self.even, self.jolted = row, False, True
+        self.jolts += 1
+        self.t_s = self.kick_s = max(self.t_s, self.record.t_s[-1] + shortest)
+        if self.next_s - self.t_s < shortest:
+            self.coast(self.next_s - self.t_s)
+            self.t_s = self.next_s
+            self.number += 1
+        self.record.keep(self.t_s, self.kick_s, self.row)
+
+    def to_next(self, kick_s: float | None = None) -> None:
+        """To the next whole step, velocities to the middle of the way or to `kick_s`."""
+        end = self.next_s
+        on_grid = kick_s is None and self.on_grid
+        self.to(end, max(0.5 * (self.t_s + end), self.kick_s) if kick_s is None else kick_s)
+        self.number += 1
+        self.even, self.jolts = on_grid, 0
+
+    def wholes(self, pulls: list[Vector]) -> None:
+        """Whole steps, one for each gravity; one in which static friction gives way acts with the coefficient of its mean."""
+        self._set(self.step_s)
+        self.jolted, self.jolts = False, 0
+        stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
+        numbers = range(self.number + 1, self.number + len(pulls) + 1)
+        if stepper.plain:
+            self.row = stepper.run(pulls, record)
+            record.t_s.extend([number * step_s for number in numbers])
+            record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
+        else:
+            for number, gravity in zip(numbers, pulls, strict=True):
+                row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
+                if stepper.just_released:
+                    row = stepper.let_loose(release.coefficient(stepper, record, step_s), gravity, self.row)
+                self.row = row
+                record.keep(number * step_s, (number - 0.5) * step_s, row)
+        self.number += len(pulls)
+        if self.number >= self.look_from:
+            self.look_from = self.number + LOOK_STEPS
+            stepper.look(pulls, before, self.row)
+        self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
+
+    def halt(self, halt_s: float) -> None:
+        """Velocities to the instant at which the pedestal halts."""
+        kick = halt_s + PAST_HALT * (halt_s - self.kick_s)
+        shortest = LEAST_REST * self.step_s
+        end = self.t_s + max(2.0 * (kick - self.t_s), shortest)
+        if end > self.next_s - shortest:
+            self.to_next(kick)
+        else:
+            self.to(end, kick)
+
+    def lower(self, gap_m: float) -> None:
+        """Take back what the standing foot has drifted off its support, as a step too short would not close the gap."""
+        if gap_m == 0.0:
+            return
+        place = self.row[2] - gap_m
+        self.row = (*self.row[:2], place, *self.row[3:])
+        self.stepper.restore(self.row)
+
+    def _set(self, length_s: float) -> None:
+        if length_s != self.length_s:
+            self.stepper.world.set_length(length_s)
+            self.length_s = length_s

@@ -1,0 +1,71 @@
+"""An event inside a step, met at its instant: velocities are brought there by Bullet, places by their velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from harness.engines.pybullet.march import SHORTEST, TOGETHER, March
+from harness.engines.pybullet.touch import Touch
+
+FAR: Final = 0.06
+"""An event further ahead than this, in steps, is approached by steps with the velocity of their middle."""
+APPROACH: Final = 0.85
+"""Share of the time to the event that such a step takes."""
+MOST_APPROACHES: Final = 3
+ASIDE: Final = 0.1
+"""Share of a step that an approach leaves before the step's end, where what is approached may come later."""
+ROOM: Final = 0.03
+"""Time, in steps, that the places are left before the contact while the velocities are brought to its instant."""
+SHORT: Final = 0.9
+"""Share of that time that Bullet's step takes: a contact within a step is felt before it is reached."""
+
+
+def meet(
+    march: March,
+    touch: Touch,
+    until: Callable[[], float],
+    act: Callable[[], None],
+    speeds: Callable[[], tuple[float, float]] | None = None,
+) -> None:
+    """Go to the instant at which `until`, the time, s, to the event, is zero, and `act` there.
+
+    `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
+    taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
+    """
+    step_s, floor = march.step_s, march.stepper
+    coming = until()
+    for _ in range(MOST_APPROACHES):
+        # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
+        march.lower(touch.drift_m(march.row, floor.table_place[2]))
+        if coming <= FAR * step_s:
+            break
+        end = min(march.t_s + APPROACH * coming, march.next_s - ASIDE * step_s)
+        if end < march.t_s + SHORTEST * step_s:
+            break
+        march.to(end, max(0.5 * (march.t_s + end), march.kick_s))
+        coming = until()
+    if march.t_s + coming > march.next_s:
+        march.to_next()
+        return
+    room, there_s = max(coming, ROOM * step_s), march.t_s + coming
+    plain, grown = (coming, 1.0) if speeds is None else speeds()
+    # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
+    back = room * grown - plain
+    if back != 0.0:
+        march.coast(-back)
+    forward, march.t_s, instant = coming + back - SHORT * room, there_s - room, max(there_s, march.kick_s)
+    march.kick(SHORT * room, instant)
+    if touch.stands(march.row, floor.table_place[2], floor.table_rate[2]):
+        # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
+        march.turn(room)
+    coming = until()
+    if abs(coming) > room:
+        # What came down no longer does.
+        march.coast(forward)
+        march.t_s = instant
+        march.jolt(march.row)
+        return
+    march.coast(coming)
+    march.lower(touch.drift_m(march.row, floor.table_place[2], coming_s=TOGETHER * step_s))
+    act()

@@ -1,0 +1,73 @@
+"""Rattling: swings of a few steps are followed in parts of each, so that none ends in the step in which it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from harness.engines.pybullet.coming import Coming
+from harness.engines.pybullet.march import March
+from harness.engines.pybullet.touch import NEAR_M, Touch
+
+SHORT_STEPS: Final = 8.0
+"""A swing expected to be shorter than so many steps is followed in parts of its own."""
+LEAST_STEPS: Final = 0.25
+"""One shorter than this is left to whole steps, in which it dies out."""
+PARTS: Final = 5.0
+"""Parts of a swing as it is expected from its first one."""
+MOST_PARTS: Final = 40
+"""Parts after which a swing that does not return is left to whole steps."""
+LEAST_FIRST, MOST_FIRST = 0.02, 0.5
+"""Shares of a step between which the first part lies: the forces of a swing are known only after it."""
+CLOSE_PARTS: Final = 1.2
+"""A foot that returns within so many times the coming part is met."""
+TAIL_PARTS: Final = 0.4
+"""A rest of a whole step shorter than so many parts goes with the part before it."""
+
+
+@dataclass(slots=True)
+class Swing:
+    """A swing since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known yet."""
+
+    coming: Coming
+    start_s: float
+    part_s: float
+    known: bool = False
+    parts: int = 0
+
+
+def after_impact(march: March, touch: Touch) -> Swing | None:
+    """The swing that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
+    stepper, step_s = march.stepper, march.step_s
+    heights = touch.heights(march.row, stepper.table_place[2], stepper.table_rate[2])
+    foot = min(range(len(heights)), key=lambda index: heights[index][1])
+    gap, closing = heights[foot]
+    soonest_s = -2.0 * closing / float(touch.bounds[foot])
+    if abs(gap) > NEAR_M or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
+        return None
+    return Swing(Coming(march, touch, foot), march.t_s, min(max(soonest_s, LEAST_FIRST * step_s), MOST_FIRST * step_s))
+
+
+def follow(march: March, swing: Swing) -> bool | None:
+    """Make the next part of a swing. True, with none made, where its impact is due within it; None where it is no short one."""
+    step_s, back_s = march.step_s, 0.0
+    if swing.parts > 0:
+        back_s = swing.coming()
+        if not swing.known:
+            whole_s = march.t_s - swing.start_s + back_s
+            if not LEAST_STEPS * step_s <= whole_s <= SHORT_STEPS * step_s:
+                return None
+            swing.part_s, swing.known = whole_s / PARTS, True
+        if swing.parts > MOST_PARTS:
+            return None
+    end_s = march.t_s + min(swing.part_s, step_s)
+    whole = end_s > march.next_s - TAIL_PARTS * swing.part_s
+    end_s = march.next_s if whole else end_s
+    if swing.parts > 0 and back_s <= CLOSE_PARTS * (end_s - march.t_s):
+        return True
+    swing.parts += 1
+    if whole:
+        march.to_next()
+    else:
+        march.to(end_s, max(0.5 * (march.t_s + end_s), march.kick_s))
+    return False

@@ -1,0 +1,38 @@
+"""Half of a scene that is its own mirror image: each pair of feet across the rocking plane as one, turning in the plane alone.
+
+The two feet of a pair always bear the same there, so that one in the plane bears for both: the same motion from half the
+equations, without the freedom in which a solver's remainder could leave the plane. What a small asymmetry would grow to is not
+asked then; without the skip `mirror` it is. Bullet's rigid bodies serve in place of its multibodies: their solver starts each
+step from the impulses of the last, and their friction, a pyramid along the sliding, is in the plane the same as a cone.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model.scene import Scene
+from harness.statics.symmetry import SAME, asymmetry
+
+Array = NDArray[np.float64]
+
+LOCKED_KG_M2: Final = 1e20
+"""A moment of inertia that nothing turns: across the plane."""
+
+
+def halves(scene: Scene) -> bool:
+    """Whether half of the scene tells the whole. A moving table is not one: Bullet's rigid bodies do not feel its velocity."""
+    return scene.table == "frame" and asymmetry(scene) is None
+
+
+def halved(feet_m: Array) -> Array:
+    """Feet (n, 3) in the plane: one for each pair of `feet_m` (k, 3), one for each foot that lies in it."""
+    first = np.unique(np.round(feet_m[:, [0, 2]] / SAME), axis=0, return_index=True)[1]
+    return np.asarray(feet_m[np.sort(first)] * np.array([1.0, 0.0, 1.0]))
+
+
+def locked(moments_kg_m2: Array) -> Array:
+    """Principal moments (3,) of a body that turns in the plane alone."""
+    return np.array([LOCKED_KG_M2, moments_kg_m2[1], LOCKED_KG_M2])

@@ -1,0 +1,217 @@
+"""pybullet as it comes: bodies, shapes, masses, inertia, coefficients, gravity, step; after the start no body is written to.
+
+The steps are all of one length, none is repeated, no place or velocity is set, no contact parameter changes on the way. The
+shapes are what the scene needs: spheres at the vertices that can touch, and where the statue comes to its pedestal's edge its
+full shape from the start. Two coefficients of friction are the one thing that Bullet does not know: the floor's follows the
+pedestal's own velocity (`harness.engines.contact.friction.followed`).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Final, final
+
+import numpy as np
+
+from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.contact.frame import greatest_pull_m_s2, step_count
+from harness.engines.contact.friction import FloorFriction, floor_friction, followed
+from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.contact.spatial import fallen
+from harness.engines.pybullet.settings import BulletSettings
+from harness.model.options import Capabilities, Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.course import Setup
+    from harness.engines.pybullet.full import FullShape
+    from harness.engines.pybullet.stepper import Record
+
+LEVELS: Final = (
+    (2e-3, 1e-2),
+    (1e-3, 5e-3),
+    (5e-4, 2.5e-3),
+    (2.5e-4, 1e-3),
+    (1.25e-4, 5e-4),
+    (6.25e-5, 2.5e-4),
+)
+"""(step in s, error in rad): the error is the largest over wide random scenes, to be stated at most."""
+TURNING_RAD_S: Final = 3.0
+"""Rate up to which a turning body's feet are still contacts at the end of a step: statues rock at up to some 2 rad/s."""
+LOOK_STEPS: Final = 64
+"""Steps between two looks at whether the run can end, or the pedestal's edge be met."""
+REST_BAND_RAD: Final = 1e-5
+"""Rotation within which a statue that rests on all its feet is left by the contact's slop."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """What a run needs besides its world: when it may end, what it looks at, how friction follows."""
+
+    friction: FloorFriction
+    switches: bool
+    ended: Callable[[float, tuple[float, ...]], bool]
+    edge: Callable[[tuple[float, ...]], bool] | None
+
+
+@final
+class PlainBullet3D(Engine):
+    """Bullet's own steps, nothing else."""
+
+    name: ClassVar[str] = "pybullet:plain"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=3,
+        uses_mesh=True,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        forces=True,
+        skips=frozenset({"base_only", "no_history", "stop_at_overturn"}),
+    )
+    order: ClassVar[float] = 1.0
+
+    def missing(self) -> str | None:
+        """Why pybullet cannot run here, or None."""
+        from harness.engines.pybullet.adapter import Bullet3D
+
+        return Bullet3D().missing()
+
+    def ladder(self, scene: Scene) -> tuple[BulletSettings, ...]:
+        """Steps of 2 ms to 0.0625 ms."""
+        return tuple(_settings(scene, *level) for level in LEVELS)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> BulletSettings:
+        """The nearest level's settings with the given step."""
+        dt, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
+        return _settings(scene, dt_s, error * dt_s / dt)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
+        """Less than half the step, with the bodies added in the other order."""
+        own = _own(settings)
+        finer = _settings(scene, FINER * own.dt_s, FINER * own.expected_error_rad)
+        return (replace(finer, reversed_bodies=not own.reversed_bodies),)
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
+        from harness.engines.pybullet import course
+        from harness.engines.pybullet.columns import trajectory
+
+        own = _own(settings)
+        _refuse(scene)
+        begin = time.perf_counter()
+        setup = course.prepare(scene)
+        record, full = _integrate(scene, own, setup, want)
+        path = trajectory(scene, record, setup.axes, own.dt_s)
+        report = Report(
+            engine=self.name,
+            settings=own.as_dict(),
+            steps=len(record.t_s) - 1,
+            wall_s=time.perf_counter() - begin,
+            resolution_rad=REST_BAND_RAD,
+            stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
+            with_history=want.history or not want.may_skip("no_history"),
+            validity={
+                "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
+                "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
+                "touching_vertices": len(setup.feet_m),
+                "full_shape_from_s": None if full is None else 0.0,
+                "full_shape": full,
+            },
+        )
+        return reduce_trajectory(scene, path, report)
+
+
+def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
+    """One level: the reach of contacts is what a step may lift a foot off its support at `TURNING_RAD_S`, twice over."""
+    reach = max(BulletSettings(dt_s, error_rad).reach, 2.0 * (TURNING_RAD_S * dt_s) ** 2)
+    return BulletSettings(dt_s, error_rad, events=False, reach=reach, iterations=1000)
+
+
+def _own(settings: Settings) -> BulletSettings:
+    if not isinstance(settings, BulletSettings):
+        raise TypeError(f"pybullet:plain wants its own settings, got {type(settings).__name__}")
+    return settings
+
+
+def _refuse(scene: Scene) -> None:
+    """Raise `EngineFailure` for what can be had only by writing to bodies."""
+    refused = []
+    if scene.contact.restitution is not None:
+        refused.append("a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)")
+    if scene.table == "moving":
+        refused.append("a moving table (table; it accelerates the floor's frame)")
+    if refused:
+        raise EngineFailure(f"pybullet:plain does not compute {' nor '.join(refused)}: leave it out, or ask pybullet")
+
+
+def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: Want) -> tuple[Record, str | None]:
+    """All samples, and what the full shape was, None where the vertices that touch were enough."""
+    from harness.engines.pybullet.edge import EdgeWatch
+    from harness.engines.pybullet.full import full_shape
+    from harness.engines.pybullet.stepper import axis_of
+
+    axis = (float(setup.axes[2, 0]), float(setup.axes[2, 1]), float(setup.axes[2, 2]))
+
+    def ended(t_s: float, row: tuple[float, ...]) -> bool:
+        x, y, z = axis_of(row, axis)
+        if want.may_skip("stop_at_overturn") and fallen(x, y, z):
+            return True
+        return want.stop is not None and want.stop(t_s, math.atan2(x, z))
+
+    friction, p = floor_friction(scene, settings.dt_s), scene.pedestal
+    if p is None:
+        return _stepped(scene, settings, setup, None, _Course(friction, False, ended, None)), None
+    half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
+    if want.may_skip("base_only"):
+        edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
+        record = _stepped(scene, settings, setup, None, _Course(friction, friction.switches, ended, edge))
+        if not edge(record.last):
+            return record, None
+    # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
+    full = full_shape(scene, settings.full_shape)
+    return _stepped(scene, settings, setup, full, _Course(friction, friction.switches, ended, None)), full.told
+
+
+def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, course: _Course) -> Record:
+    """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
+    import pybullet
+
+    from harness.engines.pybullet.schedule import Schedule
+    from harness.engines.pybullet.stepper import Record, reader
+    from harness.engines.pybullet.world import World
+
+    statue = scene.statue
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    bodies = None if full is None else full.turned(centroid, setup.axes)
+    pedestal = None if scene.pedestal is None else (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
+    wall = None
+    if scene.wall is not None:
+        sign = scene.wall.sign
+        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
+    count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
+    with World(settings) as world:
+        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+        read, client, acting = reader(world), world.client, course.friction.static
+        row = read()
+        record = Record(len(row))
+        record.keep(0.0, 0.0, row)
+        for step, gravity in enumerate(Schedule(scene, dt, 0, count).coarse, 1):
+            pybullet.setGravity(*gravity, client)
+            pybullet.stepSimulation(client)
+            row = read()
+            record.keep(step * dt, (step - 0.5) * dt, row)
+            if course.switches:
+                wanted = followed(course.friction, math.hypot(row[20], row[21]))
+                if wanted != acting:
+                    world.set_floor_friction(wanted)
+                    acting = wanted
+            if step % LOOK_STEPS == 0 and (
+                course.ended(step * dt, row) or (course.edge is not None and course.edge(row))
+            ):
+                break
+    return record

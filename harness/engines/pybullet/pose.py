@@ -1,0 +1,112 @@
+"""Poses: the statue's principal frame, its start on a corner, rotations as quaternions (x, y, z, w)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.pybullet.feet import Rest
+from harness.model.scene import Scene, Statue
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """State of one body: place (3,) of its centroid, quaternion (4,) of its principal frame, velocities (3,), world axes."""
+
+    place_m: tuple[float, float, float]
+    turn: tuple[float, float, float, float]
+    velocity_m_s: tuple[float, float, float]
+    rate_rad_s: tuple[float, float, float]
+
+
+def principal(statue: Statue) -> tuple[Array, Array]:
+    """Principal moments (3,), kg m², and axes (3, 3) as columns of the rotation nearest to none (exactly none if diagonal)."""
+    tensor = statue.inertia_tensor_kg_m2
+    off = tensor - np.diag(np.diag(tensor))
+    if float(np.max(np.abs(off))) <= 1e-12 * float(np.trace(tensor)):
+        return np.diag(tensor).copy(), np.eye(3)
+    moments, axes = np.linalg.eigh(0.5 * (tensor + tensor.T))
+    order = max(permutations(range(3)), key=lambda item: float(np.sum(np.abs(np.diag(axes[:, list(item)])))))
+    moments, axes = moments[list(order)], axes[:, list(order)]
+    axes = axes * np.where(np.diag(axes) < 0.0, -1.0, 1.0)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 2] = -axes[:, 2]
+    return moments, axes
+
+
+def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
+    """The statue at t = 0: at rest on its facet, turned by the initial rotation about the lowest foot on that side.
+
+    The lowest foot touches the support; the centroid of an upright statue stands over the origin.
+    """
+    statue, initial = scene.statue, scene.initial
+    height = 0.0 if scene.pedestal is None else scene.pedestal.height_m
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    rested = feet_m @ rest.rotation.T
+    turned = about_y(initial.theta_rad) @ rest.rotation
+    side = math.copysign(1.0, initial.theta_rad if initial.theta_rad != 0.0 else initial.theta_rate_rad_s)
+    standing = feet_m @ turned.T
+    low = standing[:, 2] - side * 1e-9 * standing[:, 0]
+    pivot = int(np.argmin(low))
+    shift = rested[pivot] - standing[pivot]
+    shift[2] = height - standing[pivot, 2]
+    place = turned @ centroid + shift
+    rate = np.array([0.0, initial.theta_rate_rad_s, 0.0])
+    velocity = np.cross(rate, place - (standing[pivot] + shift))
+    return Body(_triple(place), quaternion(turned @ axes), _triple(velocity), _triple(rate))
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def about_y(theta_rad: float) -> Array:
+    """Rotation (3, 3) that tips z towards +x: the planar rotation θ."""
+    cos, sin = math.cos(theta_rad), math.sin(theta_rad)
+    return np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
+
+
+def quaternion(rotation: Array) -> tuple[float, float, float, float]:
+    """Quaternion (x, y, z, w), w ≥ 0, of a rotation matrix (3, 3)."""
+    trace = float(np.trace(rotation))
+    square = np.array([*(1.0 - trace + 2.0 * np.diag(rotation)), 1.0 + trace])
+    k = int(np.argmax(square))
+    size = math.sqrt(float(square[k]))
+    r = rotation
+    skew = (r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1])
+    if k == 3:
+        found = np.array([*skew, size * size]) / (2.0 * size)
+    else:
+        found = np.empty(4)
+        for j in range(3):
+            found[j] = size / 2.0 if j == k else (r[j, k] + r[k, j]) / (2.0 * size)
+        found[3] = skew[k] / (2.0 * size)
+        found = found if found[3] >= 0.0 else -found
+    return float(found[0]), float(found[1]), float(found[2]), float(found[3])
+
+
+def advanced(row: tuple[float, ...], seconds: float) -> tuple[float, ...]:
+    """The row of one or two bodies (place, quaternion, velocity, rate of each) after so many seconds at those velocities."""
+    moved = _carried(row[0:13], seconds)
+    return moved if len(row) == 13 else moved + _carried(row[13:26], seconds)
+
+
+def _carried(body: tuple[float, ...], seconds: float) -> tuple[float, ...]:
+    px, py, pz, x, y, z, w, u, v, q, a, b, c = body
+    rate = math.sqrt(a * a + b * b + c * c)
+    half = 0.5 * rate * seconds
+    share = math.sin(half) / rate if rate > 0.0 else 0.0
+    i, j, k, r = a * share, b * share, c * share, math.cos(half)
+    turn = (
+        r * x + i * w + j * z - k * y,
+        r * y - i * z + j * w + k * x,
+        r * z + i * y - j * x + k * w,
+        r * w - i * x - j * y - k * z,
+    )
+    return px + u * seconds, py + v * seconds, pz + q * seconds, *turn, u, v, q, a, b, c

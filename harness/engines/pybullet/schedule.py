@@ -1,0 +1,75 @@
+"""Impulses of the table's motion, step by step, for Bullet's own integrator read as a leapfrog.
+
+Bullet changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
+places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
+step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import Excitation, Rest
+from harness.engines.contact import frame
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Steps of `step_s` from number `first` to `count`; `moving` says that the table itself moves, so that gravity is constant.
+
+    A gravity is what acts for a whole step, m/s².
+    """
+
+    scene: Scene
+    step_s: float
+    first: int
+    count: int
+
+    @property
+    def moving(self) -> bool:
+        """Whether the table moves instead of the frame."""
+        return self.scene.table == "moving"
+
+    @cached_property
+    def coarse(self) -> list[Vector]:
+        """Gravity of every whole step that follows a whole step, from number `first` on."""
+        middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
+        edges_s = np.concatenate([[self.first * self.step_s], middles])
+        share = np.diff(edges_s)[:, None] / self.step_s
+        if self.moving:
+            gravity = np.array([0.0, 0.0, -self.scene.gravity_m_s2]) * share
+        else:
+            gravity = frame.apparent_gravity(self.scene, edges_s) * share
+        return list(zip(*gravity.T.tolist(), strict=True))
+
+    def between(self, start_s: float, end_s: float, step_s: float) -> Vector:
+        """Gravity of a step of `step_s` that takes velocities from `start_s` to `end_s`."""
+        if end_s <= start_s:
+            return 0.0, 0.0, 0.0
+        pull = [0.0, 0.0, -self.scene.gravity_m_s2 * (end_s - start_s) / step_s]
+        edges = np.array([start_s, end_s])
+        for axis, part in self._parts:
+            before, after = part.velocity_m_s(edges).tolist()
+            pull[axis] -= (after - before) / step_s
+        return pull[0], pull[1], pull[2]
+
+    @cached_property
+    def _parts(self) -> list[tuple[int, Excitation]]:
+        """The axes along which the frame is accelerated, with their motions."""
+        shake = self.scene.shake
+        found = [] if self.moving else list(enumerate((shake.x, shake.y, shake.z)))
+        return [(axis, part) for axis, part in found if not isinstance(part, Rest)]
+
+    def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
+        """Displacement of a moving table at the start of a step and its mean velocity in it."""
+        here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
+        rate = (there - here) / step_s
+        return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

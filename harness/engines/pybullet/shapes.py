@@ -1,0 +1,184 @@
+"""Collision shapes: spheres at the vertices that touch, planes for floor, wall and pedestal's top, convex bodies for edges."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engines.base import EngineFailure
+from harness.model.scene import Pedestal
+
+Array = NDArray[np.float64]
+
+PEDESTAL_CLEARANCE_M: Final = 1e-4
+"""The box stands this much above the pedestal's own feet, so that only they touch the floor."""
+HULL_MARGIN_M: Final = 1e-3
+"""Bullet rounds a hull outwards by this much."""
+HULL_INSET_M: Final = 1.1e-3
+"""Hull and parts are drawn inside the body by their margin and a tenth of a millimetre, so that the feet always touch first."""
+LEAST_THICKNESS_M: Final = 1e-5
+"""A body thinner than this, once drawn inside, is left out: its neighbours or the hull's vertices touch in its place."""
+NOTHING: Final = '<mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>'
+MOST_IN_ARRAY: Final = 16
+"""`createCollisionShapeArray` silently keeps the first 16 shapes and drops the rest."""
+
+
+def feet(centres_m: Array, radius_m: float, client: int) -> int:
+    """Compound of spheres at `centres_m` (k ≤ 16, 3)."""
+    count = len(centres_m)
+    if count > MOST_IN_ARRAY:
+        raise EngineFailure(f"a compound of {count} spheres was asked, at most {MOST_IN_ARRAY} are kept")
+    return int(
+        pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * count,
+            radii=[radius_m] * count,
+            collisionFramePositions=centres_m.tolist(),
+            physicsClientId=client,
+        )
+    )
+
+
+def pedestal(body: Pedestal, radius_m: float, edges: bool, client: int, *, halved: bool = False) -> int:
+    """Spheres at the four lower corners and a top `radius_m` below the pedestal's, where the statue's spheres stand at height 0.
+
+    `halved`: two spheres in the rocking plane bear for the four.
+
+    Without `edges` the top is a plane without end: its contact with a sphere is a closed form. With `edges` it is a box's, found
+    by iteration (GJK), which now and then misses a contact for one step.
+    """
+    x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
+    corners = [[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in ((0.0,) if halved else (1.0, -1.0))]
+    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
+    top = {"box": [x, y, 0.5 * (high - low)], "place": [0.0, 0.0, 0.5 * (high + low) if edges else high]}
+    return int(
+        pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * len(corners) + [pybullet.GEOM_BOX if edges else pybullet.GEOM_PLANE],
+            radii=[radius_m] * len(corners) + [0.0],
+            halfExtents=[[0.0, 0.0, 0.0]] * len(corners) + [top["box"]],
+            planeNormals=[[0.0, 0.0, 1.0]] * (len(corners) + 1),
+            collisionFramePositions=[*corners, top["place"]],
+            physicsClientId=client,
+        )
+    )
+
+
+def linked_pedestal(body: Pedestal, radius_m: float, place_m: list[float], client: int) -> int:
+    """A pedestal on its spheres with two links fixed to it: the plane of its top, without end, and a box with its edges."""
+    x, y, z = 0.5 * body.width_m, 0.5 * body.depth_m, 0.5 * body.height_m
+    low, high = -z + PEDESTAL_CLEARANCE_M, z - radius_m
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    base = feet(np.array([[sx * x, sy * y, -z] for sx in (1.0, -1.0) for sy in (1.0, -1.0)]), radius_m, client)
+    box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[x, y, half], physicsClientId=client)
+    drawn = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1.0, 1.0, 1.0], physicsClientId=client)
+    still, upright = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
+    return int(
+        pybullet.createMultiBody(
+            body.mass_kg,
+            base,
+            drawn,
+            basePosition=place_m,
+            linkMasses=[0.0, 0.0],
+            linkCollisionShapeIndices=[plane((0.0, 0.0, 1.0), client), int(box)],
+            linkVisualShapeIndices=[drawn, drawn],
+            linkPositions=[[0.0, 0.0, high], [0.0, 0.0, middle]],
+            linkOrientations=[upright, upright],
+            linkInertialFramePositions=[still, still],
+            linkInertialFrameOrientations=[upright, upright],
+            linkParentIndices=[0, 0],
+            linkJointTypes=[pybullet.JOINT_FIXED, pybullet.JOINT_FIXED],
+            linkJointAxis=[[0.0, 0.0, 1.0]] * 2,
+            physicsClientId=client,
+        )
+    )
+
+
+def described_body(
+    centres_m: Array, radius_m: float, convex_m: Sequence[Array], client: int, apart_m: Sequence[Array] = ()
+) -> int:
+    """A body from a description on disk: any number of spheres, and the hull of each set of points (n, 3) of `convex_m`.
+
+    Each of `apart_m` are the centres (k, 3) of spheres on a link of their own, fixed to the body, which others can be told to
+    meet or not. Mass and inertia are set afterwards. One element stands on each line: the reader's buffer holds a line.
+    """
+    with tempfile.TemporaryDirectory(prefix="rockcheck-") as folder:
+        parts = _spheres(centres_m, radius_m)
+        for number, points in enumerate(convex_m):
+            _write_points(Path(folder) / f"{number}.obj", points)
+            parts.append(f'<collision><geometry><mesh filename="{number}.obj"/></geometry></collision>')
+        # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
+        parts.append('<visual><geometry><box size="1 1 1"/></geometry></visual>')
+        unit = '<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+        links = []
+        for number, centres in enumerate(apart_m):
+            links += [
+                f'<link name="{number}">',
+                f"<inertial>{NOTHING}</inertial>",
+                *_spheres(centres, radius_m),
+                "</link>",
+            ]
+            links += [f'<joint name="{number}" type="fixed"><parent link="statue"/><child link="{number}"/></joint>']
+        inside = [f"<inertial>{unit}</inertial>", *parts, "</link>", *links]
+        text = "\n".join(['<robot name="statue"><link name="statue">', *inside, "</robot>"])
+        file = Path(folder) / "statue.urdf"
+        file.write_text(text, encoding="ascii")
+        try:
+            return int(pybullet.loadURDF(str(file), flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client))
+        except pybullet.error as error:
+            raise EngineFailure(
+                f"pybullet could not build the statue from {len(centres_m)} spheres and {len(convex_m)} convex bodies: {error}"
+            ) from error
+
+
+def _spheres(centres_m: Array, radius_m: float) -> list[str]:
+    """Lines of a description."""
+    return [
+        f'<collision><origin xyz="{x:.17g} {y:.17g} {z:.17g}"/>'
+        f'<geometry><sphere radius="{radius_m:.17g}"/></geometry></collision>'
+        for x, y, z in centres_m
+    ]
+
+
+def inset(points_m: Array) -> Array:
+    """Vertices (k, 3) of the convex hull of `points_m` with every face moved inwards by `HULL_INSET_M`; none of a thin one."""
+    from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+    planes = np.unique(np.round(ConvexHull(points_m).equations, 12), axis=0)
+    planes[:, 3] += HULL_INSET_M
+    inside = np.mean(points_m, axis=0)
+    if np.max(planes[:, :3] @ inside + planes[:, 3]) > -LEAST_THICKNESS_M:
+        inside, radius = _innermost(planes)
+        if radius < LEAST_THICKNESS_M:
+            return np.empty((0, 3))
+    found = HalfspaceIntersection(planes, inside).intersections
+    return np.unique(np.round(found[np.all(np.isfinite(found), axis=1)], 9), axis=0)
+
+
+def _innermost(planes: Array) -> tuple[Array, float]:
+    """Centre (3,) and radius of the largest ball within half-spaces (k, 4) (negative where they leave nothing)."""
+    from scipy.optimize import linprog
+
+    bounds = [(None, None)] * 4
+    found = linprog([0.0, 0.0, 0.0, -1.0], np.c_[planes[:, :3], np.ones(len(planes))], -planes[:, 3], bounds=bounds)
+    if found.x is None:
+        raise EngineFailure(f"a convex body could not be drawn inside: {found.message}")
+    return np.asarray(found.x[:3]), float(found.x[3])
+
+
+def _write_points(file: Path, points_m: Array) -> None:
+    """A mesh file with these vertices; its faces only mention them all, as Bullet takes the hull of what is mentioned."""
+    count = len(points_m)
+    lines = [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in points_m]
+    lines += [f"f {k} {k % count + 1} {(k + 1) % count + 1}" for k in range(1, count + 1)]
+    file.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def plane(normal: tuple[float, float, float], client: int) -> int:
+    """Half-space below a plane through its body's origin."""
+    shape: Any = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=list(normal), physicsClientId=client)
+    return int(shape)

@@ -1,0 +1,287 @@
+"""One step of Bullet: a gravity or a moving table, friction with two numbers, and the row of numbers read after it."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from struct import Struct
+from typing import Final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engines.pybullet.pose import Body
+from harness.engines.pybullet.schedule import Schedule, Vector
+from harness.engines.pybullet.world import World
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+Row = tuple[float, ...]
+
+ALONE: Final = 13
+"""Numbers in a row without a pedestal."""
+SATURATED: Final = 0.998
+"""Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
+GRIP: Final = 0.5
+"""Share of the statue's friction limit from which on its feet are not taken to stand, and"""
+GRIP_AGAIN: Final = 0.35
+"""below which they are again."""
+STEPS_OFF: Final = 2.0
+"""A body's reach over the square of its turning in a step, at least: half of that is what a step takes a foot off its support."""
+WIDER: Final = 4.0
+"""How many times as wide it is made as that, when it is too narrow, and"""
+NARROWER: Final = 256.0
+"""how many times too wide it may be."""
+HALTED: Final = 0.3
+"""Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
+
+
+@dataclass(eq=False)
+class Record:
+    """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
+
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before. `plain_from_s` is when the layer that
+    locates events first left the engine to plain steps (None: never), `plain_s` for how long in all.
+    """
+
+    width: int
+    t_s: list[float] = field(default_factory=list)
+    kick_s: list[float] = field(default_factory=list)
+    flat: array[float] = field(default_factory=lambda: array("d"))
+    repeated: int = 0
+    imposed: int = 0
+    rested: bool = False
+    plain_from_s: float | None = None
+    plain_s: float = 0.0
+
+    @property
+    def rows(self) -> Array:
+        """The rows, shape (n, 13) or (n, 26)."""
+        return np.frombuffer(self.flat, dtype=np.float64).reshape(-1, self.width)
+
+    @cached_property
+    def pack(self) -> Callable[..., bytes]:
+        """The bytes of a row's numbers: an array takes these five times as fast as the numbers one by one."""
+        return Struct(f"{self.width}d").pack
+
+    def keep(self, t_s: float, kick_s: float, row: Row) -> None:
+        """Append a sample."""
+        self.t_s.append(t_s)
+        self.kick_s.append(kick_s)
+        self.flat.frombytes(self.pack(*row))
+
+    def row(self, index: int) -> Row:
+        """A row, counted from the last (-1) backwards."""
+        end = len(self.flat) + (index + 1) * self.width
+        return tuple(self.flat[end - self.width : end])
+
+    @property
+    def last(self) -> Row:
+        """The last row."""
+        return self.row(-1)
+
+
+def reader(world: World) -> Callable[[], Row]:
+    """What reads the state of both bodies as one row."""
+    pose, speed, client = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity, world.client
+    statue, pedestal = world.statue, world.pedestal
+
+    def both() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        below, level = pose(pedestal, client)
+        slip, tip = speed(pedestal, client)
+        return (*place, *turn, *velocity, *rate, *below, *level, *slip, *tip)
+
+    def alone() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        return (*place, *turn, *velocity, *rate)
+
+    return alone if pedestal is None else both
+
+
+def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
+    """Bullet's own step under a gravity, and the row after it."""
+    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+
+    def advance(gravity: Vector) -> Row:
+        set_gravity(*gravity, client)
+        step(client)
+        return read()
+
+    return advance
+
+
+def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], Record], Row]:
+    """The same for several steps: their rows are kept in the record, the last is returned. At least one step."""
+    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+
+    def run(pulls: Sequence[Vector], record: Record) -> Row:
+        row: Row = ()
+        keep, pack = record.flat.frombytes, record.pack
+        for gravity in pulls:
+            set_gravity(*gravity, client)
+            step(client)
+            row = read()
+            keep(pack(*row))
+        return row
+
+    return run
+
+
+def bodies(row: Row) -> tuple[Body, Body | None]:
+    """States of statue and pedestal in a row."""
+    statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]
+    if len(row) == 13:
+        return statue, None
+    return statue, Body(row[13:16], row[16:20], row[20:23], row[23:26])  # type: ignore[arg-type]
+
+
+class Stepper:
+    """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
+
+    def __init__(self, world: World, scene: Scene, schedule: Schedule) -> None:
+        self.world, self.schedule = world, schedule
+        self.read = reader(world)
+        self.advance = _advancer(world, self.read)
+        self.run = _runner(world, self.read)
+        contact, pedestal = scene.contact, scene.pedestal
+        self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
+        self.switches = pedestal is not None and self.static != self.kinetic
+        self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        self.plain = not (schedule.moving or self.switches)
+        self.stuck = True
+        self.grip_limit, self.grips = contact.statue, False
+        self._anchor(held=world.feet_over)
+        self.least_reach = world.reach
+        self.repeated = 0
+        self.just_released = False
+        self.table_place: Vector = (0.0, 0.0, 0.0)
+        self.table_rate: Vector = (0.0, 0.0, 0.0)
+        self.table_before = self.table_rate
+
+    def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`."""
+        if self.schedule.moving:
+            self.table_before = self.table_rate
+            self.table_place, self.table_rate = self.schedule.table(t_s, step_s)
+            self.world.move_table(self.table_place, self.table_rate)
+        self.just_released = False
+        row = self.advance(gravity)
+        if not self.switches:
+            return row
+        pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck:
+            row = self._released(gravity, pull, before, row)
+            self.just_released = not self.stuck
+            return row
+        if not self._saturated(self.kinetic, pull, before, row) and self._halted(before, row):
+            self._hold(self.static)
+        elif self._reversed(before, row):
+            # The velocity passed zero: the step again with the static limit, which may hold.
+            self._hold(self.static)
+            self.restore(before)
+            row = self._released(gravity, pull, before, self.advance(gravity))
+        return row
+
+    def _released(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction."""
+        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
+        if not gaining or not self._saturated(self.static, pull, before, row):
+            return row
+        self._hold(self.kinetic)
+        self.restore(before)
+        self.repeated += 1
+        return self.advance(gravity)
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
+        turning = after[10] * after[10] + after[11] * after[11]
+        if len(after) > ALONE:
+            turning = max(turning, after[23] * after[23] + after[24] * after[24])
+        needed = STEPS_OFF * turning * self.schedule.step_s**2
+        if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:
+            self.world.set_reach(max(WIDER * needed, self.least_reach))
+        if self.world.feet_over:
+            self._look_at_grip(pulls, before, after)
+
+    def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """Let the statue's feet keep their places only while its friction is far from its limit."""
+        first, last, half_s = pulls[0], pulls[-1], 0.5 * len(pulls) * self.schedule.step_s
+        x = after[7] - before[7] - half_s * (first[0] + last[0])
+        y = after[8] - before[8] - half_s * (first[1] + last[1])
+        z = after[9] - before[9] - half_s * (first[2] + last[2])
+        share = GRIP if self.grips else GRIP_AGAIN
+        if (math.hypot(x, y) < share * self.grip_limit * z) != self.grips:
+            self._anchor(held=not self.grips)
+
+    def _anchor(self, *, held: bool) -> None:
+        self.grips = held
+        if self.world.feet_over:
+            self.world.anchor(held=held)
+
+    def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
+        """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
+        self.restore(before)
+        self.world.set_floor_friction(friction)
+        row = self.advance(gravity)
+        self._hold(self.static if friction == self.static else self.kinetic)
+        return row
+
+    def let_slide(self, sliding: bool) -> None:
+        """The pedestal slides, or is held, from now on, as an impact that is not Bullet's left it."""
+        if self.switches:
+            self._hold(self.kinetic if sliding else self.static)
+
+    def _hold(self, friction: float) -> None:
+        self.world.set_floor_friction(friction)
+        self.stuck = friction == self.static
+
+    def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
+        """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+        x, y, normal = self.friction(pull, before, row)
+        return math.hypot(x, y) >= SATURATED * friction * normal
+
+    def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
+        """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
+        statue, pedestal = self.masses
+        x, y, z = (
+            statue * (row[7 + k] - before[7 + k] - pull[k]) + pedestal * (row[20 + k] - before[20 + k] - pull[k])
+            for k in range(3)
+        )
+        return x, y, z
+
+    def restore(self, row: Row) -> None:
+        """Put both bodies back into a row's state."""
+        statue, pedestal = bodies(row)
+        self.world.place(self.world.statue, statue)
+        if pedestal is not None and self.world.pedestal is not None:
+            self.world.place(self.world.pedestal, pedestal)
+
+    def _speed(self, row: Row, table: Vector) -> float:
+        return math.hypot(row[20] - table[0], row[21] - table[1])
+
+    def _halted(self, before: Row, row: Row) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: sweeps leave a little."""
+        here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
+        return here <= HALTED * max(there - here, 0.0)
+
+    def _reversed(self, before: Row, row: Row) -> bool:
+        x, y = self.table_rate[0], self.table_rate[1]
+        return (before[20] - x) * (row[20] - x) + (before[21] - y) * (row[21] - y) < 0.0
+
+
+def axis_of(row: Row, axis: Vector) -> Vector:
+    """World components of the statue's vertical axis."""
+    x, y, z, w = row[3], row[4], row[5], row[6]
+    a, b, c = axis
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * a + 2.0 * (x * y - z * w) * b + 2.0 * (x * z + y * w) * c,
+        2.0 * (x * y + z * w) * a + (1.0 - 2.0 * (x * x + z * z)) * b + 2.0 * (y * z - x * w) * c,
+        2.0 * (x * z - y * w) * a + 2.0 * (y * z + x * w) * b + (1.0 - 2.0 * (x * x + y * y)) * c,
+    )

@@ -1,0 +1,169 @@
+"""When a vertex of the base comes down: the gap of every foot over its support, and how fast it closes."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.contact.frame import greatest_pull_m_s2
+from harness.engines.pybullet.edge import past_edge_m
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+Row = tuple[float, ...]
+Four = tuple[float, float, float, float]
+
+LEAST_RATE_RAD_S: Final = 3e-3
+"""The highest rate about the other end of the base at which a foot may close and stand all the same:"""
+HELD: Final = 0.02
+"""this share of the statue's own rate, as the sweeps leave as much where friction changes, but not less than"""
+LEAST_RAD_S: Final = 5e-4
+"""this rate, which they leave in a statue at rest on a pedestal that tips, or"""
+LEAST_RAD_S2: Final = 0.2
+"""this acceleration times the step: an impact at a lower rate begins a swing of a fraction of a step."""
+DRIFT: Final = 4.0
+"""A foot that falls faster than this many times its drift in a step comes down; a slower one stands."""
+NEAR_M: Final = 5e-6
+"""A foot nearer than this stands: the circle on which it turns takes it so far off its support within a step. In slow turning it
+takes it less far, but"""
+REST_M: Final = 1e-7
+"""so far the sweeps may leave one that rests."""
+LATE: Final = 0.05
+"""A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
+FEW: Final = 12
+"""Up to so many feet plain numbers are quicker than arrays."""
+
+
+class Touch:
+    """Asked with a row: the time, s, until the first foot comes down at its present velocity, and the soonest that any could.
+
+    `feet_m` (k, 3) about the centroid in the statue's principal frame; `half_m` half the pedestal's height, None on the floor.
+    `within_m` are the pedestal's half width and depth where a foot beside its top meets nothing; None where the top has no end.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        feet_m: Array,
+        half_m: float | None,
+        step_s: float,
+        within_m: tuple[float, float] | None = None,
+    ) -> None:
+        statue = scene.statue
+        self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
+        few = len(feet_m) <= FEW and within_m is None
+        self.few = [tuple(foot) for foot in feet_m.tolist()] if few else None
+        self.base_m = statue.corner_left_m + statue.corner_right_m
+        # What rocks out of its plane stands on feet that close and open all the time.
+        least = max(LEAST_RAD_S, LEAST_RAD_S2 * step_s) if scene.planar else LEAST_RATE_RAD_S
+        self.least_m_s = min(LEAST_RATE_RAD_S, least) * self.base_m
+        pull = greatest_pull_m_s2(scene)
+        # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
+        self.drift_s = DRIFT * statue.centroid_height_m * step_s
+        self.drift_m_s2 = self.drift_s * step_s
+        self.late_s = LATE * step_s
+        # What weight and table together can do to a foot at its distance from the centroid.
+        self.bounds = 2.0 * pull / statue.centroid_height_m * np.linalg.norm(feet_m, axis=1)
+        self.bound = self.bounds.tolist()
+
+    def __call__(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> tuple[float, float, int]:
+        """These times and that foot's number; `floor_m`, `floor_m_s` are the height of a moving table and its velocity.
+
+        A time is infinite when no foot comes down, or all stand.
+        """
+        falling = self.falling_m_s(row)
+        if self.few is None:
+            return self._of_many(row, falling, floor_m, floor_m_s)
+        near = min(NEAR_M, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
+        first_s = soonest_s = math.inf
+        foot = -1
+        for index, (gap, closing) in enumerate(self.heights(row, floor_m, floor_m_s)):
+            falls = closing > falling and gap > -self.late_s * closing
+            if gap > near or (falls and gap > 0.0):
+                bound = self.bound[index]
+                time_s = (math.sqrt(closing * closing + 2.0 * bound * gap) - closing) / bound
+                if time_s < soonest_s:
+                    soonest_s = time_s
+            if falls:
+                time_s = gap / closing if gap > 0.0 else 0.0
+                if time_s < first_s:
+                    first_s, foot = time_s, index
+        return first_s, soonest_s, foot
+
+    def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
+        """The same for arrays."""
+        gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+        falls = (closing > falling) & (gap > -self.late_s * closing)
+        ahead = (gap > NEAR_M) | (falls & (gap > 0.0))
+        bound, near, rate = self.bounds[ahead], gap[ahead], closing[ahead]
+        soonest_s = float(np.min((np.sqrt(rate * rate + 2.0 * bound * near) - rate) / bound, initial=math.inf))
+        if not falls.any():
+            return math.inf, soonest_s, -1
+        coming_s = np.full(gap.size, math.inf)
+        coming_s[falls] = np.maximum(gap[falls], 0.0) / closing[falls]
+        foot = int(np.argmin(coming_s))
+        first_s = float(coming_s[foot])
+        return first_s, soonest_s, foot if first_s < math.inf else -1
+
+    def stands(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> bool:
+        """Whether a foot rests on its support."""
+        falling = self.falling_m_s(row)
+        return any(
+            abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
+        )
+
+    def drift_m(self, row: Row, floor_m: float = 0.0, *, coming_s: float = 0.0) -> float:
+        """How high feet near their support are above it, at most, with those that come down within `coming_s`; 0 for none."""
+        falling = self.falling_m_s(row)
+        highest = 0.0
+        for gap, closing in self.heights(row, floor_m, 0.0):
+            if highest < gap < (NEAR_M if closing < falling else closing * coming_s):
+                highest = gap
+        return highest
+
+    def falling_m_s(self, row: Row) -> float:
+        """A velocity that only a foot has that comes down."""
+        square = row[10] * row[10] + row[11] * row[11]
+        return max(self.least_m_s, self.drift_s * square, self.base_m * min(LEAST_RATE_RAD_S, HELD * math.sqrt(square)))
+
+    def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
+        """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""
+        if self.few is None:
+            gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+            return list(zip(gap.tolist(), closing.tolist(), strict=True))
+        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+        return [(fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)) for fx, fy, fz in self.few]
+
+    def _all_gaps(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Array, Array]:
+        """The same as arrays, shape (k,) each; infinite heights beside the pedestal's top."""
+        height, motion = self._support(row, floor_m, floor_m_s)
+        gap = self.feet_m @ np.array(height[:3]) + height[3]
+        if self.within_m is not None:
+            gap[past_edge_m(self.feet_m, row, self.within_m) > 0.0] = math.inf
+        return gap, -(self.feet_m @ np.array(motion[:3]) + motion[3])
+
+    def _support(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Four, Four]:
+        """Height over the support, and its rate, as components in the statue's principal frame and a constant."""
+        x, y, z, w = row[3:7]
+        nx, ny, nz = 0.0, 0.0, 1.0
+        p, q, r = row[10:13]
+        if self.half_m is None:
+            place, rate = row[2] - floor_m, row[9] - floor_m_s
+        else:
+            a, b, c, d = row[16:20]
+            nx, ny, nz = 2.0 * (a * c + b * d), 2.0 * (b * c - a * d), 1.0 - 2.0 * (a * a + b * b)
+            place = nx * (row[0] - row[13]) + ny * (row[1] - row[14]) + nz * (row[2] - row[15]) - self.half_m
+            rate = nx * (row[7] - row[20]) + ny * (row[8] - row[21]) + nz * (row[9] - row[22])
+            p, q = p - row[23], q - row[24]
+        # n · (ω × f) = f · (n × ω)
+        sx, sy, sz = ny * r - nz * q, nz * p - nx * r, nx * q - ny * p
+        # Columns of the statue's rotation: a world vector u has the components (u · column) in the statue's frame.
+        ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
+        bx, by, bz = 2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)
+        cx, cy, cz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
+        ha, hb, hc = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz, nx * cx + ny * cy + nz * cz
+        va, vb, vc = sx * ax + sy * ay + sz * az, sx * bx + sy * by + sz * bz, sx * cx + sy * cy + sz * cz
+        return (ha, hb, hc, place), (va, vb, vc, rate)

@@ -1,0 +1,294 @@
+"""The world of one run: a fresh client, every parameter sent, bodies in a fixed order, closed at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Final, Self, final
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from harness.engines.pybullet import client, mirror, shapes
+from harness.engines.pybullet.pose import Body
+from harness.engines.pybullet.settings import BulletSettings
+from harness.model.scene import Contact, Pedestal, Wall
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+STILL: Final = (0.0, 0.0, 0.0)
+ALOFT_M: Final = 1e3
+"""Height at which bodies touch nothing, and above each other."""
+UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
+MIRRORED_RESIDUAL: Final = 1e-2
+"""Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
+FACE, BOX = 0, 1
+"""Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
+OVER, BESIDE = 0, 1
+"""Links of the statue there: its feet over the top, and those beside it."""
+WALL_REACH: Final = 1e-4
+"""What meets a wall is met by no shorter step: seen from further away, more of it ends a whole step there."""
+MOVING: Final = 1
+"""Bullet's own group of bodies that move; they touch"""
+EVERYTHING: Final = -1
+SHORT: Final = 0.1
+"""Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
+NO_RESTITUTION_BELOW_M_S: Final = 1e9
+"""Every contact is slower than this, so none bounces."""
+
+
+@final
+class World:
+    """One simulation. `statue`, `pedestal` are Bullet's bodies (`pedestal` None without one); floor and wall do not move alone.
+
+    A context manager: leaving it ends the client. Raises `EngineFailure` when no client can be had.
+    """
+
+    def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
+        self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
+        self.client = client.take()
+        self.floor = -1
+        self.wall: int | None = None
+        self.pedestal: int | None = None
+        self.statue = -1
+        self.radius_m = settings.foot_radius_m
+        self.edges, self.feet_over, self.reach = False, True, settings.reach
+        self._homes: dict[int, Vector] = {}
+
+    def __enter__(self) -> Self:
+        self._set_engine(self.settings.dt_s)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        client.give_back(self.client, sound=error is None)
+
+    def _set_engine(self, step_s: float) -> None:
+        """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
+        pybullet.setPhysicsEngineParameter(
+            numSubSteps=0,
+            contactBreakingThreshold=self.settings.reach,
+            enableConeFriction=int(self.settings.cone_friction),
+            globalCFM=0.0,
+            contactSlop=0.0,
+            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
+            physicsClientId=self.client,
+        )
+        self.set_length(step_s)
+
+    def set_length(self, step_s: float) -> None:
+        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
+
+        A step of another length than the rung's holds an event, whose impulses are solved more tightly.
+        """
+        s, erp = self.settings, self.settings.erp_for(step_s)
+        tight, share = step_s != s.dt_s, step_s / s.dt_s
+        residual = s.residual_for() * (MIRRORED_RESIDUAL if self.mirrored else s.event_residual if tight else 1.0)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            erp=erp,
+            contactERP=erp,
+            frictionERP=share**2 if share > SHORT else 0.0,
+            numSolverIterations=max(s.iterations, s.event_iterations) if tight or self.mirrored else s.iterations,
+            solverResidualThreshold=residual,
+            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
+            warmStartingFactor=0.0 if tight else 1.0,
+            physicsClientId=self.client,
+        )
+
+    def build(
+        self,
+        contact: Contact,
+        pedestal: tuple[Pedestal, float] | None,
+        wall: tuple[Wall, float] | None,
+        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
+        beside: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Create everything: pedestal with its centre's x, wall with its place's x, statue as mass, moments (3,), feet (k, 3)
+        and convex bodies (n, 3) each, or None, in its principal frame, and its state. With these the pedestal has edges;
+        `beside` (k,) are then the feet beside its top (None: none), the others meet its face as if that had no end.
+        """
+        self.edges = statue[3] is not None
+        radius = self.radius_m
+        self.floor = self._fixed((0.0, 0.0, 1.0), (0.0, 0.0, -radius))
+        if wall is not None:
+            self.set_reach(max(self.reach, WALL_REACH))
+            sign = wall[0].sign
+            self.wall = self._fixed((-float(sign), 0.0, 0.0), (wall[1] + sign * radius, 0.0, 0.0))
+        if self.settings.reversed_bodies:
+            self._add_statue(statue, beside)
+            self._add_pedestal(pedestal, self.edges)
+        else:
+            self._add_pedestal(pedestal, self.edges)
+            self._add_statue(statue, beside)
+        if self.pedestal is not None and not self.mirrored:
+            self._part_top(self.pedestal)
+        # Coefficients multiply: the floor's holds under the pedestal, the statue's on whatever the statue stands on.
+        self.surface(self.statue, contact.statue)
+        if self.pedestal is not None:
+            self.surface(self.pedestal, 1.0)
+        self.set_floor_friction(contact.floor_static if self.pedestal is not None else 1.0)
+        if self.wall is not None:
+            self.surface(self.wall, 1.0)
+        if self.mirrored:
+            self._take_inertia(statue[4], pedestal)
+
+    def _take_inertia(self, statue: Body, pedestal: tuple[Pedestal, float] | None) -> None:
+        """A step far above everything, without gravity: until one has moved it a rigid body turns by the inertia of its shape."""
+        states = {self.statue: statue}
+        if self.pedestal is not None and pedestal is not None:
+            place = (pedestal[1], 0.0, pedestal[0].centroid_height_m)
+            states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
+        for number, (body, state) in enumerate(states.items(), 1):
+            x, y, z = state.place_m
+            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
+        pybullet.stepSimulation(self.client)
+        for body, state in states.items():
+            self.place(body, state)
+
+    def _fixed(self, normal: Vector, place: Vector) -> int:
+        body = self._created(shapes.plane(normal, self.client), 0.0, place)
+        self._homes[body] = place
+        return body
+
+    def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
+        """A body of a collision shape with its mass and principal moments (3,)."""
+        body = self._created(shape, mass_kg, place)
+        self._inert(body, mass_kg, moments_kg_m2)
+        return body
+
+    def _created(self, shape: int, mass_kg: float, place: Sequence[float]) -> int:
+        """A body of a collision shape. In a mirrored world it is one of Bullet's rigid bodies, whose solver starts each step from
+        the impulses of the last; elsewhere a multibody without links, whose friction is a cone.
+        """
+        # Without a shape to draw, Bullet would make one of each collision shape: most of the time that a body takes.
+        drawn = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=[1.0, 1.0, 1.0], physicsClientId=self.client)
+        return int(
+            pybullet.createMultiBody(
+                mass_kg,
+                shape,
+                drawn,
+                basePosition=place,
+                useMaximalCoordinates=int(self.mirrored),
+                physicsClientId=self.client,
+            )
+        )
+
+    def _add_pedestal(self, pedestal: tuple[Pedestal, float] | None, edges: bool) -> None:
+        if pedestal is None:
+            return
+        p, centre_m = pedestal
+        squares = np.array([p.width_m**2, p.depth_m**2, p.height_m**2])
+        moments = p.mass_kg / 12.0 * (np.sum(squares) - squares)
+        if self.in_plane:
+            moments = mirror.locked(moments)
+        place = [centre_m, 0.0, p.centroid_height_m]
+        if not self.mirrored:
+            self.pedestal = shapes.linked_pedestal(p, self.radius_m, place, self.client)
+            self._inert(self.pedestal, p.mass_kg, moments)
+        else:
+            shape = shapes.pedestal(p, self.radius_m, False, self.client, halved=self.mirrored)
+            self.pedestal = self.add(shape, p.mass_kg, moments, place)
+
+    def _part_top(self, pedestal: int) -> None:
+        """Let the face be met by the feet over it alone, and them not by the box."""
+        pair, client, links = (
+            pybullet.setCollisionFilterPair,
+            self.client,
+            pybullet.getNumJoints(self.statue, self.client),
+        )
+        for link in range(-1, links):
+            over = self.feet_over and link == (OVER if self.edges else -1)
+            pair(self.statue, pedestal, link, FACE, int(over), client)
+            pair(self.statue, pedestal, link, BOX, int(self.edges and not over), client)
+            pair(self.statue, pedestal, link, -1, 0, client)
+        for body in (self.floor, *(() if self.wall is None else (self.wall,))):
+            pair(body, pedestal, -1, FACE, 0, client)
+            pair(body, pedestal, -1, BOX, 0, client)
+
+    def _add_statue(
+        self,
+        statue: tuple[float, Array, Array, Sequence[Array] | None, Body],
+        beside: NDArray[np.bool_] | None,
+    ) -> None:
+        mass, moments, feet_m, convex_m, state = statue
+        radius = self.radius_m
+        if convex_m is not None:
+            there = np.zeros(len(feet_m), dtype=bool) if beside is None else beside
+            groups = [feet_m[~there], feet_m[there]]
+            self.feet_over = len(groups[OVER]) > 0
+            apart = [group for group in groups if len(group)]
+            self.statue = shapes.described_body(feet_m[:0], radius, convex_m, self.client, apart)
+            self._inert(self.statue, mass, moments)
+        elif len(feet_m) <= shapes.MOST_IN_ARRAY:
+            shape = shapes.feet(feet_m, radius, self.client)
+            self.statue = self.add(shape, mass, moments, [0.0, 0.0, 0.0])
+        else:
+            self.statue = shapes.described_body(feet_m, radius, (), self.client)
+            self._inert(self.statue, mass, moments)
+        self.place(self.statue, state)
+
+    def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
+        pybullet.changeDynamics(
+            body,
+            -1,
+            mass=mass_kg,
+            localInertiaDiagonal=[float(value) for value in moments_kg_m2],
+            linearDamping=0.0,
+            angularDamping=0.0,
+            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            physicsClientId=self.client,
+        )
+
+    def surface(self, body: int, friction: float) -> None:
+        """Coefficient of friction of a body, nothing else at its contacts."""
+        for link in self._links(body):
+            pybullet.changeDynamics(
+                body,
+                link,
+                lateralFriction=friction,
+                spinningFriction=0.0,
+                rollingFriction=0.0,
+                restitution=0.0,
+                physicsClientId=self.client,
+            )
+
+    def _links(self, body: int) -> range:
+        """Numbers of a body's links, its base's -1 first."""
+        return range(-1, pybullet.getNumJoints(body, self.client))
+
+    def anchor(self, *, held: bool) -> None:
+        """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
+        link = OVER if self.edges else -1
+        pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
+
+    def set_reach(self, reach: float) -> None:
+        """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
+        self.reach = reach
+        pybullet.setPhysicsEngineParameter(contactBreakingThreshold=reach, physicsClientId=self.client)
+        for body in (self.statue, self.pedestal):
+            if body is not None and body >= 0:
+                for link in self._links(body):
+                    pybullet.setCollisionFilterGroupMask(body, link, MOVING, EVERYTHING, physicsClientId=self.client)
+
+    def set_floor_friction(self, friction: float) -> None:
+        """Coefficient of the pedestal on the floor from now on."""
+        self.surface(self.floor, friction)
+
+    def place(self, body: int, state: Body) -> None:
+        """Put a body into a state."""
+        pybullet.resetBasePositionAndOrientation(body, state.place_m, state.turn, physicsClientId=self.client)
+        pybullet.resetBaseVelocity(body, state.velocity_m_s, state.rate_rad_s, physicsClientId=self.client)
+
+    def move_table(self, displacement_m: Vector, velocity_m_s: Vector) -> None:
+        """Put floor and wall to where the table is, with its velocity."""
+        for body, (x, y, z) in self._homes.items():
+            there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
+            pybullet.resetBasePositionAndOrientation(body, there, UPRIGHT, physicsClientId=self.client)
+            pybullet.resetBaseVelocity(body, velocity_m_s, (0.0, 0.0, 0.0), physicsClientId=self.client)

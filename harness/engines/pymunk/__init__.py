@@ -1,0 +1,178 @@
+"""pymunk (Chipmunk): rigid polygons in the rocking plane, contact by iterated impulses. docs/pymunk.md."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import ClassVar, Final, final
+
+import numpy as np
+
+from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.pymunk.samples import trajectory
+from harness.engines.pymunk.world import MunkSettings
+from harness.model.options import Capabilities, Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.statics.plan import first_motion_s
+
+RUNGS: Final = (
+    (4e-3, 90, 4e-4),
+    (2e-3, 120, 2e-4),
+    (1e-3, 120, 6e-5),
+    (5e-4, 160, 2e-5),
+    (2.5e-4, 240, 7e-6),
+    (1e-4, 400, 3e-6),
+    (5e-5, 600, 1.5e-6),
+    (2e-5, 800, 1e-6),
+)
+"""(step in s, iterations, error in rad reached where tuned): the paper's four cases with a pedestal, μ_s = 0.15 and 0.20,
+μ_k = 0.15, first second, against the analytic model. A statue on a pedestal needs many iterations at any step: with fewer the
+sweeps leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the step."""
+ALONE_SHARE, ALONE_LEAST = 0.5, 90
+"""Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling; but at
+rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and a later start (skip `quiet_start`) decided a borderline outcome."""
+TURNING_SHARE: Final = 0.25
+TURNING_LEAST: Final = 24
+"""Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
+IMPACT_ITERATIONS: Final = 400
+"""Least iterations of a step in which all contacts meet an impact or a halt: it starts from impulses of another state."""
+DEPTH_RAD_S: Final = 0.002
+"""Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
+SLOP_DEPTHS: Final = 50.0
+SETTLE_STEPS: Final = 500
+"""Whole steps computed before the first instant at which anything can move: the contact's penetration must have settled as it
+would have by then, or an outcome far on may be another (with 64 of them two of six under real records were)."""
+
+
+@final
+class Munk2D(Engine):
+    """Chipmunk's contact of polygons, its steps ended at impacts and halts."""
+
+    name: ClassVar[str] = "pymunk"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=2,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        moving_table=True,
+        forces=True,
+        edge_shape="the hull of its silhouette",
+        skips=frozenset({"quiet_start", "quiet_end", "no_history", "stop_at_overturn"}),
+    )
+    order: ClassVar[float] = 1.0
+    agreements: ClassVar[int] = 1
+
+    def missing(self) -> str | None:
+        """Why pymunk cannot run here, or None."""
+        try:
+            import pymunk
+        except ImportError as error:
+            return f"pymunk cannot be imported: {error}"
+        return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
+
+    def ladder(self, scene: Scene) -> tuple[MunkSettings, ...]:
+        """Steps of 4 ms to 0.02 ms; iterations grow because a finer step needs them to show."""
+        return tuple(_settings(scene, *rung) for rung in RUNGS)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
+        """The nearest rung's iterations with the given step."""
+        dt, iterations, error = min(RUNGS, key=lambda rung: abs(math.log(rung[0] / dt_s)))
+        return _settings(scene, dt_s, iterations, error * dt_s / dt)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
+        """Less than half the step, with the bodies added in the other order and the iterations of that step."""
+        own = _own(settings)
+        iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
+        return (
+            replace(
+                own,
+                dt_s=FINER * own.dt_s,
+                depth_m=FINER * own.depth_m,
+                slop_m=FINER * own.slop_m,
+                expected_error_rad=FINER * own.expected_error_rad,
+                iterations=iterations,
+                turning_iterations=_turning(iterations),
+                impact_iterations=max(IMPACT_ITERATIONS, 3 * own.iterations),
+                pedestal_first=not own.pedestal_first,
+            ),
+        )
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
+        from harness.engines.pymunk import drive as driving
+        from harness.engines.pymunk import loop, plain_spells, world
+        from harness.engines.pymunk.standing import Standing
+
+        own = _own(settings)
+        begin = time.perf_counter()
+        try:
+            built = world.build(scene, own)
+            grid = loop.grid_of(scene, own.dt_s)
+            first, skipped = _first_step(scene, own, want, len(grid.gravity))
+            drive = driving.start(scene, own, built, first * own.dt_s)
+            standing = Standing(drive)
+            rested = loop.run(drive, standing, grid, first, want)
+        except (AssertionError, ValueError, MemoryError) as error:
+            raise EngineFailure(f"pymunk refused the scene: {error}") from error
+        states, t_s = np.concatenate(drive.states), np.array(drive.times_s)
+        path = trajectory(scene, built, states, t_s, np.array(drive.lags_s))
+        if rested:
+            skipped = (*skipped, f"from {drive.t_s:.4g} s on the statue is at rest and the floor is still")
+        report = Report(
+            engine=self.name,
+            settings=own.as_dict(),
+            steps=drive.work["engine_steps"],
+            wall_s=0.0,
+            resolution_rad=loop.resolution_rad(scene, own),
+            stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
+            rested=rested,
+            with_history=want.history or not want.may_skip("no_history"),
+            validity=plain_spells.plain_spells(drive, standing),
+            work=drive.work,
+            skipped=skipped,
+            warnings=_warnings(scene, drive),
+            labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
+        )
+        return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
+
+
+def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
+    """A rung for this scene: the depth of contact is a rotation of the base, in proportion to the step."""
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    if scene.pedestal is None:
+        iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
+    depth = DEPTH_RAD_S * base * dt_s
+    many = max(IMPACT_ITERATIONS, 2 * iterations)
+    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, SLOP_DEPTHS * depth, many)
+
+
+def _turning(iterations: int) -> int:
+    return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
+
+
+def _own(settings: Settings) -> MunkSettings:
+    if not isinstance(settings, MunkSettings):
+        raise TypeError(f"pymunk wants its own settings, got {type(settings).__name__}")
+    return settings
+
+
+def _first_step(scene: Scene, settings: MunkSettings, want: Want, total: int) -> tuple[int, tuple[str, ...]]:
+    quiet = first_motion_s(scene) if want.may_skip("quiet_start") else 0.0
+    first = min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
+    if first == 0:
+        return 0, ()
+    return first, (f"nothing moves before {first * settings.dt_s:.4g} s: not integrated",)
+
+
+def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
+    found = []
+    if scene.form.friction_normal == "static":
+        found.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")
+    if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
+        found.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
+    return tuple(found)

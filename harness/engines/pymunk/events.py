@@ -1,0 +1,165 @@
+"""Events inside a step: the step is split so that an impact or a halt falls on the end of a part.
+
+What is left to first order in a plain loop are events inside a step. The step that holds an impact is therefore split:
+velocities are brought to the impact, positions to the contact, and one step without gravity lets the engine compute the impact
+alone. The step in which the pedestal halts or reverses ends there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from harness.engines.contact.impact import impact
+from harness.engines.pymunk import native
+from harness.engines.pymunk.drive import Drive, advance, record, set_stuck, shift, slip_rate
+from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, Standing
+
+MOST_SHARE: Final = 1.5
+"""Longest part, in steps, of those that follow an impact."""
+PAST_HALT: Final = 0.01
+"""Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
+
+
+def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> bool:
+    """Pass an impact on a facet that lies within the coming steps: four engine steps for three, ending at `end_s`.
+
+    Each part acts with its contacts as they are in its middle. Returns whether the corner was found where it was expected; if
+    not nothing but one partial step has been made.
+    """
+    dt = drive.settings.dt_s
+    ahead = _time_level(drive, standing, facet)
+    incoming = incoming_vertex(standing, facet)
+    approach(drive, standing, facet, ahead, dt)
+    move = time_to_contact(standing, incoming)
+    found = 0.0 < move < dt
+    if found:
+        impact_alone(drive, move)
+        # Both were at the impact, velocities by its foreseen time; half a step on, they are half a step ahead again.
+        drive.place_s = drive.t_s
+        standing.keep(0.5 * dt, dt)
+        advance(drive, 0.5 * dt, dt)
+        record(drive, drive.t_s)
+        drive.work["impacts_split"] += 1
+    rest = end_s - drive.t_s
+    while rest > MOST_SHARE * dt:
+        standing.keep(dt, dt)
+        advance(drive, dt, dt)
+        record(drive, drive.t_s)
+        rest = end_s - drive.t_s
+    move = drive.t_s + 0.5 * rest - drive.place_s
+    standing.keep(move, rest)
+    advance(drive, move, rest)
+    end(drive, standing, end_s)
+    return found
+
+
+def incoming_vertex(standing: Standing, facet: int) -> int:
+    """The vertex that comes down on a facet: to the left the facet's left end, which is the later one."""
+    return facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
+
+
+def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_s: float) -> None:
+    """Velocities to the impact on a facet `ahead_s` after the places, which are half of `part_s` behind; places half the way."""
+    incoming = incoming_vertex(standing, facet)
+    move = 0.5 * ahead_s + 0.25 * part_s
+    kick = ahead_s - 0.5 * part_s
+    standing.keep(move, kick)
+    advance(drive, move, kick)
+    turn_on(drive, standing, 2 * facet + 1 - incoming, standing.level_rad[facet] + standing.tilt())
+    record(drive, drive.t_s, drive.t_s - drive.place_s)
+    # A vertex that no longer comes down, as the part has halted it, is not taken anywhere.
+    contact_s = time_to_contact(standing, incoming)
+    if abs(contact_s) < drive.settings.dt_s:
+        standing.keep(contact_s, 0.0, turned=True)
+
+
+def end(drive: Drive, standing: Standing, end_s: float) -> None:
+    """End on a whole step: positions half a step behind velocities, and these the tangents there."""
+    place_s = end_s - 0.5 * drive.settings.dt_s
+    angle_rad = native.get_angle(standing.statue) + native.get_spin(standing.statue) * (place_s - drive.place_s)
+    turn_on(drive, standing, standing.standing_vertex(angle_rad), angle_rad)
+    for body in drive.world.movers:
+        shift(body, place_s - drive.place_s)
+    drive.t_s, drive.place_s = end_s, place_s
+    record(drive, end_s)
+
+
+def turn_on(drive: Drive, standing: Standing, vertex: int, angle_rad: float) -> None:
+    """Give the statue's centroid the velocity that it has at `angle_rad`, turning on `vertex`; spin and support keep theirs.
+
+    Nothing is turned where the statue does not stand on that vertex: of two facets that are passed in one step the first has
+    not been met.
+    """
+    world, body = drive.world, standing.statue
+    if not standing.stands_on(vertex):
+        return
+    spin = native.get_spin(body)
+    arm_x, arm_z = standing.arm(vertex, angle_rad)
+    carried = native.get_velocity(native.body_of(world.floor if world.pedestal is None else world.pedestal))
+    native.set_velocity(body, (carried.x + spin * arm_z, carried.y - spin * arm_x))
+
+
+def _time_level(drive: Drive, standing: Standing, facet: int) -> float:
+    """Time, s, in which positions bring a facet down; velocities, half a step ahead, go on changing as in the last step."""
+    dt, left = drive.settings.dt_s, standing.left_rad(facet)
+    spin = native.get_spin(standing.statue)
+    plain_s = float(left / spin)
+    gained = spin - drive.world.recorder.last(1)[drive.world.statue_column + native.SPIN]
+    # left = T (spin + gained (T - dt) / 2 dt), by one correction of the time at a constant rate.
+    found = float(left / (spin + 0.5 * gained * (plain_s / dt - 1.0)))
+    return found if LEAST_AHEAD * dt <= found <= MOST_AHEAD * dt else plain_s
+
+
+def time_to_contact(standing: Standing, vertex: int) -> float:
+    """Time, s, in which a vertex reaches the depth at which contacts are kept, at present velocities."""
+    gap, opening = standing.gap(vertex)
+    return -(gap + standing.depth_at(native.get_spin(standing.statue))) / opening if opening < 0.0 else math.inf
+
+
+def impact_alone(drive: Drive, move_s: float) -> None:
+    """The impact alone: positions at contact, no gravity; by the engine, or by the prescribed ratio."""
+    if drive.scene.contact.restitution is None:
+        advance(drive, move_s, 0.0, hard=True)
+        return
+    world, scene = drive.world, drive.scene
+    body = native.body_of(world.statue)
+    spin, rate = native.get_spin(body), slip_rate(drive)
+    side = 1 if native.get_angle(body) < 0.0 else -1
+    stuck = abs(rate) <= drive.friction.stuck_below_m_s
+    after = impact(scene, old_side=side, theta_rate_rad_s=-spin, slip_rate_m_s=rate, stuck=stuck)
+    for mover in world.movers:
+        shift(mover, move_s)
+    drive.place_s += move_s
+    base = native.get_velocity(native.body_of(world.floor)) if drive.moving else None
+    base_x, base_z = (base.x, base.y) if base is not None else (0.0, 0.0)
+    support = after.slip_rate_m_s + base_x
+    new = -scene.statue.corner_m(-side) * side
+    # About the corner at (new, −h) from the centroid, clockwise: x' = θ̇ h, z' = θ̇ new.
+    native.set_velocity(
+        body,
+        (
+            support + after.theta_rate_rad_s * scene.statue.centroid_height_m,
+            base_z + after.theta_rate_rad_s * new,
+        ),
+    )
+    native.set_spin(body, -after.theta_rate_rad_s)
+    if world.pedestal is not None:
+        native.set_velocity(native.body_of(world.pedestal), (support, base_z))
+        set_stuck(drive, stuck=abs(after.slip_rate_m_s) <= drive.friction.stuck_below_m_s)
+
+
+def split_halt(drive: Drive, standing: Standing, share: float, end_s: float) -> None:
+    """End a step where the pedestal halts, and make the rest of it.
+
+    A statue at rest meets the halt with both ends of its base, which takes the solver many times longer than one vertex.
+    """
+    dt = drive.settings.dt_s
+    first = min(share * (1.0 + PAST_HALT), 1.0) * dt
+    advance(drive, first, first, hard=abs(native.get_spin(standing.statue)) <= standing.least_of_all_rad_s)
+    rest = end_s - drive.t_s
+    if rest > 0.0:
+        advance(drive, rest, rest)
+    drive.t_s = end_s
+    record(drive, end_s)
+    drive.work["halts_split"] += 1

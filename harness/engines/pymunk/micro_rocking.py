@@ -1,0 +1,159 @@
+"""Rattling: rocking in swings of a few steps, whose impacts follow each other sooner than whole steps could tell.
+
+A statue that rises under a floor that shakes at a high frequency often rattles first: rocking of 1e-5 rad in swings of some
+milliseconds, with impacts of a hundredth of a radian a second. It is next to nothing, but its next rise begins with it. In whole
+steps such a swing ends in the step in which it returns, and alike at every step that is longer. Here it is cut into parts of its
+own length, and its impacts are met, until the swings are long enough for whole steps or too short for these to tell.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.contact import frame
+from harness.engines.pymunk import events, native
+from harness.engines.pymunk.drive import Drive, advance, record, slip_rate
+from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, Standing
+
+Array = NDArray[np.float64]
+
+SHORT_STEPS: Final = 8.0
+"""A swing expected to be shorter than so many steps is passed in parts of its own."""
+LEAST_STEPS: Final = 0.25
+"""One shorter than this is left to whole steps, in which it dies out."""
+FAST: Final = 3.0
+"""Impacts at a rate above so many times `Standing.fast_rad_s` are met by whole steps: what the shape of a swing changes in their
+instant is little, and parts cost more."""
+PARTS: Final = 5.0
+"""Parts of a swing as it is expected from the forces at its beginning."""
+MOST_PARTS: Final = 20
+"""Parts after which a swing that does not return is left to whole steps."""
+DEPTH_SHARE: Final = 5e-3
+"""Depth of contact in a swing over what the swing lifts a corner by: a contact lets go, and is felt, at its depth."""
+PEAK_SHARE: Final = 0.25
+"""Peak of a swing over the rate at its beginning times its duration, at a constant acceleration."""
+AFTER_STEPS: Final = 2.0
+"""Whole steps that must be left after a swing."""
+LEAST_TAIL: Final = 0.5
+"""Share of a step that the part which ends on a whole step takes at least."""
+
+
+def is_short(drive: Drive, standing: Standing, facet: int, t_s: float) -> bool | None:
+    """Whether the impact to come on a facet belongs to a rattle; None where steps of this length can tell of none."""
+    vertex = events.incoming_vertex(standing, facet)
+    # A statue at rest tilts on a vertex that is still in contact.
+    if standing.gap(vertex)[0] <= -standing.depth_m:
+        return None
+    dt, spin = drive.settings.dt_s, native.get_spin(standing.statue)
+    swing_s = next_swing_s(drive, standing, vertex, t_s)
+    if swing_s <= LEAST_STEPS * dt:
+        return None
+    return not standing.steady or swing_s <= SHORT_STEPS * dt or abs(spin) <= FAST * standing.fast_rad_s
+
+
+def next_swing_s(drive: Drive, standing: Standing, vertex: int, t_s: float) -> float:
+    """Duration, s, of a swing about a vertex from `t_s` on at the statue's present rate, under the forces of the coming step.
+
+    Infinite where these do not bring it back. A pedestal is taken to be held, if it halts within half of that swing, or to slide.
+    """
+    spin, angle = native.get_spin(standing.statue), native.get_angle(standing.statue)
+    dt, drag = drive.settings.dt_s, drive.friction.kinetic
+    along, _, down = frame.mean_gravity(drive.scene, t_s, t_s + dt)
+    x, z = standing.arm(vertex, angle)
+    statue = drive.scene.statue
+    inertia = statue.inertia_kg_m2 + statue.mass_kg * (x * x + z * z)
+
+    def lasts_s(pull_m_s2: float) -> float:
+        # What pulls acts at the centroid, which is at (−x, −z) from the vertex.
+        gained = statue.mass_kg * (z * pull_m_s2 - x * down) / inertia
+        return 2.0 * abs(spin / gained) if gained * spin < 0.0 else math.inf
+
+    held_s, rate = lasts_s(along), slip_rate(drive)
+    braked = drag * abs(down)
+    if abs(rate) <= max(drive.friction.stuck_below_m_s, 0.5 * held_s * braked):
+        return held_s
+    return lasts_s(math.copysign(braked, rate))
+
+
+def rattle(drive: Drive, standing: Standing, facet: int, edges_s: Array) -> int:
+    """Pass the impact on a facet within the coming steps, and the short swings that follow; returns the whole step reached."""
+    dt, depth_m, fast_rad_s = drive.settings.dt_s, standing.depth_m, standing.fast_rad_s
+    spin = native.get_spin(standing.statue)
+    part, gained = dt, spin - drive.world.recorder.last(1)[drive.world.statue_column + native.SPIN]
+    # One depth for all of it: corners at two of them would not be level together.
+    standing.fast_rad_s = math.inf if abs(spin) < fast_rad_s else 0.0
+    returns = True
+    while returns:
+        incoming = events.incoming_vertex(standing, facet)
+        if not _meet(drive, standing, facet, part, gained):
+            break
+        spin = native.get_spin(standing.statue)
+        swing_s = next_swing_s(drive, standing, incoming, drive.t_s)
+        if swing_s < LEAST_STEPS * dt:
+            standing.settle()
+            break
+        if swing_s > SHORT_STEPS * dt or drive.t_s + swing_s + AFTER_STEPS * dt > edges_s[-1]:
+            break
+        part, standing.fast_rad_s = min(swing_s / PARTS, dt), math.inf
+        peak_rad = PEAK_SHARE * abs(spin) * swing_s
+        standing.depth_m = min(depth_m, DEPTH_SHARE * peak_rad * standing.length_m[facet])
+        returns, gained = _swing(drive, standing, facet, part)
+    standing.depth_m, standing.fast_rad_s = depth_m, fast_rad_s
+    return _to_whole_step(drive, standing, edges_s)
+
+
+def _meet(drive: Drive, standing: Standing, facet: int, part_s: float, gained_rad_s: float) -> bool:
+    """The last of the parts of a swing, all of this length, and its impact; whether it was met."""
+    ahead = _back_s(standing, facet, part_s, gained_rad_s)
+    incoming = events.incoming_vertex(standing, facet)
+    if not LEAST_AHEAD * part_s <= ahead <= MOST_AHEAD * part_s:
+        return False
+    events.approach(drive, standing, facet, ahead, part_s)
+    move = events.time_to_contact(standing, incoming)
+    if not -part_s < move < drive.settings.dt_s:
+        return False
+    events.impact_alone(drive, move)
+    drive.place_s = drive.t_s
+    drive.work["impacts_split"] += 1
+    return True
+
+
+def _swing(drive: Drive, standing: Standing, facet: int, part_s: float) -> tuple[bool, float]:
+    """Parts of a swing up to the one before it returns to the facet; whether it does, and the spin gained in the last."""
+    move, gained = 0.5 * part_s, 0.0
+    for _ in range(MOST_PARTS):
+        spin = native.get_spin(standing.statue)
+        standing.keep(move, part_s)
+        advance(drive, move, part_s)
+        record(drive, drive.t_s, 0.5 * part_s)
+        gained, move = native.get_spin(standing.statue) - spin, part_s
+        ahead = _back_s(standing, facet, part_s, gained)
+        if ahead <= MOST_AHEAD * part_s:
+            return ahead >= LEAST_AHEAD * part_s, gained
+    return False, gained
+
+
+def _back_s(standing: Standing, facet: int, part_s: float, gained_rad_s: float) -> float:
+    """Time, s, from that of the places, half a part ago, to the statue's return to a facet, at the last part's acceleration."""
+    spin, pull = native.get_spin(standing.statue), gained_rad_s / part_s
+    # Places brought forward by half a part at the present velocity are those of its instant.
+    left = standing.left_rad(facet) - 0.5 * part_s * spin
+    if pull * left <= 0.0:
+        return float(0.5 * part_s + left / spin) if spin * left > 0.0 else math.inf
+    speed = math.copysign(math.sqrt(spin * spin + 2.0 * pull * left), left)
+    return float(0.5 * part_s + (speed - spin) / pull)
+
+
+def _to_whole_step(drive: Drive, standing: Standing, edges_s: Array) -> int:
+    """One part to the end of a whole step."""
+    end = int(np.searchsorted(edges_s, drive.t_s + LEAST_TAIL * drive.settings.dt_s))
+    part = float(edges_s[end]) - drive.t_s
+    move = drive.t_s + 0.5 * part - drive.place_s
+    standing.keep(move, part)
+    advance(drive, move, part)
+    events.end(drive, standing, float(edges_s[end]))
+    return end

@@ -1,0 +1,172 @@
+"""pymunk as it comes: bodies, shapes, masses, coefficients, gravity, step and iterations; after the start no body is written to.
+
+What `pymunk` adds to this, events located inside a step, rests on rigid-body formulas of this project; this engine has none of
+them, so that where the two agree the contact engine itself has confirmed the answer. Two coefficients of friction are the one
+thing that Chipmunk does not know: the floor's follows the pedestal's own velocity (`harness.engines.contact.friction.followed`).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import ClassVar, Final, final
+
+import numpy as np
+
+from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.contact.friction import floor_friction, followed
+from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.contact.trajectory import Trajectory
+from harness.engines.pymunk.samples import trajectory
+from harness.engines.pymunk.world import MunkSettings
+from harness.model.options import Capabilities, Want
+from harness.model.run import Run
+from harness.model.scene import OVERTURN_RAD, Scene
+
+LEVELS: Final = (
+    (2e-3, 300, 1e-2),
+    (1e-3, 400, 5e-3),
+    (5e-4, 500, 2.5e-3),
+    (2.5e-4, 700, 1e-3),
+    (1e-4, 1000, 5e-4),
+    (5e-5, 1000, 2.5e-4),
+    (2.5e-5, 1000, 1e-4),
+)
+"""(step in s, iterations, error in rad). With 40 iterations a stuck pedestal slides (0.1 rad off); these are past the number at
+which the paper's cases with a pedestal stop changing. The error is the largest over wide random scenes, to be stated at most."""
+DEPTH_RAD_S: Final = 0.002
+"""Depth at which the statue is placed, over the base's width and the step: contacts exist from the first step on."""
+SLOP_DEPTHS: Final = 50.0
+"""Penetration that Chipmunk leaves alone, in such depths: its correction of deeper ones adds energy."""
+BLOCK_STEPS: Final = 64
+"""Steps between two looks at whether the run can end."""
+
+
+@final
+class PlainMunk2D(Engine):
+    """Chipmunk's own steps, nothing else."""
+
+    name: ClassVar[str] = "pymunk:plain"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=2,
+        own_impact=True,
+        pedestal_tips=True,
+        statue_slips=True,
+        flies=True,
+        forces=True,
+        edge_shape="the hull of its silhouette",
+        skips=frozenset({"no_history", "stop_at_overturn"}),
+    )
+    order: ClassVar[float] = 1.0
+
+    def missing(self) -> str | None:
+        """Why pymunk cannot run here, or None."""
+        try:
+            import pymunk
+        except ImportError as error:
+            return f"pymunk cannot be imported: {error}"
+        return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
+
+    def ladder(self, scene: Scene) -> tuple[MunkSettings, ...]:
+        """Steps of 2 ms to 0.025 ms."""
+        return tuple(_settings(scene, *level) for level in LEVELS)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
+        """The nearest level's iterations with the given step."""
+        dt, iterations, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
+        return _settings(scene, dt_s, iterations, error * dt_s / dt)
+
+    def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
+        """Less than half the step, with the bodies added in the other order."""
+        own = _own(settings)
+        finer = self.settings_for_dt(scene, FINER * own.dt_s)
+        return (
+            replace(
+                finer,
+                iterations=max(finer.iterations, own.iterations),
+                pedestal_first=not own.pedestal_first,
+                expected_error_rad=FINER * own.expected_error_rad,
+            ),
+        )
+
+    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
+        own = _own(settings)
+        _refuse(scene)
+        begin = time.perf_counter()
+        try:
+            path, steps, resolution = _integrate(scene, own, want)
+        except (AssertionError, ValueError, MemoryError) as error:
+            raise EngineFailure(f"pymunk refused the scene: {error}") from error
+        report = Report(
+            engine=self.name,
+            settings=own.as_dict(),
+            steps=steps,
+            wall_s=0.0,
+            resolution_rad=resolution,
+            stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
+            with_history=want.history or not want.may_skip("no_history"),
+        )
+        return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
+
+
+def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
+    base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    depth = DEPTH_RAD_S * base * dt_s
+    return MunkSettings(
+        dt_s, error_rad, iterations, iterations, depth, SLOP_DEPTHS * depth, impact_iterations=iterations, align=False
+    )
+
+
+def _own(settings: Settings) -> MunkSettings:
+    if not isinstance(settings, MunkSettings):
+        raise TypeError(f"pymunk:plain wants its own settings, got {type(settings).__name__}")
+    return settings
+
+
+def _refuse(scene: Scene) -> None:
+    """Raise `EngineFailure` for what can be had only by writing to bodies."""
+    refused = []
+    if scene.contact.restitution is not None:
+        refused.append("a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)")
+    if scene.table == "moving":
+        refused.append("a moving table (table; it accelerates the floor's frame)")
+    if refused:
+        raise EngineFailure(f"pymunk:plain does not compute {' nor '.join(refused)}: leave it out, or ask pymunk")
+
+
+def _integrate(scene: Scene, settings: MunkSettings, want: Want) -> tuple[Trajectory, int, float]:
+    """Trajectory, number of steps, and the rotation that the contact's slop can leave at rest."""
+    from harness.engines.pymunk import loop, native, world
+
+    built = world.build(scene, settings)
+    space, recorder, dt = native.space_of(built.space), built.recorder, settings.dt_s
+    floor, each = native.shape_of(built.floor_shape), native.each_body
+    grid = loop.grid_of(scene, dt)
+    friction = floor_friction(scene, dt)
+    switches, column = built.pedestal is not None and friction.switches, built.pedestal_column + 3
+    acting, steps, states = friction.static, 0, []
+    statue = native.body_of(built.statue)
+    each(space, recorder.each, recorder.target)
+    for gravity in grid.gravity:
+        native.set_gravity(space, gravity)
+        native.step(space, dt)
+        each(space, recorder.each, recorder.target)
+        steps += 1
+        if switches:
+            wanted = followed(friction, recorder.last()[column])
+            if wanted != acting:
+                native.set_friction(floor, wanted)
+                acting = wanted
+        if steps % BLOCK_STEPS == 0:
+            states.append(recorder.take())
+            angle = native.get_angle(statue)
+            if want.may_skip("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
+                break
+            if want.stop is not None and want.stop(steps * dt, -angle):
+                break
+    states.append(recorder.take())
+    rows = np.concatenate(states)
+    t_s = grid.edges_s[: len(rows)]
+    return trajectory(scene, built, rows, t_s, np.full(t_s.size, 0.5 * dt)), steps, loop.resolution_rad(scene, settings)

@@ -1,0 +1,179 @@
+"""The scene as pymunk bodies: statue, pedestal, floor and wall in the rocking plane."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from harness.engines.base import Settings
+from harness.engines.pymunk import native
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+FLOOR_M: Final = 1000.0
+"""Half length of the floor and height of the wall: beyond any table's travel."""
+FLAT_M: Final = 1e-9
+"""Base vertices within this height of each other make a flat base."""
+
+
+@dataclass(frozen=True)
+class MunkSettings(Settings):
+    """Chipmunk's settings for one run.
+
+    `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
+    from step to step, `impact_iterations` in a step that is an impact, a halt at rest or a change of sliding;
+    `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
+    which bodies are added (results depend on it); `align` ends steps at impacts and halts.
+    """
+
+    iterations: int
+    turning_iterations: int
+    depth_m: float
+    slop_m: float
+    impact_iterations: int = 400
+    pedestal_first: bool = True
+    align: bool = True
+
+    def as_dict(self) -> dict[str, Any]:
+        """The settings as plain values: all of them are."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Handles of one run. `columns` gives where statue and pedestal stand in a recorded row; `support_m` the support's height."""
+
+    space: pymunk.Space
+    statue: pymunk.Body
+    pedestal: pymunk.Body | None
+    floor: pymunk.Body
+    floor_shape: pymunk.Shape
+    recorder: native.Recorder
+    statue_column: int
+    pedestal_column: int
+    flat_base: bool
+
+    @property
+    def statue_slice(self) -> slice:
+        """The statue's numbers in a recorded row."""
+        return slice(self.statue_column, self.statue_column + native.WIDTH)
+
+    @property
+    def pedestal_slice(self) -> slice:
+        """The pedestal's; nothing of use without one."""
+        return slice(self.pedestal_column, self.pedestal_column + native.WIDTH)
+
+    @property
+    def movers(self) -> tuple[Any, ...]:
+        """Chipmunk's dynamic bodies."""
+        bodies = (self.statue,) if self.pedestal is None else (self.statue, self.pedestal)
+        return tuple(native.body_of(body) for body in bodies)
+
+
+def build(scene: Scene, settings: MunkSettings) -> World:
+    """A fresh space with everything in its place half a step before t = 0 (docs/pymunk.md: positions lag by half a step)."""
+    space = pymunk.Space()
+    space.iterations = settings.iterations
+    space.collision_slop = settings.slop_m
+    space.sleep_time_threshold = math.inf
+    floor = space.static_body
+    if scene.table == "moving":
+        floor = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    pedestal = None if scene.pedestal is None else _pedestal(scene, settings)
+    statue = _statue(scene, settings)
+    dynamic = [statue] if pedestal is None else [statue, pedestal]
+    if settings.pedestal_first:
+        dynamic.reverse()
+    for body in dynamic:
+        space.add(body, *body.shapes)
+    # The floor last: bodies are recorded in the order in which they are added.
+    if floor is not space.static_body:
+        space.add(floor)
+    floor_shape = _floor(scene, space, floor)
+    recorder = native.Recorder(space)
+    return World(
+        space,
+        statue,
+        pedestal,
+        floor,
+        floor_shape,
+        recorder,
+        native.WIDTH * dynamic.index(statue),
+        native.WIDTH * dynamic.index(pedestal) if pedestal is not None else -1,
+        flat_base(scene),
+    )
+
+
+def flat_base(scene: Scene) -> bool:
+    """Whether the silhouette stands on exactly its two corners at one height, so that its impacts come at θ = 0."""
+    section = scene.statue.section_m
+    low = section[section[:, 1] <= np.min(section[:, 1]) + FLAT_M]
+    ends = np.array([np.min(low[:, 0]), np.max(low[:, 0])])
+    corners = np.array([-scene.statue.corner_left_m, scene.statue.corner_right_m])
+    return bool(np.all(np.abs(ends - corners) <= FLAT_M) and abs(np.min(section[:, 1])) <= FLAT_M)
+
+
+def _floor(scene: Scene, space: pymunk.Space, floor: pymunk.Body) -> pymunk.Shape:
+    thick = 1.0
+    shape = pymunk.Segment(floor, (-FLOOR_M, -thick), (FLOOR_M, -thick), thick)
+    # Chipmunk multiplies the coefficients of two shapes: the statue brings its own, the pedestal 1, the floor the rest.
+    shape.friction = 1.0 if scene.pedestal is None else scene.contact.floor_static
+    space.add(shape)
+    if scene.wall is not None:
+        reach = scene.statue.corner_m(scene.wall.sign) + scene.wall.distance_m
+        x = scene.wall.sign * (reach + thick)
+        wall = pymunk.Segment(floor, (x, 0.0), (x, FLOOR_M), thick)
+        wall.friction = 1.0
+        space.add(wall)
+    return shape
+
+
+def _pedestal(scene: Scene, settings: MunkSettings) -> pymunk.Body:
+    pedestal = scene.pedestal
+    if pedestal is None:
+        raise ValueError("the scene has no pedestal")
+    w, h = 0.5 * pedestal.width_m, 0.5 * pedestal.height_m
+    inertia = pedestal.mass_kg * (w * w + h * h) / 3.0
+    body = pymunk.Body(pedestal.mass_kg, inertia)
+    shape = pymunk.Poly(body, [(-w, -h), (w, -h), (w, h), (-w, h)])
+    shape.friction = 1.0
+    body.position = (scene.statue.base_centre_m + pedestal.offset_m, h - 0.5 * settings.slop_m)
+    return body
+
+
+def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
+    statue = scene.statue
+    section = statue.section_m - np.array([0.0, statue.centroid_height_m])
+    body = pymunk.Body(statue.mass_kg, statue.inertia_kg_m2)
+    shape = pymunk.Poly(body, [(float(x), float(z)) for x, z in section])
+    shape.friction = scene.contact.statue
+    theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
+    top = 0.0 if scene.pedestal is None else scene.pedestal.height_m - 0.5 * settings.slop_m
+    # The vertex it stands on keeps its place; the body turns about it.
+    side = math.copysign(1.0, theta if theta != 0.0 else rate)
+    turned = rotated(section, theta)
+    lowest = np.flatnonzero(turned[:, 1] <= np.min(turned[:, 1]) + FLAT_M)
+    pivot = int(lowest[np.argmax(side * section[lowest, 0])])
+    half = 0.5 * settings.dt_s
+    # Half a step earlier, turning about that vertex, with the velocity of its circle there.
+    earlier = rotated(section, theta - rate * half)[pivot]
+    velocity = rate * np.array([-earlier[1], earlier[0]])
+    start = np.array([section[pivot, 0], top - settings.depth_m]) - earlier
+    body.angle = -(theta - rate * half)
+    body.angular_velocity = -rate
+    body.position = (float(start[0]), float(start[1]))
+    body.velocity = (float(velocity[0]), float(velocity[1]))
+    return body
+
+
+def rotated(points_m: Array, theta_rad: float) -> Array:
+    """Points (k, 2) turned clockwise by θ."""
+    cos, sin = math.cos(theta_rad), math.sin(theta_rad)
+    x, z = points_m[:, 0], points_m[:, 1]
+    return np.column_stack([x * cos + z * sin, z * cos - x * sin])

@@ -1,0 +1,1 @@
+"""What a user hands in: scene files, meshes, motions, histories of other software; read, checked, resolved."""

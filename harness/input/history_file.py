@@ -1,0 +1,186 @@
+"""Histories from CSV files, this project's own and those of other software."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness.input.text_file import decimal, decimals, decoded, read_bytes
+from harness.model.errors import InputError, Mistake
+from harness.model.history import COLUMNS, Array, History
+
+REQUIRED: Final = ("t_s", "theta_rad")
+UNITS: Final[Mapping[str, tuple[str, float]]] = {
+    "t_ms": ("t_s", 1e-3),
+    "theta_deg": ("theta_rad", math.pi / 180.0),
+    "theta_mrad": ("theta_rad", 1e-3),
+    "theta_rate_deg_s": ("theta_rate_rad_s", math.pi / 180.0),
+    "slip_cm": ("slip_m", 1e-2),
+    "slip_mm": ("slip_m", 1e-3),
+    "slip_rate_cm_s": ("slip_rate_m_s", 1e-2),
+    "slip_rate_mm_s": ("slip_rate_m_s", 1e-3),
+}
+"""Columns in other units than the contract's: what they become, and the factor."""
+SEPARATORS: Final = (",", ";", "\t")
+MOST_MISTAKES: Final = 20
+ENDLESS: Final = ("nan", "inf", "infinity")
+MOST_BYTES: Final = 2**30
+"""Largest history read: an hour at 1 ms with ten columns takes half of it."""
+MOST_RAD: Final = 10.0
+"""A statue that has turned further has tumbled more than once: the numbers are degrees."""
+GAP_STEPS: Final = 20.0
+"""A step longer than this many usual ones, in which the statue moves, is a gap rather than a choice of the software."""
+GAP_RAD: Final = 1e-3
+"""Change of the rotation over a long step below which nothing can be missing in it: the software wrote no step at rest."""
+
+
+@dataclass(frozen=True)
+class _Table:
+    """Cells of a file by row; `lines` are the rows' numbers in the file, from 1."""
+
+    names: list[str]
+    rows: list[list[str]]
+    lines: list[int]
+    comma: bool
+
+
+def read_history(path: Path) -> History:
+    """Read a history from CSV: `t_s` and `theta_rad` (or `t_ms`, `theta_deg`, ...) wanted, the others optional.
+
+    Columns may be separated by commas, semicolons or tabs; with the latter two a decimal comma is read as well. Lines that
+    begin with # are comments. Rates that are not given are differences. Raises `InputError` naming file, line and column.
+    """
+    table = _table(path, _text(path))
+    meant = _meant(path, table.names)
+    numbers = _numbers(path, table)
+    columns = {name: numbers[:, index] * factor for index, (name, factor) in enumerate(meant)}
+    t_s = columns["t_s"]
+    late = np.flatnonzero(np.diff(t_s) <= 0.0)
+    if late.size:
+        # Said before rates are formed: a difference over no time is no rate.
+        k = int(late[0]) + 1
+        got = f"times that do not increase: {t_s[k]:.9g} s after {t_s[k - 1]:.9g} s"
+        raise InputError(Mistake(str(path), f"line {table.lines[k]}", "increasing times", got))
+    for value, rate in (("theta_rad", "theta_rate_rad_s"), ("slip_m", "slip_rate_m_s")):
+        columns.setdefault(value, np.zeros_like(t_s))
+        columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))
+    extra = {name: values for name, values in columns.items() if name not in COLUMNS}
+    largest = float(np.max(np.abs(columns["theta_rad"])))
+    if largest > MOST_RAD:
+        wanted, advice = f"rotations of at most {MOST_RAD:g} rad", "name a column in degrees theta_deg"
+        raise InputError(Mistake(str(path), "theta_rad", wanted, f"{largest:g} rad", advice))
+    t_s, theta, theta_rate, slip, slip_rate = (columns[name] for name in COLUMNS)
+    return History(t_s, theta, theta_rate, slip, slip_rate, extra)
+
+
+def gaps(history: History) -> list[tuple[float, float]]:
+    """Begin and end, s, of every step in which samples seem to be missing: scores there rest on interpolation."""
+    step = np.diff(history.t_s)
+    if step.size == 0:
+        return []
+    moved = np.abs(np.diff(history.theta_rad)) > GAP_RAD
+    moved |= np.maximum(np.abs(history.theta_rad[:-1]), np.abs(history.theta_rad[1:])) > GAP_RAD
+    found = np.flatnonzero((step > GAP_STEPS * float(np.median(step))) & moved)
+    return [(float(history.t_s[i]), float(history.t_s[i + 1])) for i in found]
+
+
+def _text(path: Path) -> str:
+    wanted = "a CSV file with a header line and at least one row"
+    return decoded(read_bytes(path, "a history", MOST_BYTES), str(path), wanted)
+
+
+def _table(path: Path, text: str) -> _Table:
+    found = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    found = [(number, line) for number, line in found if not line.lstrip().startswith("#")]
+    if len(found) < 2:
+        raise InputError(Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(found)} lines"))
+    header = found[0][1]
+    separator = max(SEPARATORS, key=header.count)
+    try:
+        cells = list(csv.reader(io.StringIO("\n".join(line for _, line in found)), delimiter=separator))
+    except csv.Error as error:
+        raise InputError(Mistake(str(path), "", "a readable CSV file", str(error))) from error
+    if len(cells) != len(found):
+        raise InputError(Mistake(str(path), "", "one row in each line", "a quoted cell over several lines"))
+    if not cells[0][-1].strip() and all(not row[-1].strip() for row in cells[1:]):
+        # Every line ends with the separator.
+        cells = [row[:-1] for row in cells]
+    names = [name.strip() for name in cells[0]]
+    if all(_is_number(name) for name in names):
+        advice = f"put {separator.join(REQUIRED)} in the first line, in the order of the columns"
+        raise InputError(
+            Mistake(str(path), f"line {found[0][0]}", "a header that names the columns", "numbers", advice)
+        )
+    return _Table(names, cells[1:], [number for number, _ in found[1:]], separator != ",")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        decimal(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(path: Path, table: _Table) -> Array:
+    """All cells as numbers, shape (rows, columns)."""
+    mistakes: list[Mistake] = []
+    numbers = np.full((len(table.rows), len(table.names)), np.nan)
+    for index, (row, line) in enumerate(zip(table.rows, table.lines, strict=True)):
+        if len(row) != len(table.names):
+            mistakes.append(Mistake(str(path), f"line {line}", f"{len(table.names)} numbers", f"{len(row)} cells"))
+            continue
+        cells = [cell.replace(",", ".") for cell in row] if table.comma else row
+        try:
+            numbers[index] = decimals(cells)
+        except ValueError:
+            mistakes += _bad_cells(path, table.names, row, line)
+            continue
+        if not np.all(np.isfinite(numbers[index])):
+            bad = int(np.flatnonzero(~np.isfinite(numbers[index]))[0])
+            wanted, got = "a finite number", f"{row[bad].strip()} (NaN or infinite)"
+            mistakes.append(Mistake(str(path), f"line {line}: {table.names[bad]}", wanted, got))
+    if mistakes:
+        more = len(mistakes) - MOST_MISTAKES
+        rest = [Mistake(str(path), "", "no mistake", f"{more} more like these")] if more > 0 else []
+        raise InputError([*mistakes[:MOST_MISTAKES], *rest])
+    return numbers
+
+
+def _bad_cells(path: Path, names: Sequence[str], row: Sequence[str], line: int) -> list[Mistake]:
+    bad = [
+        (f"line {line}: {name}", cell.strip()) for name, cell in zip(names, row, strict=True) if not _is_number(cell)
+    ]
+    return [
+        Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)")
+        if cell.lstrip("+-").casefold() in ENDLESS
+        else Mistake(str(path), place, "a number", repr(cell) if cell else "an empty cell")
+        for place, cell in bad
+    ] or [Mistake(str(path), f"line {line}", "numbers with a decimal point", ", ".join(row))]
+
+
+def _meant(path: Path, names: Sequence[str]) -> list[tuple[str, float]]:
+    """Each column by the contract's name, and its unit as a factor. Raises `InputError` unless each wanted one is there once."""
+    meant = [UNITS.get(name, (name, 1.0)) for name in names]
+    known = [name for name, _ in meant]
+    got = ", ".join(names)
+    mistakes = [
+        Mistake(str(path), "header", f"{name} (in one unit) once", got) for name in COLUMNS if known.count(name) > 1
+    ]
+    if not mistakes and len(set(known)) < len(known):
+        mistakes.append(Mistake(str(path), "header", "each column once", got))
+    for name in REQUIRED:
+        if name not in known:
+            others = [other for other, (canonical, _) in UNITS.items() if canonical == name]
+            advice = "name the columns in the first line, commas, semicolons or tabs between them"
+            mistakes.append(Mistake(str(path), "header", f"a column {name} (or {', '.join(others)})", got, advice))
+    if mistakes:
+        raise InputError(mistakes)
+    return meant

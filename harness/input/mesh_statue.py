@@ -1,0 +1,172 @@
+"""From `[statue.mesh]` to a statue: the solid of a scan, hollow or cored, set against a survey, adjusted where asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from harness.input import paths
+from harness.input.tables import MeshTable, StatueTable
+from harness.model.errors import InputError, Mistake, mistake_from
+from harness.model.scene import Statue
+
+if TYPE_CHECKING:
+    from meshes import Solid
+
+SURVEYED: Final[Mapping[str, str]] = {
+    "centroid_height_m": "centroid_height_m",
+    "corner_left_m": "corner_left_m",
+    "corner_right_m": "corner_right_m",
+    "inertia_kg_m2": "inertia_planar_kg_m2",
+    "height_m": "height_m",
+    "depth_m": "depth_m",
+}
+"""Keys of `[statue]` that are a survey's beside a mesh, and what a solid calls them."""
+
+
+def statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue:
+    """The statue of a table with a mesh; what was reconciled, hollowed or adjusted is added to `notes`. Raises `InputError`."""
+    import meshes
+
+    mesh = table.mesh
+    if mesh is None:
+        raise InputError(Mistake(str(path), "statue.mesh", "a table with the mesh's file", "nothing"))
+    if mesh.density_kg_m3 is None and table.mass_kg is None:
+        raise InputError(
+            Mistake(str(path), "statue.mesh.density_kg_m3", "a density, or statue.mass_kg as weighed", "neither")
+        )
+    file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
+    inner = None
+    if mesh.inner is not None:
+        inner = paths.resolve(mesh.inner.file, base_dir=path.parent, where=str(path), key="statue.mesh.inner.file")
+    changed = tuple(item.stat().st_mtime_ns for item in (file, inner) if item is not None)
+    try:
+        solid = _solid(file, inner, changed, mesh, table.mass_kg)
+        notes.extend(f"statue.mesh: {doubt}" for doubt in _doubts(file, changed, mesh.unit, mesh.up))
+        if mesh.inner is not None:
+            notes.append(_hollowed(solid, mesh, table.mass_kg))
+        solid = _reconciled(solid, table, mesh, notes)
+        return statue_of(_adjusted(solid, mesh, notes))
+    except meshes.MeshError as error:
+        raise InputError(mistake_from(str(error), f"{path}: {file.name}", "statue.mesh")) from error
+
+
+@lru_cache(maxsize=8)
+def _solid(
+    file: Path, inner: Path | None, changed_ns: tuple[int, ...], mesh: MeshTable, weighed_kg: float | None
+) -> Solid:
+    """The solid of a mesh file, read once for all scenes that use it as it is (`changed_ns` are the files' times of change)."""
+    import meshes
+    from meshes.hollow import Filling, load_hollow
+
+    density = None if weighed_kg is not None else mesh.density_kg_m3
+    if inner is None or mesh.inner is None:
+        return meshes.load_solid(
+            file,
+            unit=mesh.unit,
+            up=mesh.up,
+            azimuth_deg=mesh.azimuth_deg,
+            density_kg_m3=density,
+            mass_kg=weighed_kg,
+            contact_tolerance_m=mesh.contact_tolerance_m,
+        )
+    return load_hollow(
+        file,
+        inner,
+        Filling(mesh.inner.density_kg_m3, density, weighed_kg),
+        unit=mesh.unit,
+        up=mesh.up,
+        azimuth_deg=mesh.azimuth_deg,
+        contact_tolerance_m=mesh.contact_tolerance_m,
+    )
+
+
+@lru_cache(maxsize=8)
+def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[str, ...]:
+    """What makes the surface of a mesh file doubtful as a single statue, looked at once."""
+    from meshes.doubts import doubts
+    from meshes.intake import read_mesh, to_metres_z_up
+
+    mesh = to_metres_z_up(read_mesh(file), unit, up)
+    name = str(file).replace("{", "{{").replace("}", "}}")
+    how = f"rockcheck mesh prepare {name} --unit {unit} --up {up} --out statue.ply --cut-below {{:.3g}}"
+    return doubts(mesh.vertices, mesh.faces, how)
+
+
+def _hollowed(solid: Solid, mesh: MeshTable, weighed_kg: float | None) -> str:
+    inner = mesh.inner
+    inside = inner.density_kg_m3 if inner is not None else 0.0
+    what = f"filled at {inside:g} kg/m³" if inside else "left empty"
+    told = (
+        f"statue.mesh.inner: the space in {inner.file if inner is not None else ''} is {what}: {solid.mass_kg:.6g} kg"
+    )
+    if weighed_kg is not None:
+        told += " as weighed, which sets the density around it"
+    return f"{told}; {solid.density_kg_m3:.5g} kg/m³ in the mean, centroid at {solid.centroid_height_m:.4g} m"
+
+
+def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[str]) -> Solid:
+    """The survey's numbers set against the mesh, and those named in `use_survey` taken from it."""
+    from meshes.survey import agreement, reconcile, with_mass
+
+    if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
+        told = agreement("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3)
+        notes.append(f"statue.mesh.{told} as weighed; used: the weighed mass")
+    given = {key: value for key in SURVEYED if (value := getattr(table, key)) is not None}
+    missing = [key for key in mesh.use_survey if key not in given]
+    if missing:
+        wanted = f"statue.{missing[0]}, which is to be used"
+        raise InputError(Mistake("scene", "statue.mesh.use_survey", wanted, "no such number"))
+    rows = reconcile(solid, {SURVEYED[key]: value for key, value in given.items()})
+    for key, row in zip(given, rows, strict=True):
+        notes.append(f"statue.{row.told(key)}; used: {'the survey' if key in mesh.use_survey else row.used}")
+    if not mesh.use_survey:
+        return solid
+    height = given["centroid_height_m"] if "centroid_height_m" in mesh.use_survey else solid.centroid_height_m
+    tensor = solid.inertia_kg_m2
+    if "inertia_kg_m2" in mesh.use_survey:
+        tensor = tensor * (given["inertia_kg_m2"] / solid.inertia_planar_kg_m2)
+    return with_mass(solid, solid.mass_kg, np.array([0.0, 0.0, height]), tensor)
+
+
+def _adjusted(solid: Solid, mesh: MeshTable, notes: list[str]) -> Solid:
+    from meshes.survey import adjusted
+
+    wanted = mesh.adjust
+    if wanted is None:
+        return solid
+    shares = {"centroid": wanted.centroid_rel, "base": wanted.base_rel, "inertia": wanted.inertia_rel}
+    parts = [f"{name} {100.0 * share:+.3g} %" for name, share in shares.items() if share]
+    parts += ["base planed flat"] if wanted.flat_base else []
+    parts += [] if wanted.products else ["products of inertia left out"]
+    if parts:
+        notes.append(f"statue.mesh.adjust: {', '.join(parts)} against the mesh")
+    return adjusted(
+        solid,
+        centroid_rel=wanted.centroid_rel,
+        base_rel=wanted.base_rel,
+        inertia_rel=wanted.inertia_rel,
+        flat_base=wanted.flat_base,
+        products=wanted.products,
+    )
+
+
+def statue_of(solid: Solid) -> Statue:
+    """The statue of a solid: every number is the mesh's own."""
+    return Statue(
+        mass_kg=solid.mass_kg,
+        centroid_height_m=solid.centroid_height_m,
+        corner_left_m=solid.corner_left_m,
+        corner_right_m=solid.corner_right_m,
+        inertia_kg_m2=solid.inertia_planar_kg_m2,
+        height_m=solid.height_m,
+        depth_m=solid.depth_m,
+        section_m=solid.section_m,
+        footprint_m=solid.footprint_m,
+        inertia_tensor_kg_m2=solid.inertia_kg_m2,
+        solid=solid,
+    )

@@ -1,0 +1,209 @@
+"""Turn validation errors into mistakes that name file, key, line, what was wanted and what came."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, Final, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from harness.model.errors import Mistake
+
+_WANTED: Mapping[str, str] = {
+    "missing": "this key",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "a text in quotes",
+    "bool_type": "true or false",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "dict_type": "a table",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "finite_number": "a finite number",
+    "union_tag_not_found": "a key `kind`",
+}
+
+
+UNKNOWN: Final = "extra_forbidden"
+"""Pydantic's word for a key that its table does not have."""
+
+
+class Contradiction(ValueError):
+    """Two keys of one table that exclude each other, raised by a model's own validator; `key` is relative to the table."""
+
+    def __init__(self, key: str, wanted: str, got: str) -> None:
+        super().__init__(f"{key}: wanted {wanted}, got {got}")
+        self.key, self.wanted, self.got = key, wanted, got
+
+
+def mistakes_of(
+    error: ValidationError,
+    model: type[BaseModel],
+    where: str,
+    text: str = "",
+    overridden: Sequence[tuple[str, ...]] = (),
+) -> list[Mistake]:
+    """All mistakes in a validation error, one for each place, in the order of the file's model.
+
+    `overridden` are the keys that `--set` wrote: a mistake there is not the file's.
+    """
+    grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
+    for detail in error.errors(include_url=False):
+        path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
+        grouped.setdefault(path, []).append(detail)
+    return [_mistake(path, details, model, _Source(where, text, overridden)) for path, details in grouped.items()]
+
+
+@dataclass(frozen=True)
+class _Source:
+    """Where a table's content came from: a file's text, with the keys that the command line wrote over it."""
+
+    where: str
+    text: str
+    overridden: Sequence[tuple[str, ...]]
+
+    def place(self, path: tuple[str, ...]) -> str:
+        if any(path[: len(key)] == key for key in self.overridden):
+            return "--set"
+        line = _line_of(self.text, path)
+        return f"{self.where}:{line}" if line else self.where
+
+
+def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[BaseModel], source: _Source) -> Mistake:
+    detail = details[0]
+    cause = detail.get("ctx", {}).get("error")
+    if isinstance(cause, Contradiction):
+        path = (*path, *cause.key.split("."))
+        return Mistake(source.place(path), ".".join(path), cause.wanted, cause.got)
+    _, owner = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
+    advice = ""
+    if detail["type"] == UNKNOWN:
+        known = sorted(owner.model_fields) if owner is not None else []
+        near = get_close_matches(path[-1], known, n=1)
+        wanted = f"a known key ({', '.join(known)})" if known else "no such key"
+        advice = f"did you mean {near[0]}?" if near else ""
+        got = "an unknown key"
+    else:
+        wanted = " or ".join(dict.fromkeys(_wanted(item) for item in details))
+        got = _got(detail)
+    return Mistake(source.place(path), ".".join(path), wanted, got, advice)
+
+
+def _wanted(detail: ErrorDetails) -> str:
+    kind, context = detail["type"], detail.get("ctx", {})
+    if kind in _WANTED:
+        return _WANTED[kind]
+    if kind in ("literal_error", "union_tag_invalid"):
+        return f"one of {context.get('expected', context.get('expected_tags'))}"
+    if kind == "value_error":
+        return str(context["error"])
+    for name, words in (("gt", "more than"), ("ge", "at least"), ("lt", "less than"), ("le", "at most")):
+        if name in context:
+            return f"a number {words} {context[name]:g}"
+    if kind == "string_too_short":
+        return "a text that is not empty"
+    if kind == "too_short":
+        return f"at least {context['min_length']} of them"
+    if kind == "too_long":
+        return f"at most {context['max_length']} of them"
+    if kind == "string_pattern_mismatch":
+        return f"a text like {context['pattern']}"
+    return detail["msg"]
+
+
+def _got(detail: ErrorDetails) -> str:
+    if detail["type"] in ("missing", "union_tag_not_found"):
+        return "nothing"
+    if detail["type"] == "union_tag_invalid":
+        return f"kind = {detail['ctx']['tag']!r}"
+    return _shown(detail["input"])
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "a table with " + ", ".join(map(str, value)) if value else "an empty table"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _resolve(
+    model: type[BaseModel], location: tuple[int | str, ...], unknown: bool
+) -> tuple[tuple[str, ...], type[BaseModel] | None]:
+    """The dotted key of an error's location and the table that owns its last part.
+
+    Pydantic puts tags of unions and names of types into the location; only what is a key of a table, or an index of a
+    list, belongs to the user's file. The last part of an `unknown` key's location is that key, whatever it looks like.
+    """
+    owner: type[BaseModel] | None = model
+    candidates: list[type[BaseModel]] = [model]
+    path: list[str] = []
+    for number, part in enumerate(location):
+        last = number == len(location) - 1
+        field = next(
+            (m.model_fields[part] for m in candidates if isinstance(part, str) and part in m.model_fields), None
+        )
+        if field is not None:
+            owner = next(m for m in candidates if part in m.model_fields)
+            path.append(str(part))
+            inner = list(_tables_in(field.annotation))
+            candidates = inner or candidates
+            continue
+        tagged = [m for m in candidates if _tag_of(m) == part]
+        if last and unknown:
+            owner = candidates[0] if len(candidates) == 1 else None
+            path.append(str(part))
+        elif tagged:
+            candidates = tagged
+        elif isinstance(part, int):
+            path.append(str(part))
+        elif last and not _is_type_name(part):
+            owner = candidates[0] if len(candidates) == 1 else None
+            path.append(part)
+    return tuple(path), owner
+
+
+def _is_type_name(part: str) -> bool:
+    return bool(
+        re.fullmatch(
+            r"(float|int|str|bool|constrained-.*|literal\[.*|function-.*|lax-or-strict.*|tuple.*|list.*|[A-Z]\w*)", part
+        )
+    )
+
+
+def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for item in get_args(annotation):
+        yield from _tables_in(item)
+
+
+def _tag_of(model: type[BaseModel]) -> str | None:
+    field = model.model_fields.get("kind")
+    values = get_args(field.annotation) if field is not None else ()
+    return str(values[0]) if values else None
+
+
+def _line_of(text: str, path: tuple[str, ...]) -> int | None:
+    """The line of a dotted key in TOML text, 1-based: the key in its table, or the table's header."""
+    if not text or not path:
+        return None
+    table: tuple[str, ...] = ()
+    best: int | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+        if header:
+            table = tuple(part.strip().strip('"') for part in header[1].split("."))
+            if table == path[: len(table)]:
+                best = number
+            continue
+        key = re.match(r"\s*([A-Za-z0-9_.\-\"]+)\s*=", line)
+        if key:
+            full = (*table, *(part.strip('"') for part in key[1].split(".")))
+            if full == path[: len(full)]:
+                return number
+    return best

@@ -1,0 +1,135 @@
+"""Shake-table motions: records, pulses, spectrum-compatible histories and the building's filter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from analytic.excitation import Excitation, Harmonic, Pulse, Rest
+from harness.input.motions import compatible, process, records
+from harness.input.motions.compatible import NoMatchError
+from harness.input.motions.floor import floor_motion, ring_down_s
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.series import Series
+from harness.input.motions.spec import (
+    Component,
+    HarmonicSpec,
+    Oscillator,
+    PulseSpec,
+    RecordSpec,
+    RestSpec,
+    SpectrumSpec,
+)
+from harness.input.motions.spectra import DesignSpectrum, design_spectrum
+from harness.input.motions.text import mistake
+
+__all__ = ["Prepared", "build", "prepare"]
+
+MOST_PERIODS: Final = 150_000
+"""Periods of a floor's stiffest mode in its motion: ten million samples (`floor.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """An excitation, the steps that led to it, what is doubtful, and the target it follows (none behind a building)."""
+
+    excitation: Excitation
+    done: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    target: DesignSpectrum | None = None
+
+
+def build(
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
+) -> Excitation:
+    """The excitation of one component; `where` and `key` name it in messages. Raises InputError.
+
+    `duration_s` is the scene's: only a harmonic motion through a building needs it. `gravity_m_s2` is the scene's: formulas give
+    their amplitude as a share of it, so that a block's limits in g are exact; records in g mean standard gravity.
+    """
+    return prepare(
+        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
+    ).excitation
+
+
+def prepare(
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
+) -> Prepared:
+    """The excitation with its record of steps and warnings (as `build`)."""
+    if isinstance(component, RestSpec):
+        return Prepared(Rest())
+    if isinstance(component, HarmonicSpec):
+        amplitude = component.amplitude_g * gravity_m_s2
+        phase = math.radians(component.phase_deg)
+        ground = Prepared(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
+    elif isinstance(component, PulseSpec):
+        amplitude = component.amplitude_g * gravity_m_s2
+        ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
+    elif isinstance(component, RecordSpec):
+        loaded = records.load(component, base_dir=base_dir, where=where, key=key)
+        ground = _of_series(loaded.series, loaded.warnings)
+    else:
+        ground = _compatible(component, base_dir=base_dir, where=where, key=key)
+    return _on_floor(ground, component.floor, duration_s, where, key) if component.floor else ground
+
+
+def _of_series(series: Series, warnings: tuple[str, ...], target: DesignSpectrum | None = None) -> Prepared:
+    return Prepared(series.excitation(), series.done, warnings, target)
+
+
+def _compatible(component: SpectrumSpec, *, base_dir: Path, where: str, key: str) -> Prepared:
+    spectrum = design_spectrum(component)
+    try:
+        if component.record is None:
+            duration = component.duration_s or compatible.DEFAULT_DURATION_S
+            made = compatible.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
+            return _of_series(made.series, (), spectrum)
+        loaded = records.load(component.record, base_dir=base_dir, where=where, key=f"{key}.record")
+        series = process.resample(loaded.series, compatible.STEP_S) if component.method != "scale" else loaded.series
+        factor = compatible.best_factor(series, spectrum)
+        series = process.scaled(series, factor, f"nearest to {spectrum.name}")
+        if component.method != "scale":
+            series = compatible.match(series, spectrum).series
+        return _of_series(series, loaded.warnings, spectrum)
+    except process.ProcessError as error:
+        raise mistake(
+            where, f"{key}.record", f"a record that can be sampled at {compatible.STEP_S} s", str(error)
+        ) from error
+    except NoMatchError as error:
+        advice = 'try another seed or record, a longer duration, or method = "scale"'
+        wanted = f"a misfit within {compatible.MISFIT:.0%}"
+        raise mistake(where, key, wanted, str(error), advice) from error
+
+
+def _on_floor(
+    ground: Prepared, modes: tuple[Oscillator, ...], duration_s: float | None, where: str, key: str
+) -> Prepared:
+    end = ground.excitation.end_s
+    until = end + ring_down_s(modes)
+    if duration_s is not None:
+        until = min(until, duration_s) if end <= duration_s else duration_s
+    if not math.isfinite(until):
+        got = "a harmonic motion without end"
+        raise mistake(where, f"{key}.floor", "a motion that ends, or the scene's duration_s", got)
+    shortest_s = min(mode.period_s for mode in modes)
+    if until / shortest_s > MOST_PERIODS:
+        wanted = f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion"
+        advice = "so stiff a mode moves with the ground: leave it out"
+        raise mistake(where, f"{key}.floor.period_s", wanted, f"{shortest_s:g}", advice)
+    said = "; ".join(f"{mode.period_s:g} s, damping {mode.damping:g}, share {mode.share:g}" for mode in modes)
+    moved = floor_motion(ground.excitation, modes, until)
+    return Prepared(moved, (*ground.done, f"through the building: {said}; to {until:.4g} s"), ground.warnings)

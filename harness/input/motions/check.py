@@ -1,0 +1,119 @@
+"""Integrity of a record: what makes it unusable is refused, what only makes it doubtful is said."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.text import mistake
+
+LARGEST_PEAK_G: Final = 10.0
+"""No free-field accelerogram has exceeded about 4 g (Iwate 2008): above 10 g the unit is wrong."""
+STEPS_S: Final = (1e-6, 1.0)
+"""Shorter and longer steps than any accelerograph's: a longer one says nothing of the periods that rock a statue."""
+USUAL_STEPS_S: Final = (2e-4, 0.05)
+"""Accelerographs sample 50 to 1000 times a second, digitised film at 0.005 to 0.04 s: beyond, a step was misread or mistyped."""
+PLAUSIBLE_G: Final = (0.005, 5.0)
+SMALLEST_PEAK_G: Final = 5e-4
+STATED_PEAK_TOLERANCE: Final = 0.01
+"""Headers round a peak to three digits or more."""
+ABRUPT: Final = 0.1
+"""Share of the peak that a record cut within its shaking still has at an end."""
+_END_SHARE, _FLAT_SAMPLES, _STRONG = 0.01, 10, (0.05, 0.95)
+
+
+def check(record: RecordFile) -> tuple[str, ...]:
+    """Warnings of every channel; InputError for a record that cannot be one in the unit it is said to have."""
+    found: list[str] = []
+    for channel in record.channels:
+        found += [f"{channel.name}: {said}" for said in _channel(channel, record)]
+    if not record.tested:
+        found.append(f"the {record.format} reader is untested on originals: compare the peaks with the network's")
+    return tuple(found)
+
+
+def _channel(channel: Channel, record: RecordFile) -> list[str]:
+    accel = channel.accel_m_s2
+    if accel.size < 2:
+        raise mistake(record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
+    least_s, most_s = STEPS_S
+    if not least_s <= channel.dt_s <= most_s:
+        raise mistake(record.path, channel.name, f"a step between {least_s:g} and {most_s:g} s", f"{channel.dt_s:g} s")
+    peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
+    if peak_g == 0.0:
+        raise mistake(record.path, channel.name, "a motion", "nothing but zeros")
+    if peak_g > LARGEST_PEAK_G:
+        likely = _likely_units(peak_g, record.unit)
+        raise mistake(
+            record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
+        )
+    found = _of_clock_and_sense(channel)
+    if peak_g < SMALLEST_PEAK_G:
+        found.append(f"a peak of {peak_g:.2g} g is very small: {_likely_units(peak_g, record.unit)}")
+    found += _against_header(channel)
+    edge = max(1, int(_END_SHARE * accel.size))
+    for name, part in (("begins", accel[:edge]), ("ends", accel[-edge:])):
+        share = float(np.abs(part).max() / np.abs(accel).max())
+        if share > ABRUPT:
+            found.append(f"{name} while shaking ({share:.0%} of the peak): triggered late or cut off")
+    run = _longest_flat(accel)
+    if run > _FLAT_SAMPLES:
+        found.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
+    return found
+
+
+def _of_clock_and_sense(channel: Channel) -> list[str]:
+    """What is doubtful in the step, and what was taken for granted of the direction."""
+    found: list[str] = []
+    least_s, most_s = USUAL_STEPS_S
+    if not least_s <= channel.dt_s <= most_s:
+        lasts = channel.dt_s * (channel.accel_m_s2.size - 1)
+        found.append(
+            f"a step of {channel.dt_s:g} s is no accelerograph's; the record would last {lasts:.4g} s: see its header"
+        )
+    if channel.orientation.sense_assumed:
+        found.append(
+            "its name says a line, not which way along it: taken as positive to the north, east or up, as networks do"
+        )
+    if channel.orientation.sign < 0:
+        found.append("counted downwards in the file: turned in sign, so that up is positive")
+    return found
+
+
+def _against_header(channel: Channel) -> list[str]:
+    accel, stated = channel.accel_m_s2, channel.stated_peak_m_s2
+    if stated is None:
+        return []
+    found: list[str] = []
+    at = int(np.argmax(np.abs(accel)))
+    if abs(abs(accel[at]) - abs(stated)) > STATED_PEAK_TOLERANCE * abs(stated):
+        found.append(f"largest value {accel[at]:.5g} m/s² where the header says {stated:.5g} m/s²")
+    if channel.stated_peak_s is not None and abs(at * channel.dt_s - channel.stated_peak_s) > 2.0 * channel.dt_s:
+        later = at * channel.dt_s - channel.stated_peak_s
+        found.append(
+            f"the peak is the sample at {at * channel.dt_s:.2f} s, the header says {channel.stated_peak_s:.2f} s: "
+            f"the samples' time is kept (header's clock {later:+.2f} s off)"
+        )
+    return found
+
+
+def _likely_units(peak_g: float, unit: str) -> str:
+    """Units in which these numbers would be an ordinary earthquake."""
+    if unit not in UNITS_M_S2:
+        return "look at the columns' units"
+    raw = peak_g * STANDARD_GRAVITY_M_S2 / UNITS_M_S2[unit]
+    low, high = PLAUSIBLE_G
+    fits = [(name, raw * factor / STANDARD_GRAVITY_M_S2) for name, factor in UNITS_M_S2.items() if name != unit]
+    said = [f"{name} ({value:.3g} g)" for name, value in fits if low <= value <= high]
+    return "the unit may be " + " or ".join(said) if said else "the unit or the file is wrong"
+
+
+def _longest_flat(accel: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> int:
+    """Longest run of equal values (in steps) between 5 % and 95 % of the squared acceleration's integral."""
+    build = np.cumsum(accel**2)
+    first, last = (int(np.searchsorted(build, share * build[-1])) for share in _STRONG)
+    equal = np.concatenate([[0], (np.diff(accel[first : last + 1]) == 0.0).astype(np.int8), [0]])
+    edges = np.flatnonzero(np.diff(equal))
+    return int((edges[1::2] - edges[::2]).max()) if edges.size else 0

@@ -1,0 +1,97 @@
+"""Which way a record's channels point: one clock for all, a channel by name or azimuth, both horizontals turned."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from harness.input.motions.orientation import parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.series import Floats, Series
+from harness.input.motions.text import mistake
+
+AZIMUTH_TOLERANCE_DEG: Final = 0.5
+"""Azimuths are published in whole degrees."""
+LEAST_CROSSING_DEG: Final = 30.0
+"""Two horizontals closer than this to one line amplify each other's errors more than twice when turned."""
+_WHOLE_STEP = 1e-3  # of a step: clocks that differ by whole steps
+_LEAST_SAMPLES = 2
+
+
+def aligned(record: RecordFile) -> dict[str, Series]:
+    """All channels, by name, on the samples that they have in common; InputError where they share no time.
+
+    Channels that start between each other's samples, or sample at other steps, are interpolated linearly on the finest.
+    """
+    channels = record.channels
+    first = max(channel.start_s for channel in channels)
+    last = min(channel.start_s + channel.dt_s * (channel.accel_m_s2.size - 1) for channel in channels)
+    dt_s = min(channel.dt_s for channel in channels)
+    count = math.floor((last - first) / dt_s + 1e-6) + 1
+    if count < _LEAST_SAMPLES:
+        raise mistake(record.path, "", "channels that overlap in time", "channels that do not", "read them one by one")
+    return {channel.name: _on_clock(channel, first, dt_s, count) for channel in channels}
+
+
+def _on_clock(channel: Channel, first_s: float, dt_s: float, count: int) -> Series:
+    offset = (first_s - channel.start_s) / dt_s
+    whole = round(offset)
+    samples = channel.accel_m_s2
+    read = f"{channel.name} ({channel.orientation}), {samples.size} samples at {channel.dt_s:g} s"
+    if channel.dt_s == dt_s and abs(offset - whole) < _WHOLE_STEP:
+        cut = samples.size - count
+        said = f"{read}, the {count} that all channels share" if cut else read
+        return Series(dt_s, samples[whole : whole + count], (said,))
+    t_s = first_s + dt_s * np.arange(count)
+    said = f"{read}, interpolated linearly on the clock shared by all channels"
+    return Series(dt_s, np.interp(t_s, channel.t_s, samples), (said,))
+
+
+def channel_named(record: RecordFile, column: str | None, *, where: str, key: str) -> Channel:
+    """The channel that `column` names by header, name or azimuth; the only one where `column` is None."""
+    available = ", ".join(f"{channel.name} ({channel.orientation})" for channel in record.channels)
+    if column is None:
+        if len(record.channels) == 1:
+            return record.channels[0]
+        raise mistake(where, f"{key}.column", f"one of {available}", "no column", f"{record.path} holds several")
+    exact = [channel for channel in record.channels if channel.name.casefold() == column.casefold()]
+    meant = parse_orientation(column)
+    same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
+    found = exact or same
+    if len(found) != 1:
+        got = f"{column!r}, which fits {len(found)} of them" if found else repr(column)
+        raise mistake(where, f"{key}.column", f"one of {available}", got, f"these are the columns of {record.path}")
+    return found[0]
+
+
+def _same(channel: Channel, azimuth_deg: float | None, vertical: bool) -> bool:
+    if vertical:
+        return channel.orientation.vertical
+    own = channel.orientation.azimuth_deg
+    if azimuth_deg is None or own is None:
+        return False
+    return abs((own - azimuth_deg + 180.0) % 360.0 - 180.0) <= AZIMUTH_TOLERANCE_DEG
+
+
+def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> Series:
+    """The horizontal acceleration towards `azimuth_deg` (clockwise from north) from the record's two horizontals."""
+    horizontals = record.horizontals
+    if len(horizontals) != 2:
+        got = f"{len(horizontals)} in {record.path}"
+        raise mistake(where, f"{key}.azimuth_deg", "two horizontal channels with known azimuths", got, "give column")
+    one, two = horizontals
+    first, second = (math.radians(channel.orientation.azimuth_deg or 0.0) for channel in horizontals)
+    crossing = math.degrees(math.asin(min(1.0, abs(math.sin(second - first)))))
+    if crossing < LEAST_CROSSING_DEG:
+        got = f"{one.name} and {two.name}, {crossing:g}° apart"
+        raise mistake(where, f"{key}.azimuth_deg", "horizontals at least 30° apart", got, "give column")
+    towards = math.radians(azimuth_deg)
+    weights = np.array([math.sin(second - towards), math.sin(towards - first)]) / math.sin(second - first)
+    series = aligned(record)
+    parts = [series[channel.name].accel_m_s2 for channel in horizontals]
+    total: Floats = weights[0] * parts[0] + weights[1] * parts[1]
+    said = f"turned to azimuth {azimuth_deg:g}°: {weights[0]:+.4f} {one.name} {weights[1]:+.4f} {two.name}"
+    read = tuple(step for channel in horizontals for step in series[channel.name].done)
+    return Series(series[one.name].dt_s, total, (*read, said))

@@ -1,0 +1,156 @@
+"""What a motion is made of, for a table, a picture and JSON: `rockcheck motion inspect FILE`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from analytic.excitation import Record
+from harness.input import motions
+from harness.input.motions import components, oscillator
+from harness.input.motions.measures import Measures, measures
+from harness.input.motions.readers import read_record
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.series import Floats, Series
+from harness.input.motions.spec import Component
+from harness.input.motions.spectra import DesignSpectrum
+
+SCHEMA_VERSION: Final = 1
+DAMPING: Final = 0.05
+PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
+ENDLESS_S: Final = 20.0
+"""Shown of a harmonic motion that never ends and whose scene gives no duration."""
+_FINE_STEP_S = 0.005
+_SAMPLES_PER_PULSE = 400
+_ROWS: Final = (
+    ("PGA", "g", "pga_g", "{:.4f}"),
+    ("PGV", "m/s", "pgv_m_s", "{:.4f}"),
+    ("PGD", "m", "pgd_m", "{:.4f}"),
+    ("PGV/PGA", "s", "pgv_to_pga_s", "{:.4f}"),
+    ("Arias intensity", "m/s", "arias_m_s", "{:.3f}"),
+    ("duration 5-95 %", "s", "significant_5_95_s", "{:.2f}"),
+    ("duration 5-75 %", "s", "significant_5_75_s", "{:.2f}"),
+    ("above 0.05 g", "s", "bracketed_s", "{:.2f}"),
+    ("velocity at the end", "m/s", "end_velocity_m_s", "{:.2e}"),
+    ("displacement at the end", "m", "end_displacement_m", "{:.2e}"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """One channel: its history, measures and pseudo-acceleration spectrum (m/s²) at PERIODS_S."""
+
+    name: str
+    direction: str
+    series: Series
+    measures: Measures
+    spectrum_m_s2: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """Traces on one clock, where they came from, what was done, what is doubtful, and the target they were to follow."""
+
+    title: str
+    source: dict[str, str]
+    traces: tuple[Trace, ...]
+    warnings: tuple[str, ...] = ()
+    target: DesignSpectrum | None = None
+
+    def record(self) -> dict[str, Any]:
+        """Everything but the histories, ready for JSON."""
+        traces = [
+            {
+                "name": trace.name,
+                "direction": trace.direction,
+                "dt_s": trace.series.dt_s,
+                "samples": int(trace.series.accel_m_s2.size),
+                "done": list(trace.series.done),
+                "measures": asdict(trace.measures),
+                "spectrum_m_s2": trace.spectrum_m_s2.tolist(),
+            }
+            for trace in self.traces
+        ]
+        target = None
+        if self.target is not None:
+            target = {**asdict(self.target), "spectrum_m_s2": self.target.accel_m_s2(PERIODS_S).tolist()}
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "title": self.title,
+            "source": dict(self.source),
+            "damping": self.target.damping if self.target else DAMPING,
+            "periods_s": PERIODS_S.tolist(),
+            "traces": traces,
+            "target": target,
+            "warnings": list(self.warnings),
+        }
+
+    def table(self) -> list[tuple[str, ...]]:
+        """Rows of text: a header, then name, unit and a value for every trace."""
+        head = ("", "", *(f"{trace.name} ({trace.direction})" for trace in self.traces))
+        size = ("samples", "", *(f"{t.series.accel_m_s2.size} at {t.series.dt_s:g} s" for t in self.traces))
+        rows = [
+            (name, unit, *(form.format(getattr(trace.measures, key)) for trace in self.traces))
+            for name, unit, key, form in _ROWS
+        ]
+        return [head, size, *rows]
+
+
+def inspect_file(path: Path, *, unit: str | None = None, target: DesignSpectrum | None = None) -> Inspection:
+    """The record in `path` as it is, with its sister files' channels; InputError where it cannot be read."""
+    record = read_record(path, unit=unit)
+    tested = "tried on originals" if record.tested else "untested on originals"
+    source = {"file": str(path), "format": f"{record.format} (reader {tested})", "unit": record.unit, **record.facts}
+    series = components.aligned(record)
+    traces = tuple(
+        _trace(channel.name, str(channel.orientation), series[channel.name], target) for channel in record.channels
+    )
+    return Inspection(path.name, source, traces, record.warnings, target)
+
+
+def inspect_component(
+    component: Component,
+    *,
+    base_dir: Path,
+    where: str,
+    key: str,
+    duration_s: float | None = None,
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
+) -> Inspection:
+    """One component of a scene as the models will feel it; InputError as `harness.input.motions.build`."""
+    prepared = motions.prepare(
+        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
+    )
+    excitation = prepared.excitation
+    if isinstance(excitation, Record):
+        steps = np.diff(excitation.t_s)
+        dt_s = float(np.median(steps))
+        if np.abs(steps - dt_s).max() <= 1e-6 * dt_s:
+            series = Series(dt_s, excitation.samples_m_s2, prepared.done)
+        else:  # a building's filter puts its samples where the ground has corners
+            t_s = np.arange(0.0, excitation.end_s, dt_s)
+            series = Series(dt_s, excitation.accel_m_s2(t_s), (*prepared.done, f"shown at {dt_s:.4g} s"))
+    else:
+        end = excitation.end_s if math.isfinite(excitation.end_s) else duration_s or ENDLESS_S
+        dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PULSE)
+        series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(math.ceil(end / dt_s) + 2)))
+    trace = _trace(key, component.kind, series, prepared.target)
+    return Inspection(f"{where}: {key}", {"kind": component.kind}, (trace,), prepared.warnings, prepared.target)
+
+
+def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | None) -> Trace:
+    if not np.abs(series.accel_m_s2).max() > 0.0:
+        zero = Measures(*(0.0,) * 10)
+        return Trace(name, direction, series, zero, np.zeros(PERIODS_S.size))
+    damping = DAMPING if target is None else target.damping
+    spectrum = oscillator.spectrum_m_s2(series.accel_m_s2, series.dt_s, PERIODS_S, damping)
+    return Trace(name, direction, series, measures(series), spectrum)
+
+
+def in_g(accel_m_s2: Floats) -> Floats:
+    """Acceleration in g."""
+    return np.asarray(accel_m_s2 / STANDARD_GRAVITY_M_S2)

@@ -1,0 +1,129 @@
+"""Processing of one history, a step at a time; each says in the result's `done` what it did and what that changed."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Final, Literal
+
+import numpy as np
+
+from harness.input.motions.measures import arias_share, peak_velocity_m_s
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.series import Floats, Series, at_rest, displacement_m, velocity_m_s
+
+Baseline = Literal["none", "mean", "linear", "quadratic", "rest"]
+
+_DEGREE: Final = {"mean": 0, "linear": 1, "quadratic": 2}
+FILTER_ORDER: Final = 4
+PAD_PERIODS: Final = 1.5 * FILTER_ORDER
+"""Zeros before and after, in periods of the low corner: 1.5 times the order, halved at each side by two passes' symmetry."""
+_RATIO_LIMIT = 2000
+_DECAY = 1e-9
+
+
+class ProcessError(ValueError):
+    """A step that this history cannot take; the sentence says why."""
+
+
+def window(series: Series, start_s: float, end_s: float) -> Series:
+    """The samples from start_s to end_s, the first becoming t = 0; ProcessError where fewer than two remain."""
+    first = math.ceil(start_s / series.dt_s - 1e-9)
+    last = min(math.floor(end_s / series.dt_s + 1e-9), series.accel_m_s2.size - 1)
+    if last - first < 1:
+        raise ProcessError(
+            f"the record lasts {series.duration_s:g} s: nothing is left between {start_s:g} and {end_s:g} s"
+        )
+    said = f"window {first * series.dt_s:g} to {last * series.dt_s:g} s"
+    return series.changed(series.accel_m_s2[first : last + 1], said)
+
+
+def baseline(series: Series, kind: Baseline) -> Series:
+    """Less a polynomial fitted to the acceleration, or ("rest") changed so that the motion ends at rest where it began."""
+    if kind == "none":
+        return series
+    before = _drift(series)
+    if kind == "rest":
+        accel = at_rest(series.accel_m_s2, series.dt_s)
+    else:
+        place = np.linspace(-1.0, 1.0, series.accel_m_s2.size)
+        fit = np.polynomial.Polynomial.fit(place, series.accel_m_s2, _DEGREE[kind], domain=[-1.0, 1.0])
+        accel = series.accel_m_s2 - fit(place)
+    after = series.changed(np.asarray(accel, dtype=np.float64), "")
+    largest = float(np.abs(accel - series.accel_m_s2).max())
+    said = (
+        f"baseline ({kind}): changed by at most {largest:.3g} m/s²; at the end {before} before, {_drift(after)} after"
+    )
+    return series.changed(after.accel_m_s2, said)
+
+
+def _drift(series: Series) -> str:
+    return f"{velocity_m_s(series)[-1]:.3g} m/s and {displacement_m(series)[-1]:.3g} m"
+
+
+def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
+    """Butterworth of order 4 in both directions (no phase shift), padded with zeros; ProcessError above Nyquist."""
+    from scipy.signal import butter, sosfiltfilt
+
+    nyquist = 0.5 / series.dt_s
+    if high_hz >= nyquist:
+        raise ProcessError(f"its step of {series.dt_s:g} s holds nothing above {nyquist:g} Hz: lower {high_hz:g} Hz")
+    pad = math.ceil(PAD_PERIODS / low_hz / series.dt_s)
+    padded = np.pad(series.accel_m_s2, pad)
+    filtered = sosfiltfilt(
+        butter(FILTER_ORDER, (low_hz, high_hz), "bandpass", fs=1.0 / series.dt_s, output="sos"), padded
+    )
+    kept = np.asarray(filtered[pad : pad + series.accel_m_s2.size], dtype=np.float64)
+    lost = 1.0 - float((kept**2).sum() / (series.accel_m_s2**2).sum())
+    said = f"band-pass {low_hz:g} to {high_hz:g} Hz (Butterworth {FILTER_ORDER}, both ways): {lost:.2%} of the energy removed"
+    return series.changed(kept, said)
+
+
+def resample(series: Series, dt_s: float) -> Series:
+    """The same straight lines at a finer step, or low-pass filtered (polyphase) at a coarser one."""
+    ratio = Fraction(series.dt_s / dt_s).limit_denominator(_RATIO_LIMIT)
+    if ratio == 1:
+        return series
+    if abs(float(ratio) * dt_s / series.dt_s - 1.0) > _DECAY:
+        raise ProcessError(f"{dt_s:g} s is no simple ratio of its step of {series.dt_s:g} s")
+    if ratio > 1:
+        count = math.floor((series.accel_m_s2.size - 1) * ratio + 1e-9) + 1
+        t_s = np.arange(count) * dt_s
+        accel = np.interp(t_s, series.t_s, series.accel_m_s2)
+        whole = ratio.denominator == 1
+        said = "the same straight lines" if whole else "on the straight lines; corners between samples are cut"
+        return series.changed(accel, f"resampled from {series.dt_s:g} to {dt_s:g} s: {said}", dt_s=dt_s)
+    from scipy.signal import resample_poly
+
+    low = np.asarray(resample_poly(series.accel_m_s2, ratio.numerator, ratio.denominator), dtype=np.float64)
+    said = f"resampled from {series.dt_s:g} to {dt_s:g} s: low-pass at {0.5 / dt_s:g} Hz first"
+    return series.changed(low, said, dt_s=dt_s)
+
+
+def significant(series: Series, shares: tuple[float, float], joint: Floats) -> Series:
+    """The window in which the Arias intensity of `joint` (n,) (the sum of squares of all channels) grows between `shares`."""
+    build = arias_share(joint)
+    first, last = (int(np.searchsorted(build, share)) for share in shares)
+    last = min(max(last, first + 1), series.accel_m_s2.size - 1)
+    said = (
+        f"significant duration {shares[0]:.0%} to {shares[1]:.0%}: {first * series.dt_s:g} to {last * series.dt_s:g} s"
+    )
+    return series.changed(series.accel_m_s2[first : last + 1], said)
+
+
+def scaled(series: Series, factor: float, why: str) -> Series:
+    """Every sample times `factor`, unless it is 1."""
+    if factor == 1.0:
+        return series
+    return series.changed(series.accel_m_s2 * factor, f"times {factor:.6g} ({why})")
+
+
+def to_pga(series: Series, pga_g: float) -> Series:
+    """Scaled to a peak acceleration of `pga_g`."""
+    peak = float(np.abs(series.accel_m_s2).max())
+    return scaled(series, pga_g * STANDARD_GRAVITY_M_S2 / peak, f"peak acceleration of {pga_g:g} g")
+
+
+def to_pgv(series: Series, pgv_m_s: float) -> Series:
+    """Scaled to a peak velocity of `pgv_m_s`."""
+    return scaled(series, pgv_m_s / peak_velocity_m_s(series), f"peak velocity of {pgv_m_s:g} m/s")

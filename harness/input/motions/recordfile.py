@@ -1,0 +1,73 @@
+"""What a record file holds, whatever its format: channels on their own clocks, in m/s², with their directions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.motions.orientation import Orientation
+
+STANDARD_GRAVITY_M_S2: Final = 9.80665
+UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
+    {"m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "g": STANDARD_GRAVITY_M_S2}
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One direction of a record: uniform samples accel_m_s2 (n,), read-only, the first at start_s on the file's clock.
+
+    `stated_peak_m_s2` and `stated_peak_s` (after the first sample) are what the file's own header claims, for the checks.
+    """
+
+    name: str
+    orientation: Orientation
+    dt_s: float
+    accel_m_s2: NDArray[np.float64]
+    start_s: float = 0.0
+    stated_peak_m_s2: float | None = None
+    stated_peak_s: float | None = None
+
+    def __post_init__(self) -> None:
+        """Keep a read-only copy of the samples."""
+        samples = np.array(self.accel_m_s2, dtype=np.float64)
+        samples.setflags(write=False)
+        object.__setattr__(self, "accel_m_s2", samples)
+
+    @property
+    def t_s(self) -> NDArray[np.float64]:
+        """Times of the samples on the file's clock (n,), s."""
+        return np.asarray(self.start_s + self.dt_s * np.arange(self.accel_m_s2.size))
+
+
+@dataclass(frozen=True, eq=False)
+class RecordFile:
+    """The channels of one record and where they came from.
+
+    `group` is equal for files that hold other channels of the same record ("" where a file holds them all); `tested` says
+    whether this format's reader has been tried on files as its network publishes them.
+    """
+
+    path: str
+    format: str
+    tested: bool
+    unit: str
+    channels: tuple[Channel, ...]
+    facts: Mapping[str, str] = field(default_factory=dict)
+    group: str = ""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def horizontals(self) -> tuple[Channel, ...]:
+        """Channels known to be horizontal, with their azimuths."""
+        return tuple(channel for channel in self.channels if channel.orientation.azimuth_deg is not None)
+
+    @property
+    def verticals(self) -> tuple[Channel, ...]:
+        """Channels known to be vertical, positive upwards."""
+        return tuple(channel for channel in self.channels if channel.orientation.vertical)

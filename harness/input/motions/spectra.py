@@ -1,0 +1,115 @@
+"""Elastic design spectra of NTC 2008, NTC 2018 and Eurocode 8 (EN 1998-1:2004), horizontal and vertical.
+
+All are one shape (EN 1998-1, 3.2.2.2; NTC 3.2.3.2.1): with p the peak acceleration, A the amplification and
+η = √(10/(5 + ξ)) ≥ 0.55,
+
+    0..TB: p [1 + T/TB (η A − 1)]      TB..TC: p η A      TC..TD: p η A TC/T      from TD: p η A TC TD/T².
+
+Horizontal: p = a_g S, A = F0 (2.5 in Eurocode 8). Vertical: docs/motions.md, "Target spectra".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.spec import Target
+
+EC8_AMPLIFICATION: Final = 2.5
+_EC8_SOILS: Final = {  # EN 1998-1 tables 3.2 and 3.3: S, TB, TC, TD
+    1: {"A": (1.0, 0.15, 0.4, 2.0), "B": (1.2, 0.15, 0.5, 2.0), "C": (1.15, 0.2, 0.6, 2.0),
+        "D": (1.35, 0.2, 0.8, 2.0), "E": (1.4, 0.15, 0.5, 2.0)},
+    2: {"A": (1.0, 0.05, 0.25, 1.2), "B": (1.35, 0.05, 0.25, 1.2), "C": (1.5, 0.1, 0.25, 1.2),
+        "D": (1.8, 0.1, 0.3, 1.2), "E": (1.6, 0.05, 0.25, 1.2)},
+}  # fmt: skip
+_EC8_VERTICAL: Final = {1: 0.9, 2: 0.45}  # EN 1998-1 table 3.4: a_vg/a_g; TB, TC, TD below
+_EC8_VERTICAL_AMPLIFICATION: Final = 3.0
+_VERTICAL_PERIODS: Final = (0.05, 0.15, 1.0)
+_NTC_SS: Final = {  # NTC table 3.2.IV (2008: 3.2.V): greatest, constant, slope in F0 a_g/g, least
+    "A": (1.0, 1.0, 0.0, 1.0), "B": (1.2, 1.4, 0.4, 1.0), "C": (1.5, 1.7, 0.6, 1.0),
+    "D": (1.8, 2.4, 1.5, 0.9), "E": (1.6, 2.0, 1.1, 1.0),
+}  # fmt: skip
+_NTC_CC: Final = {"A": (1.0, 0.0), "B": (1.1, -0.2), "C": (1.05, -0.33), "D": (1.25, -0.5), "E": (1.15, -0.4)}
+_LEAST_ETA = 0.55
+
+
+@dataclass(frozen=True)
+class DesignSpectrum:
+    """Peak acceleration p (m/s²), amplification A, corner periods (s), damping (share of critical) and a name."""
+
+    peak_m_s2: float
+    amplification: float
+    TB_s: float
+    TC_s: float
+    TD_s: float
+    damping: float
+    name: str
+
+    @property
+    def eta(self) -> float:
+        """Damping's factor η."""
+        return max(math.sqrt(10.0 / (5.0 + 100.0 * self.damping)), _LEAST_ETA)
+
+    def accel_m_s2(self, periods_s: ArrayLike) -> NDArray[np.float64]:
+        """Spectral acceleration at periods_s (any shape, s ≥ 0), m/s²."""
+        T = np.asarray(periods_s, dtype=np.float64)
+        plateau = self.eta * self.amplification
+        safe = np.maximum(T, self.TB_s)
+        falling = np.minimum(1.0, self.TC_s / safe) * np.minimum(1.0, self.TD_s / safe)
+        rising = 1.0 + T / self.TB_s * (plateau - 1.0)
+        return np.asarray(self.peak_m_s2 * np.where(self.TB_s > T, rising, plateau * falling))
+
+
+def design_spectrum(target: Target) -> DesignSpectrum:
+    """The spectrum of a validated target (either its own shape or that of its site)."""
+    return _eurocode(target) if target.code == "ec8" else _ntc(target)
+
+
+def _name(target: Target, site: str) -> str:
+    code = {"ntc2008": "NTC 2008", "ntc2018": "NTC 2018", "ec8": "Eurocode 8"}[target.code]
+    return f"{code}, {site}, a_g = {target.ag_g:g} g{', vertical' if target.vertical else ''}"
+
+
+def _eurocode(target: Target) -> DesignSpectrum:
+    ag = target.ag_g * STANDARD_GRAVITY_M_S2
+    if target.vertical:
+        kind = target.type or 1
+        name = _name(target, f"type {kind}")
+        peak = ag * _EC8_VERTICAL[kind]
+        return DesignSpectrum(peak, _EC8_VERTICAL_AMPLIFICATION, *_VERTICAL_PERIODS, target.damping, name)
+    if target.soil is not None:
+        S, TB, TC, TD = _EC8_SOILS[target.type or 1][target.soil]
+        name = _name(target, f"type {target.type}, soil {target.soil}")
+        return DesignSpectrum(ag * S, EC8_AMPLIFICATION, TB, TC, TD, target.damping, name)
+    S, TB, TC, TD = _shape(target)
+    return DesignSpectrum(ag * S, EC8_AMPLIFICATION, TB, TC, TD, target.damping, _name(target, f"S = {S:g}"))
+
+
+def _ntc(target: Target) -> DesignSpectrum:
+    ag, F0 = target.ag_g * STANDARD_GRAVITY_M_S2, target.F0 or 1.0
+    ST = target.topography or 1.0
+    if target.vertical:
+        peak = ag * ST * 1.35 * math.sqrt(target.ag_g)
+        return DesignSpectrum(peak, F0, *_VERTICAL_PERIODS, target.damping, _name(target, f"F0 = {F0:g}"))
+    if target.soil is not None:
+        most, constant, slope, least = _NTC_SS[target.soil]
+        S = ST * min(max(constant - slope * F0 * target.ag_g, least), most)
+        factor, power = _NTC_CC[target.soil]
+        star = target.TC_star_s or 1.0
+        TC = factor * star**power * star
+        name = _name(target, f"soil {target.soil}, S = {S:.4g}")
+        return DesignSpectrum(ag * S, F0, TC / 3.0, TC, 4.0 * target.ag_g + 1.6, target.damping, name)
+    S, TB, TC, TD = _shape(target)
+    return DesignSpectrum(ag * S, F0, TB, TC, TD, target.damping, _name(target, f"S = {S:g}"))
+
+
+def _shape(target: Target) -> tuple[float, float, float, float]:
+    S, TB, TC, TD = target.S, target.TB_s, target.TC_s, target.TD_s
+    if S is None or TB is None or TC is None or TD is None:
+        raise ValueError("a validated target has a whole shape or a soil")
+    return S, TB, TC, TD

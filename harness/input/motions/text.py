@@ -1,0 +1,143 @@
+"""Reading the text of record files: Fortran's numbers, which may touch each other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.text_file import decoded, fortran, read_bytes
+from harness.model.errors import InputError, Mistake
+
+_NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{3}(?![0-9.]))?"
+_NUMBERS = re.compile(_NUMBER)
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
+"""What no number of Fortran's holds once its D is an E: numpy, too, would take 1_0 and infinity for numbers."""
+
+
+def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> InputError:
+    """The InputError of this one mistake, to be raised."""
+    return InputError(Mistake(where, key, wanted, got, advice))
+
+
+def read_text(path: Path) -> str:
+    """The file's text, unpacked where it is gzip (UTF-8, UTF-16 by its mark, else Latin-1); InputError where that fails."""
+    return decoded(read_bytes(path, "an accelerogram"), str(path), "an accelerogram", latin=True)
+
+
+def header_number(text: str, where: str, place: str, what: str) -> float:
+    """The finite positive number that a header gives for `what`; InputError naming its `place` where it gives none."""
+    try:
+        value = fortran(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < np.inf:
+        raise mistake(where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
+    return value
+
+
+def header_count(text: str, where: str, place: str, what: str) -> int:
+    """The whole number of two or more that a header gives for `what`; InputError naming its `place` where it gives none."""
+    value = header_number(text, where, place, what)
+    if value < 2.0 or value != int(value):
+        raise mistake(where, place, f"{what}, a whole number of 2 or more", repr(text.strip()), "the header is damaged")
+    return int(value)
+
+
+def stated_peak(match: re.Match[str] | None, factor: float) -> tuple[float | None, float | None]:
+    """A header's peak times `factor`, and its time (groups 1 and 2); None and None where there is none, or no number."""
+    try:
+        return (fortran(match.group(1)) * factor, fortran(match.group(2))) if match else (None, None)
+    except ValueError:
+        return None, None
+
+
+def fixed_width(
+    lines: Sequence[str], width: int, count: int, *, where: str, first_line: int, what: str = "accelerations"
+) -> NDArray[np.float64]:
+    """The first `count` numbers of `lines` in columns of `width` characters, blanks or none between them.
+
+    `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing or none.
+    """
+    if width < 1:
+        raise mistake(where, what, "columns of one character or more", f"a format of {width}", "the file is damaged")
+    padded = [_plain(line.rstrip()) for line in lines]
+    padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
+    text = "".join(padded)[: count * width]
+    fields = [text[i : i + width] for i in range(0, len(text), width)]
+    try:
+        values = _floats(text, fields)
+    except ValueError:
+        raise _bad_field(padded, width, where, first_line) from None
+    if values.size < count:
+        raise mistake(where, what, f"{count} numbers, as its header says", f"{values.size}", "the file is cut off")
+    return finite(values, where, what)
+
+
+def _plain(line: str) -> str:
+    return line.replace("D", "E").replace("d", "E")
+
+
+def _floats(text: str, fields: Sequence[str]) -> NDArray[np.float64]:
+    """Words or columns of `text` as numbers; ValueError where it holds what no number of Fortran's does."""
+    if _FOREIGN.search(text):
+        raise ValueError("not a number")
+    try:
+        return np.array(fields, dtype=np.float64)
+    except ValueError:
+        return np.array([fortran(field) for field in fields])
+
+
+def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) -> InputError:
+    for offset, line in enumerate(lines):
+        for start in range(0, len(line), width):
+            part = line[start : start + width]
+            try:
+                fortran(part)
+            except ValueError:
+                place = f"line {first_line + offset}, column {start + 1}"
+                return mistake(
+                    where, place, f"a number {width} characters wide", repr(part.strip()), "the file is damaged"
+                )
+    return mistake(
+        where, f"line {first_line}", f"numbers {width} characters wide", "something else", "the file is damaged"
+    )
+
+
+def finite(values: NDArray[np.float64], where: str, what: str) -> NDArray[np.float64]:
+    """`values` themselves; InputError where one is not finite."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        advice = "cut the record or fill the gap in the program that made it"
+        raise mistake(
+            where, f"{what}, number {bad[0] + 1}", "finite numbers", f"{values[bad[0]]} ({bad.size} such)", advice
+        )
+    return values
+
+
+def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray[np.float64]:
+    """All numbers of `lines`, also where they touch ("1.234-5.678", "1E-3-2E-3"); InputError at anything else."""
+    plain = _plain(" ".join(lines))
+    try:
+        values = _floats(plain, plain.split())
+    except ValueError:
+        values = np.array([number for i, line in enumerate(lines) for number in _touching(line, where, first_line + i)])
+    return finite(values, where, "accelerations")
+
+
+def _touching(line: str, where: str, number: int) -> list[float]:
+    values: list[float] = []
+    for word in line.split():
+        found = _NUMBERS.findall(word)
+        if "".join(found) != word or any(part[0] not in "+-" for part in found[1:]):
+            if not _WHOLE.fullmatch(word):
+                raise mistake(
+                    where, f"line {number}", "numbers", repr(word), "the file is damaged, or not of this format"
+                )
+            found = [word]
+        values += [fortran(part) for part in found]
+    return values

@@ -1,0 +1,68 @@
+"""Where the files that a scene names are: beside the scene, absolute, or in the data folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from harness.model.errors import InputError, Mistake
+
+DATA_VARIABLE = "ROCKCHECK_DATA"
+_PREFIX = "${" + DATA_VARIABLE + "}"
+
+
+def data_folder() -> Path:
+    """The folder of real scans and records: the variable ROCKCHECK_DATA, else `../shared/data` beside the project."""
+    named = os.environ.get(DATA_VARIABLE)
+    return Path(named) if named else Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name too long or with a NUL in it, which the system refuses to look up, is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
+    """The existing file that `file` names: absolute, relative to `base_dir`, or starting with "${ROCKCHECK_DATA}/".
+
+    Raises InputError (with `where` and `key`) where there is no such file.
+    """
+    if file.startswith("$") and not file.startswith(_PREFIX + "/"):
+        raise InputError(Mistake(where, key, f'a path, of variables only "{_PREFIX}/…"', repr(file), "write it out"))
+    in_data = file.startswith(_PREFIX)
+    path = data_folder() / file[len(_PREFIX) + 1 :] if in_data else base_dir / Path(file).expanduser()
+    if not is_file(path):
+        advice = (
+            f"set {DATA_VARIABLE} to the folder of scans and records"
+            if in_data
+            else "a relative path starts at the scene's folder"
+        )
+        raise InputError(Mistake(where, key, "an existing file", str(path), advice))
+    return path.resolve()
+
+
+def read_files(content: Mapping[str, Any], source: Path | None) -> list[Path]:
+    """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
+    if source is None:
+        return []
+    found = [source]
+    for text in _texts(content):
+        path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else source.parent / text
+        try:
+            found += [path] if path.is_file() else []
+        except (OSError, ValueError):  # a title is no path
+            continue
+    return found
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (Mapping, list)):
+        for item in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(item)

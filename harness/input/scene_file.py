@@ -1,0 +1,193 @@
+"""From a scene file to a scene: meshes and records are read, numbers reconciled, assumptions written down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from analytic.excitation import Excitation, Rest
+from harness.input import motions, tables
+from harness.input.mesh_statue import statue_from_mesh
+from harness.input.motions.spec import Component
+from harness.input.tables import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.input.uncertain import uncertain_inputs
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
+
+if TYPE_CHECKING:
+    pass
+
+LARGEST_GYRATION: Final = 2.0
+"""No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
+LARGEST_M: Final = 1e4
+"""No statue is longer; beyond it squares of lengths overflow."""
+PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
+
+
+def load_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+    """Read, validate and resolve a scene.
+
+    `overrides` are `KEY=VALUE` with dotted keys, applied before validation. Raises `InputError` with every mistake found.
+    """
+    path = Path(path)
+    text = tables.read(path)
+    model, content = tables.parse(text, str(path), overrides)
+    return resolve(model, path, content)
+
+
+Statues = dict[str, tuple["Statue", Sequence[str]]]
+"""Statues by the text of their table, each with its notes."""
+
+
+def resolve(
+    model: SceneFile, path: Path, content: dict[str, object] | None = None, statues: Statues | None = None
+) -> Scene:
+    """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
+
+    `statues` keeps those of earlier scenes of the same folder: thousands of scenes of one study share one.
+    """
+    notes: list[str] = []
+    mistakes: list[Mistake] = []
+    shake = _shake(model, path, mistakes, notes)
+    statue = None
+    try:
+        statue = _statue_once(model.statue, path, notes, statues)
+    except InputError as error:
+        mistakes.extend(error.mistakes)
+    if mistakes or statue is None:
+        raise InputError(mistakes)
+    pedestal = _pedestal(model.pedestal, statue, path)
+    if pedestal is None:
+        notes.append("contact.floor_static and contact.floor_kinetic are not used: there is no pedestal")
+    return Scene(
+        title=model.title,
+        duration_s=model.duration_s,
+        gravity_m_s2=model.gravity_m_s2,
+        form=_form(model.model),
+        statue=statue,
+        pedestal=pedestal,
+        contact=_contact(model.contact),
+        shake=shake,
+        wall=None if model.wall is None else Wall(model.wall.side, model.wall.distance_m),
+        initial=Initial(model.initial.theta_rad, model.initial.theta_rate_rad_s),
+        table=model.table,
+        output_dt_s=model.output.dt_s,
+        source=path,
+        given=content or {},
+        notes=tuple(notes),
+        uncertainty=uncertain_inputs(model),
+    )
+
+
+def _form(table: ModelTable) -> Form:
+    preset = PRESETS[table.preset]
+    return Form(table.friction_normal or preset.friction_normal, table.pedestal_at_impact or preset.pedestal_at_impact)
+
+
+def _contact(table: ContactTable) -> Contact:
+    ratio = None if table.restitution == "momentum" else float(table.restitution)
+    return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
+
+
+def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> Shake:
+    found: dict[str, Excitation] = {axis: Rest() for axis in ("x", "y", "z")}
+    for axis in found:
+        component: Component | None = getattr(model.motion, axis)
+        if component is None:
+            continue
+        key = f"motion.{axis}"
+        try:
+            prepared = motions.prepare(
+                component,
+                base_dir=path.parent,
+                where=str(path),
+                key=key,
+                duration_s=model.duration_s,
+                gravity_m_s2=model.gravity_m_s2,
+            )
+            found[axis] = prepared.excitation.scaled(model.motion.scale)
+            notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
+        except InputError as error:
+            mistakes.extend(error.mistakes)
+    return Shake(**found)
+
+
+def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedestal | None:
+    if table is None:
+        return None
+    pedestal = Pedestal(table.mass_kg, table.width_m, table.depth_m, table.height_m, table.offset_m)
+    centre = statue.base_centre_m + pedestal.offset_m
+    low, high = centre - 0.5 * pedestal.width_m, centre + 0.5 * pedestal.width_m
+    if low > -statue.corner_left_m + 1e-9 or high < statue.corner_right_m - 1e-9:
+        base = statue.corner_left_m + statue.corner_right_m
+        wanted = f"a pedestal under the whole base (width {base:.4g} m, with the offset)"
+        under = f"a base from {-statue.corner_left_m:.4g} to {statue.corner_right_m:.4g} m"
+        got = f"one from {low:.4g} to {high:.4g} m under {under}"
+        raise InputError(Mistake(str(path), "pedestal.width_m", wanted, got))
+    return pedestal
+
+
+def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Statues | None) -> Statue:
+    if statues is None:
+        return _statue(table, path, notes)
+    text = table.model_dump_json()
+    if text not in statues:
+        told: list[str] = []
+        statues[text] = _statue(table, path, told), told
+    statue, said = statues[text]
+    notes.extend(said)
+    return statue
+
+
+def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
+    if table.mesh is not None:
+        return statue_from_mesh(table, path, notes)
+    mass, height_c = table.mass_kg, table.centroid_height_m
+    left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
+    if mass is None or height_c is None or left is None or right is None or inertia is None:
+        raise InputError(Mistake(str(path), "statue", ", ".join(tables.NUMBERS), "not all of them"))
+    height = table.height_m
+    if height is None:
+        height = 2.0 * height_c
+        notes.append(f"statue.height_m is not given: twice the centroid's height, {height:.4g} m, is assumed")
+    if height <= height_c:
+        wanted = f"more than centroid_height_m = {height_c:g}"
+        raise InputError(Mistake(str(path), "statue.height_m", wanted, f"{height:g}"))
+    depth = table.depth_m
+    if depth is None:
+        depth = left + right
+        notes.append(f"statue.depth_m is not given: the base's width, {depth:.4g} m, is assumed")
+    sizes = {"corner_left_m": left, "corner_right_m": right, "height_m": height, "depth_m": depth}
+    mistakes = [
+        Mistake(str(path), f"statue.{name}", f"a length of at most {LARGEST_M:g} m", f"{value:g}")
+        for name, value in sizes.items()
+        if value > LARGEST_M
+    ]
+    gyration, largest = math.sqrt(inertia / mass), LARGEST_GYRATION * max(height, left + right)
+    if gyration > largest:
+        wanted = (
+            f"at most {mass * largest**2:.4g} (radius of gyration {largest:.4g} m: {LARGEST_GYRATION:g} times its size)"
+        )
+        mistakes.append(Mistake(str(path), "statue.inertia_kg_m2", wanted, f"{inertia:g}"))
+    if mistakes:
+        raise InputError(mistakes)
+    section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
+    half = 0.5 * depth
+    footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
+    tensor = _block_tensor(mass, inertia, left + right, depth)
+    return Statue(mass, height_c, left, right, inertia, height, depth, section, footprint, tensor)
+
+
+def _block_tensor(mass: float, inertia: float, width: float, depth: float) -> Array:
+    """Full tensor of a block known by its planar inertia: a homogeneous box of that width, depth and inertia about y.
+
+    The box's height follows from the planar inertia, J = m (w² + H²)/12; where J is less than m w²/12 the mass sits nearer the
+    axis and H = 0 is taken. Only the scene's J enters planar motion.
+    """
+    xx, zz = mass * width**2 / 12.0, max(inertia - mass * width**2 / 12.0, 0.0)
+    yy = mass * depth**2 / 12.0
+    return np.diag([yy + zz, inertia, min(xx + yy, yy + zz + inertia)])

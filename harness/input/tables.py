@@ -1,0 +1,251 @@
+"""The scene file: what a user may write, validated strictly, every mistake listed at once."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from analytic.constants import GRAVITY_M_S2
+from harness.input.mistakes import Contradiction, mistakes_of
+from harness.input.motions.spec import Motion, list_to_tuple
+from harness.input.uncertain import Distribution, uncertain_inputs
+from harness.model.errors import InputError, Mistake
+
+# Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
+Density = Annotated[float, Field(ge=1e-3, le=1e5)]
+Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
+Inertia = Annotated[float, Field(ge=1e-18, le=1e18)]
+Length = Annotated[float, Field(ge=1e-6, le=1e4)]
+Friction = Annotated[float, Field(ge=0.0, le=1e3)]
+MAX_SAMPLES = 2e7
+MAX_BYTES = 10_000_000
+
+
+class Table(BaseModel):
+    """Base of every table: strict types, no unknown keys, finite numbers, frozen."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class ModelTable(Table):
+    """`[model]`: the form of the analytic model; `preset` or the two choices one by one."""
+
+    preset: Literal["consistent", "paper"] = "consistent"
+    friction_normal: Literal["dynamic", "static"] | None = None
+    pedestal_at_impact: Literal["momentum", "unchanged"] | None = None
+
+
+class InnerTable(Table):
+    """`[statue.mesh] inner`: a closed shell in the same frame, unit and axes, and the density inside it (0: hollow)."""
+
+    file: Annotated[str, Field(min_length=1)]
+    density_kg_m3: Annotated[float, Field(ge=0.0, le=1e5)] = 0.0
+
+
+class AdjustTable(Table):
+    """`[statue.mesh] adjust`: the statue as it would be if the scan were off by these shares, or with a part simplified."""
+
+    centroid_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    base_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    inertia_rel: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    flat_base: bool = False
+    products: bool = True
+
+
+class MeshTable(Table):
+    """`[statue] mesh`: the statue's surface; `up` is the file's vertical axis, `azimuth_deg` turns it about the vertical.
+
+    Vertices within `contact_tolerance_m` of the lowest touch. `use_survey` names numbers of `[statue]` that replace the mesh's.
+    """
+
+    file: Annotated[str, Field(min_length=1)]
+    unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = "m"
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"
+    azimuth_deg: float = 0.0
+    density_kg_m3: Density | None = None
+    contact_tolerance_m: Annotated[float, Field(gt=0.0, le=0.1)] = 1e-3
+    inner: InnerTable | None = None
+    use_survey: Annotated[
+        tuple[Literal["centroid_height_m", "inertia_kg_m2"], ...], BeforeValidator(list_to_tuple)
+    ] = ()
+    adjust: AdjustTable | None = None
+
+
+class StatueTable(Table):
+    """`[statue]`: numbers, a mesh, or both (then the mesh gives the shape and the numbers are compared with it)."""
+
+    mass_kg: Mass | None = None
+    centroid_height_m: Length | None = None
+    corner_left_m: Length | None = None
+    corner_right_m: Length | None = None
+    inertia_kg_m2: Inertia | None = None
+    height_m: Length | None = None
+    depth_m: Length | None = None
+    mesh: MeshTable | None = None
+
+
+class PedestalTable(Table):
+    """`[pedestal]`: a rectangular block under the statue."""
+
+    mass_kg: Mass
+    width_m: Length
+    depth_m: Length
+    height_m: Length
+    offset_m: Annotated[float, Field(ge=-1e4, le=1e4)] = 0.0
+
+
+class ContactTable(Table):
+    """`[contact]`: friction coefficients and the law of impact."""
+
+    floor_static: Friction = 0.20
+    floor_kinetic: Friction = 0.15
+    statue: Annotated[float, Field(gt=0.0, le=1e3)] = 1.0
+    restitution: Literal["momentum"] | Annotated[float, Field(ge=0.0, le=1.0)] = "momentum"
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ContactTable:
+        if self.floor_kinetic > self.floor_static:
+            raise Contradiction(
+                "floor_kinetic", f"at most floor_static = {self.floor_static:g}", f"{self.floor_kinetic:g}"
+            )
+        return self
+
+
+class WallTable(Table):
+    """`[wall]`: a vertical wall beside the statue."""
+
+    side: Literal["left", "right"]
+    distance_m: Length
+
+
+class InitialTable(Table):
+    """`[initial]`: rotation and rate at t = 0."""
+
+    theta_rad: Annotated[float, Field(gt=-1.5, lt=1.5)] = 0.0
+    theta_rate_rad_s: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+
+
+class OutputTable(Table):
+    """`[output]`: the grid of every history."""
+
+    dt_s: Annotated[float, Field(ge=1e-6, le=3600.0)] = 0.001
+
+
+class SceneFile(Table):
+    """A whole scene file."""
+
+    title: Annotated[str, Field(min_length=1)]
+    duration_s: Annotated[float, Field(gt=0.0, le=3600.0)]
+    gravity_m_s2: Annotated[float, Field(ge=1e-3, le=1e3)] = GRAVITY_M_S2
+    table: Literal["frame", "moving"] = "frame"
+    model: ModelTable = ModelTable()
+    statue: StatueTable
+    pedestal: PedestalTable | None = None
+    contact: ContactTable = ContactTable()
+    motion: Motion = Motion()
+    wall: WallTable | None = None
+    initial: InitialTable = InitialTable()
+    output: OutputTable = OutputTable()
+    uncertainty: dict[str, Distribution] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _whole(self) -> SceneFile:
+        if self.model.preset == "paper" and self.contact.restitution == "momentum":
+            raise Contradiction(
+                "contact.restitution", 'a number such as 0.875 with model.preset = "paper"', "'momentum'"
+            )
+        if self.output.dt_s > self.duration_s:
+            raise Contradiction("output.dt_s", f"at most duration_s = {self.duration_s:g}", f"{self.output.dt_s:g}")
+        if self.duration_s / self.output.dt_s > MAX_SAMPLES:
+            raise Contradiction(
+                "output.dt_s", f"a step that leaves at most {MAX_SAMPLES:.0e} samples", f"{self.output.dt_s:g}"
+            )
+        if self.wall is not None and self.statue.mesh is None and self.statue.height_m is None:
+            raise Contradiction("statue.height_m", "a number beside a wall: what touches it is the top", "nothing")
+        uncertain_inputs(self)
+        return self
+
+
+NUMBERS = ("mass_kg", "centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2")
+
+
+def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFile, dict[str, Any]]:
+    """Parse and validate a scene; returns the model and the plain content (with overrides).
+
+    `overrides` are `KEY=VALUE` with a dotted key and a TOML value. Raises `InputError` with every mistake.
+    """
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
+    except RecursionError as error:
+        raise InputError(Mistake(where, "", "valid TOML", "values nested too deeply to read")) from error
+    mistakes = [mistake for item in overrides if (mistake := override(content, item)) is not None]
+    if mistakes:
+        raise InputError(mistakes)
+    overridden = [_key_of(item) for item in overrides]
+    try:
+        model = SceneFile.model_validate(content)
+    except ValidationError as error:
+        missing = _absent_numbers(content.get("statue"), where)
+        raise InputError([*mistakes_of(error, SceneFile, where, text, overridden), *missing]) from error
+    missing = _absent_numbers(content["statue"], where)
+    if missing:
+        raise InputError(missing)
+    return model, content
+
+
+def _key_of(item: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in item.partition("=")[0].split("."))
+
+
+def override(content: dict[str, Any], item: str) -> Mistake | None:
+    """Set one dotted key of `content` from `KEY=VALUE`; `KEY=none` removes it. Returns the mistake, if it is one."""
+    key, found, value = item.partition("=")
+    parts = _key_of(item)
+    if not found or not all(parts):
+        return Mistake("--set", item, "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(item))
+    try:
+        plain: Any = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        plain = value.strip()
+    except RecursionError:
+        return Mistake("--set", key, "a TOML value", "one nested too deeply to read")
+    table = content
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            return Mistake("--set", key, f"a key inside a table, but {part} is a value", repr(item))
+    if plain == "none":
+        table.pop(parts[-1], None)
+    else:
+        table[parts[-1]] = plain
+    return None
+
+
+def _absent_numbers(statue: Any, where: str) -> list[Mistake]:
+    """Without a mesh the five numbers of the planar model are all needed."""
+    if not isinstance(statue, Mapping) or "mesh" in statue:
+        return []
+    return [
+        Mistake(where, f"statue.{name}", "a number, or statue.mesh to take it from", "nothing")
+        for name in NUMBERS
+        if name not in statue
+    ]
+
+
+def read(path: Path) -> str:
+    """The text of a scene file; raises `InputError` when it cannot be read."""
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(MAX_BYTES + 1)
+        if len(raw) > MAX_BYTES:
+            raise InputError(Mistake(str(path), "", f"a scene file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
+        return raw.decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(Mistake(str(path), "", "a readable scene file", reason)) from error

@@ -1,0 +1,114 @@
+"""Text that a user hands in: how much of it is read, its encoding, and what counts as a number in it."""
+
+from __future__ import annotations
+
+import gzip
+import re
+import stat
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from harness.model.errors import InputError, Mistake
+
+MOST_BYTES: Final = 64 * 2**20
+"""Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""
+GZIP_MARK: Final = b"\x1f\x8b"
+PACKED: Final = {
+    b"PK\x03\x04": "a ZIP archive",
+    b"BZh": "a bzip2 file",
+    b"\xfd7zXZ": "an xz file",
+    b"7z\xbc\xaf": "a 7z archive",
+}
+UTF16_MARKS: Final = (b"\xff\xfe", b"\xfe\xff")
+_FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
+"""What no decimal number holds. Python's float also takes underscores, "nan", "infinity" and the digits of other scripts."""
+_BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$")
+"""Fortran leaves the E out where an exponent takes three digits."""
+
+
+def decimal(text: str) -> float:
+    """The decimal number that `text` is, blanks around it allowed; ValueError for anything else."""
+    if _FOREIGN.search(text):
+        raise ValueError(f"{text!r} is no decimal number")
+    return float(text)
+
+
+def decimals(texts: Sequence[str]) -> list[float]:
+    """`decimal` of each."""
+    if _FOREIGN.search(" ".join(texts)):
+        raise ValueError("one of these is no decimal number")
+    return [float(text) for text in texts]
+
+
+def fortran(text: str) -> float:
+    """The number that Fortran wrote, its exponent also as D (1D-2) or without a letter (1.0-102); else ValueError."""
+    bare = text.strip().replace("D", "E").replace("d", "E")
+    return decimal(_BARE_EXPONENT.sub(r"E\1", bare))
+
+
+def must_be_named_in_utf8(path: Path) -> None:
+    """InputError for a name that is no text: neither a record nor a page could hold it."""
+    try:
+        path.name.encode("utf-8")
+    except UnicodeEncodeError:
+        shown = ascii(str(path).encode("utf-8", "surrogateescape"))[2:-1]
+        raise InputError(Mistake(shown, "", "a file name in UTF-8", "other bytes", "rename the file")) from None
+
+
+def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
+    """All of a file, unpacked where it is gzip; InputError where it is no file, larger than `most` bytes, or damaged.
+
+    `what` says in messages what was wanted. No more than `most` bytes are ever unpacked.
+    """
+    must_be_named_in_utf8(path)
+    where, limit = str(path), f"{what} of at most {most / 2**20:.3g} MiB"
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise InputError(Mistake(where, "", f"{what} in a file", "something that is no file"))
+        if status.st_size > most:
+            raise InputError(Mistake(where, "", limit, f"{status.st_size / 2**20:.3g} MiB"))
+        raw = path.read_bytes()
+    except OSError as error:
+        raise InputError(Mistake(where, "", f"{what} that can be read", error.strerror or str(error))) from error
+    if not raw.startswith(GZIP_MARK):
+        return raw
+    try:
+        with gzip.open(path) as stream:
+            raw = stream.read(most + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        got = f"one that does not unpack ({error})"
+        raise InputError(Mistake(where, "", "a whole gzip file", got, "download it again")) from error
+    if len(raw) > most:
+        raise InputError(Mistake(where, "", limit, "more than that once unpacked", "cut it, or take another file"))
+    return raw
+
+
+def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
+    """Text of UTF-8, of UTF-16 by its mark, where `latin` else of Latin-1; InputError for all else, an empty file too."""
+    if not raw.strip():
+        raise InputError(Mistake(where, "", what, "an empty file"))
+    if raw.startswith(UTF16_MARKS):
+        try:
+            return raw.decode("utf-16")
+        except UnicodeDecodeError as error:
+            got = "UTF-16 that is cut off or damaged"
+            raise InputError(Mistake(where, "", "a text file", got, "save it as UTF-8")) from error
+    for mark, name in PACKED.items():
+        if raw.startswith(mark):
+            raise InputError(Mistake(where, "", "a text file", name, "unpack it first"))
+    if b"\x00" in raw:
+        # Every other byte of ASCII in UTF-16 is nought; other binary data has no such order.
+        half = max(raw[:4096:2].count(0), raw[1:4096:2].count(0)) > 0.9 * len(raw[:4096]) / 2
+        got = "UTF-16 without its mark" if half else "binary data"
+        advice = "save it as UTF-8" if half else "export it as text"
+        raise InputError(Mistake(where, "", "a text file", got, advice))
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        if latin:
+            return raw.decode("latin-1")
+        got = "text that is not UTF-8"
+        raise InputError(Mistake(where, "", "a readable text file", got, "save it as CSV in UTF-8")) from error

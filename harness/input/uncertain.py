@@ -1,0 +1,80 @@
+"""`[uncertainty]`: which numbers of a scene are not known, and how far."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from harness.input.mistakes import Contradiction
+from harness.model.scene import Uncertain
+
+if TYPE_CHECKING:
+    from harness.input.tables import SceneFile
+
+JOINT: Final = {"contact.floor": "contact.floor_static"}
+"""Keys that stand for several numbers moved by one factor, and the number that their median is told by."""
+WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
+
+
+class _Spread(BaseModel):
+    """Strict, frozen, without unknown keys; infinities and NaN are refused."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Lognormal(_Spread):
+    """The scene's value times exp(s Z), s² = ln(1 + cov²): its median is the scene's value."""
+
+    kind: Literal["lognormal"]
+    cov: Annotated[float, Field(gt=0.0, le=2.0)]
+
+
+class Normal(_Spread):
+    """The scene's value plus a normal number of this standard deviation, in the key's own unit."""
+
+    kind: Literal["normal"]
+    sd: Annotated[float, Field(gt=0.0, le=1e6)]
+
+
+class Uniform(_Spread):
+    """Anything within `half_width` of the scene's value, in the key's own unit."""
+
+    kind: Literal["uniform"]
+    half_width: Annotated[float, Field(gt=0.0, le=1e6)]
+
+
+Distribution = Annotated[Lognormal | Normal | Uniform, Field(discriminator="kind")]
+
+
+def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
+    """What `[uncertainty]` says, each with the scene's own value. Raises `Contradiction` for a key without a number."""
+    return tuple(_uncertain(model, key, spread) for key, spread in model.uncertainty.items())
+
+
+def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform) -> Uncertain:
+    value = _number(model, JOINT.get(key, key))
+    place = f'uncertainty."{key}"'
+    if value is None or key.startswith("uncertainty"):
+        raise Contradiction(
+            place,
+            'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
+            "no such number",
+        )
+    if spread.kind == "lognormal" and value <= 0.0:
+        raise Contradiction(place, "a positive value for a lognormal distribution", f"{key} = {value:g}")
+    return Uncertain(key, spread.kind, value, float(getattr(spread, WIDTHS[spread.kind])))
+
+
+def _number(model: BaseModel, key: str) -> float | None:
+    """The number at a dotted key of a validated scene, None where there is none."""
+    place: Any = model
+    for part in key.split("."):
+        if isinstance(place, Mapping):
+            place = place.get(part)
+        elif isinstance(place, BaseModel) and part in type(place).model_fields:
+            place = getattr(place, part)
+        else:
+            return None
+    return float(place) if isinstance(place, (int, float)) and not isinstance(place, bool) else None

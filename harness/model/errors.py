@@ -1,0 +1,44 @@
+"""What a user is told when the input is wrong: every mistake at once, each with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from harness.model.terminal import printable
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake in the user's input.
+
+    `where` is the file (or command-line option), `key` the dotted key, line or column in it, `wanted` and `got` finish the
+    sentence "wanted …, got …", `advice` says what to do.
+    """
+
+    where: str
+    key: str
+    wanted: str
+    got: str
+    advice: str = ""
+
+    def __str__(self) -> str:
+        place = f"{self.where}: {self.key}" if self.key else self.where
+        text = f"{place}: wanted {self.wanted}, got {self.got}"
+        return printable(f"{text} — {self.advice}" if self.advice else text)
+
+
+def mistake_from(sentence: str, where: str, key: str = "") -> Mistake:
+    """A sentence of another layer, "[PLACE: ]wanted A, got B[ — advice]", as a mistake at `where` and `key`."""
+    _, found, said = sentence.partition("wanted ")
+    wanted, _, rest = (said if found else sentence).partition(", got ")
+    got, _, advice = rest.partition(" — ")
+    return Mistake(where, key, wanted, got, advice)
+
+
+class InputError(ValueError):
+    """The user's input is wrong; carries all mistakes found (the command prints them and exits with 2)."""
+
+    def __init__(self, mistakes: Mistake | Iterable[Mistake]) -> None:
+        self.mistakes: tuple[Mistake, ...] = (mistakes,) if isinstance(mistakes, Mistake) else tuple(mistakes)
+        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))

@@ -1,0 +1,197 @@
+"""The record of a run: everything a comparison or a page may say stands here first."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+from harness.model.history import History, Outcome
+
+SCHEMA_VERSION: Final = 1
+MANY: Final = 1000
+"""A longer list in a record is a table: one line an item."""
+DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh", "mujoco")
+
+PATTERN_NAMES: Final[Mapping[str, str]] = {
+    "rest": "at rest",
+    "rocking": "(a) rocking, pedestal at rest",
+    "sliding": "(b) sliding as one body",
+    "both": "(c) rocking and sliding",
+}
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """One stretch of one motion pattern: `name` is a key of `PATTERN_NAMES`."""
+
+    start_s: float
+    end_s: float
+    name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One engine's answer to one scene.
+
+    `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
+    and `slip_uncertainty_m` bound the numerical errors of rotation and slip up to `reliable_until_s` (None: not estimated).
+    `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
+    (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
+    sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
+    given (None: not stated).
+    """
+
+    engine: str
+    outcome: Outcome
+    history: History | None
+    settings: Mapping[str, Any]
+    steps: int
+    wall_s: float
+    peak_theta_rad: float
+    peak_time_s: float
+    end_s: float
+    overturn_time_s: float | None = None
+    no_return_time_s: float | None = None
+    impact_times_s: Sequence[float] = ()
+    uplift_times_s: Sequence[float] = ()
+    peak_slip_m: float = 0.0
+    residual_slip_m: float = 0.0
+    patterns: Sequence[Pattern] = ()
+    validity: Mapping[str, Any] = field(default_factory=dict)
+    numerical_uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None = None
+    work: Mapping[str, int] = field(default_factory=dict)
+    skipped: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    labels: Sequence[str] = ()
+    message: str = ""
+    motion_axes: Sequence[str] | None = None
+
+    def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
+        """The same run with its numerical uncertainty stated."""
+        return replace(
+            self,
+            numerical_uncertainty_rad=of_rotation_rad,
+            slip_uncertainty_m=of_slip_m,
+            reliable_until_s=until_s,
+            warnings=(*self.warnings, *warnings),
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """The run as plain JSON values, without its history."""
+        plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
+        plain["outcome"] = self.outcome.value
+        plain["outcome_sentence"] = self.outcome.sentence
+        plain["patterns"] = [[p.start_s, p.end_s, p.name] for p in self.patterns]
+        return {name: to_plain(value) for name, value in plain.items()}
+
+
+def run_of(plain: Mapping[str, Any], history: History | None, wall_s: float) -> Run:
+    """The run that `Run.as_dict` made plain, with its history again."""
+    known = {name: plain[name] for name in Run.__dataclass_fields__ if name in plain}
+    known["outcome"] = Outcome(plain["outcome"])
+    known["patterns"] = tuple(Pattern(*stretch) for stretch in plain["patterns"])
+    return Run(**(known | {"history": history, "wall_s": wall_s}))
+
+
+def impacts(run: Mapping[str, Any]) -> int:
+    """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
+    return len(run["impact_times_s"]) or int(run["work"].get("impacts", 0))
+
+
+_PLAIN: Final = frozenset({str, int, bool, type(None)})
+
+
+def to_plain(value: Any) -> Any:
+    """Turn numpy scalars, arrays, tuples and mappings into what JSON holds; a number that is not finite becomes None."""
+    kind = type(value)
+    # Nearly all values of a record are one of these, and a study asks a million times.
+    if kind is float:
+        return value if math.isfinite(value) else None
+    if kind in _PLAIN:
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, frozenset, set)):
+        return [to_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return to_plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_json(path: Path, record: Mapping[str, Any]) -> None:
+    """Write a record so that the file is either the old one or the whole new one; of a long list each item is one line."""
+    try:
+        text = _json(record)
+    except (TypeError, ValueError):
+        text = _json(to_plain(record))
+    write_text(path, text + "\n")
+
+
+def _json(record: Mapping[str, Any]) -> str:
+    lines = [f" {json.dumps(str(key), ensure_ascii=False)}: {_value(value)}" for key, value in record.items()]
+    return "{\n" + ",\n".join(lines) + "\n}" if lines else "{}"
+
+
+def _value(value: Any) -> str:
+    """Indented for people; but a hundred thousand rows are written in seconds, one line each."""
+    if isinstance(value, list) and len(value) > MANY:
+        return "[\n" + ",\n".join(json.dumps(item, ensure_ascii=False, allow_nan=False) for item in value) + "\n]"
+    return json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False).replace("\n", "\n ")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a text file in one step, whole or not at all."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        # A file's name may be no UTF-8: its odd bytes stand in the text as escapes.
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
+            stream.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def versions() -> dict[str, str]:
+    """Versions of this project, of Python and of what computes."""
+    return dict(_versions())
+
+
+@lru_cache(maxsize=1)
+def _versions() -> Mapping[str, str]:
+    # Asked for every key of a study; looking it up opens files.
+    found = {"python": platform.python_version()}
+    for name in DISTRIBUTIONS:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+def machine() -> dict[str, Any]:
+    """What computed: system, processor, cores."""
+    return {"system": platform.system(), "processor": _processor(), "cores": os.cpu_count() or 1}
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -1,0 +1,1 @@
+"""One scene, several engines, one result folder."""

@@ -1,0 +1,217 @@
+"""Run one scene with several engines and write the result folder, whole or not at all."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from harness import engines
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
+from harness.engines.base import EngineFailure
+from harness.input.paths import read_files
+from harness.model import run as record
+from harness.model.history import Outcome, history_file
+from harness.model.options import Want
+from harness.model.run import SCHEMA_VERSION, Run
+from harness.model.scene import Scene
+from harness.records import description as describe
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.statics.plan import plan
+from harness.statics.standstill import standstill
+
+if TYPE_CHECKING:
+    from harness.accuracy.horizon import Horizon
+    from harness.assess.assessment import Assessment
+    from harness.comparison.comparator import Scores
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What all engines said of one scene, with the scores of each pair."""
+
+    scene: Scene
+    runs: Mapping[str, Run]
+    scores: Mapping[str, Scores]
+    plan: Sequence[Mapping[str, Any]]
+    seconds: float
+    horizons: Mapping[str, Horizon] = field(default_factory=dict)
+    assessment: Mapping[str, Assessment] = field(default_factory=dict)
+
+    @property
+    def failed(self) -> bool:
+        """Whether any engine failed to give an answer."""
+        return self.failed_but(())
+
+    def failed_but(self, optional: Sequence[str]) -> bool:
+        """Whether any engine failed, those of `optional` that are not installed here left aside."""
+        runs = (run for run in self.runs.values() if run.outcome.failed)
+        return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The whole record as it stands in `result.json`."""
+        plain: dict[str, Any] = record.to_plain(
+            {
+                "schema_version": SCHEMA_VERSION,
+                "kind": "run",
+                "title": self.scene.title,
+                "scene": describe.describe(self.scene),
+                "notes": self.scene.notes,
+                "motion": describe.motion_of(self.scene),
+                "runs": {name: run.as_dict() for name, run in self.runs.items()},
+                "histories": [name for name, run in self.runs.items() if run.history is not None],
+                "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
+                "horizons": {name: horizon.as_dict() for name, horizon in self.horizons.items()},
+                "assessment": {name: item.as_dict() for name, item in self.assessment.items()},
+                "plan": self.plan,
+                "warnings": [f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
+                "seconds": self.seconds,
+                "versions": record.versions(),
+                "machine": record.machine(),
+            }
+        )
+        return plain
+
+
+def run_scene(
+    scene: Scene,
+    names: Sequence[str] = engines.DEFAULT_ENGINES,
+    *,
+    accuracy_rad: float | None = None,
+    dt_s: float | None = None,
+    want: Want | None = None,
+    told: Callable[[str], None] = lambda text: None,
+    iso: bool = False,
+    horizon: bool = False,
+    apart: bool = False,
+    assess: bool = False,
+    stored: Mapping[str, Run] | None = None,
+) -> Result:
+    """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
+
+    A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
+    milliseconds each); with `horizon` every model does. `apart` runs
+    three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
+    `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
+    from what the scene does not know. `stored` are runs of this very scene and target that are there already.
+    """
+    check_target(accuracy_rad, dt_s)
+    want = want or Want()
+    loaded = [engines.load(name) for name in dict.fromkeys(names)]
+    steps = plan(scene, loaded, want, engines.REGISTRY)
+    start = time.perf_counter()
+    left = [item for item in loaded if item.name not in (stored or {})]
+    beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
+    beside = [item for item in beside if item.missing() is None]
+    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
+        waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
+        here: dict[str, Run] = dict(stored or {})
+        for engine in loaded:
+            told(engine.name)
+            if engine.name not in waiting and engine.name not in here:
+                here[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, want)
+        for name, future in waiting.items():
+            if not future.done():
+                told(f"{name}, still")
+            here[name] = future.result()
+    runs = {item.name: here[item.name] for item in loaded}
+    answers = [run for run in runs.values() if not run.outcome.failed]
+    horizons = _horizons(scene, answers, told, every=horizon) if len(answers) > 1 or horizon else {}
+    known = {name: found.intrinsic_s for name, found in horizons.items()}
+    scores = _scores(scene, answers, known, iso)
+    own = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
+    if dt_s is None and len(answers) > 1:
+        from harness.scene_run.confirmation import FINER, doubted
+
+        finer_rad = (accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+        for name in sorted(own & doubted(scores)):
+            told(f"{name}, again and finer")
+            again = simulate_with(engines.load(name), scene, finer_rad, None, want)
+            if not again.outcome.failed:
+                runs[name] = again
+                note = f"{name} was run to {finer_rad:g} rad, before its difference from another model was judged"
+                scene = scene.but(notes=(*scene.notes, note))
+        answers = [run for run in runs.values() if not run.outcome.failed]
+        scores = _scores(scene, answers, known, iso)
+    still = standstill(scene, answers)
+    if still is not None:
+        scene = scene.but(notes=(*scene.notes, still))
+    plain = [step.as_dict() for step in steps]
+    assessed = _assessed(scene, told) if assess else {}
+    return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons, assessed)
+
+
+def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment]:
+    from analytic import AnalyticInputError
+    from harness.assess.assessment import MODEL, assess_model
+
+    told("probability")
+    try:
+        answer = assess_model(scene)
+    except AnalyticInputError:  # the model refuses this scene; its own run says why
+        return {}
+    return {} if answer is None else {MODEL: answer}
+
+
+def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], iso: bool) -> dict[str, Scores]:
+    """The scores of each pair; `known` are the horizons, s."""
+    from harness.comparison.comparator import compare
+
+    return {
+        f"{a.engine}_vs_{b.engine}": compare(
+            a, b, scene=scene, horizons_s=(known.get(a.engine), known.get(b.engine)), iso=iso
+        )
+        for a, b in itertools.combinations(answers, 2)
+    }
+
+
+def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    from harness.campaign.isolate import simulate_isolated
+
+    return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
+
+
+def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None], *, every: bool) -> dict[str, Horizon]:
+    from harness.accuracy.horizon import horizon_beside
+
+    found = {}
+    for run in runs:
+        engine = engines.load(run.engine)
+        if not (every or engine.capabilities.certifies):
+            continue
+        if every:
+            told(f"{run.engine}, horizon")
+        try:
+            found[run.engine] = horizon_beside(engine, scene, run)
+        except EngineFailure as error:
+            told(f"{run.engine} has no horizon: {error}")
+    return found
+
+
+def check_writing(folder: Path, scene: Scene, names: Sequence[str]) -> None:
+    """Raise `InputError` unless the result of these engines can be written into `folder` without a loss (see `check_folder`)."""
+    written = [history_file(name) for name in names] + [*PAGES, RECORD, "statue.glb"]
+    check_inputs(folder, written, read_files(scene.given, scene.source))
+    check_folder(folder, ("run",), written if scene.statue.solid is not None else written[:-1])
+
+
+def write_result(result: Result, folder: Path) -> Path:
+    """Write histories, the statue's mesh and `result.json`, which lists them with checksums, into `folder`, whole or not at all.
+
+    A killed write leaves the old result whole or files that one of both records lists. Raises `InputError` for a folder in which
+    something else would be lost.
+    """
+    check_writing(folder, result.scene, list(result.runs))
+    with replacing(folder, lambda files: {**result.as_dict(), "files": files}) as fresh:
+        for name, run in result.runs.items():
+            if run.history is not None:
+                run.history.write_csv(fresh / history_file(name))
+        if result.scene.statue.solid is not None:
+            from meshes.export import write_glb
+
+            write_glb(result.scene.statue.solid, fresh / "statue.glb")
+    return folder / RECORD

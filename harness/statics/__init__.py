@@ -1,0 +1,1 @@
+"""What a scene needs before anything moves: limits of rest, symmetry, collision shapes, what is left out."""

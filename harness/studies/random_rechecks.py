@@ -1,0 +1,78 @@
+"""What a study's random audit found: whether the runs that were left out would have said anything new."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.studies import case_selection as asking
+from harness.studies.file import StudyFile
+
+Row = Mapping[str, Any]
+
+
+def audit(study: StudyFile, rows: Sequence[Row]) -> dict[str, Any] | None:
+    """How the audited cases came out, in numbers and one sentence; None where every case was asked.
+
+    Near a boundary the engine's outcome is held against the analytic one, on a refined map against the outcome that its cell was
+    taken to have.
+    """
+    if study.ask.cases == "all":
+        return None
+    expected = _of_reference(rows) if study.ask.cases == "boundary" else _of_cells(study, rows)
+    asked = [row for row in rows if row["run"] is not None and _place(row) in expected]
+    differ = sum(row["run"]["outcome"] != expected[_place(row)] for row in asked)
+    against = (
+        "the analytic model's" if study.ask.cases == "boundary" else "the one that the map would have taken for it"
+    )
+    sentence = (
+        f"Of the cases left out, {len(asked)} were audited at random: {differ} had another outcome than {against}."
+    )
+    return {"audited": len(asked), "differ": differ, "sentence": sentence}
+
+
+def _place(row: Row) -> tuple[int, str]:
+    return int(row["number"]), str(row["engine"])
+
+
+def _of_reference(rows: Sequence[Row]) -> dict[tuple[int, str], str]:
+    """The analytic outcome of every audited case, by the case and the engine that was asked."""
+    known = {row["number"]: str(row["run"]["outcome"]) for row in rows if _is_reference(row)}
+    return {
+        _place(row): known[row["number"]]
+        for row in rows
+        if row["reason"] == asking.AUDIT and not _is_reference(row) and row["number"] in known
+    }
+
+
+def _is_reference(row: Row) -> bool:
+    return bool(row["engine"] == asking.REFERENCE and row["run"] is not None)
+
+
+def _of_cells(study: StudyFile, rows: Sequence[Row]) -> dict[tuple[int, str], str]:
+    """What a map refined without the audit says of every audited case, by case and engine."""
+    values = {item.key: sorted({row["varied"][item.key] for row in rows}, key=repr) for item in study.vary}
+    index = {key: {repr(value): k for k, value in enumerate(_in_order(found))} for key, found in values.items()}
+    axes = asking.map_axes(study)
+    groups: dict[tuple[str, str], list[tuple[asking.Place, Row]]] = defaultdict(list)
+    for row in rows:
+        if row["engine"] != asking.REFERENCE:
+            place = tuple(index[item.key][repr(row["varied"][item.key])] for item in study.vary)
+            groups[row["engine"], row["varied"]["variant"]].append((place, row))
+    found: dict[tuple[int, str], str] = {}
+    for members in groups.values():
+        places = [place for place, _ in members]
+        known = {p: asking.Answer(str(row["run"]["outcome"]), 0.0) for p, row in members if row["run"] is not None}
+        needed = asking.refined(places, known, axes)
+        taken = asking.filled(places, {place: known[place] for place in needed if place in known}, axes)
+        for place, row in members:
+            if row["reason"] == asking.AUDIT and place not in needed and place in taken:
+                found[_place(row)] = taken[place]
+    return found
+
+
+def _in_order(values: Sequence[Any]) -> list[Any]:
+    """Numbers by size, so that the neighbours of a grid are neighbours; anything else by its text."""
+    numbers = all(isinstance(value, (int, float)) for value in values)
+    return sorted(values) if numbers else list(values)

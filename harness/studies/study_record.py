@@ -1,0 +1,176 @@
+"""The record of a study: what its page shows, taken from the store."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model import run as record
+from harness.model.run import SCHEMA_VERSION
+from harness.model.scene import Scene
+from harness.records.description import describe
+from harness.studies import claims
+from harness.studies.cases import base_of
+from harness.studies.ensembles import score_sets
+from harness.studies.file import StudyFile
+from harness.studies.random_rechecks import audit
+from harness.studies.store import Store
+from harness.studies.study_run import Summary, study_name
+from harness.studies.supports import supports
+
+Array = NDArray[np.float64]
+
+CURVE_POINTS: Final = 400
+"""Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
+SHOWN: Final = (
+    "engine",
+    "outcome",
+    "peak_theta_rad",
+    "peak_time_s",
+    "end_s",
+    "no_return_time_s",
+    "overturn_time_s",
+    "peak_slip_m",
+    "residual_slip_m",
+    "numerical_uncertainty_rad",
+    "slip_uncertainty_m",
+    "reliable_until_s",
+    "steps",
+    "labels",
+    "warnings",
+    "validity",
+    "motion_axes",
+)
+
+
+def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float) -> dict[str, Any]:
+    """Everything that the page of a study holds, as plain values."""
+    base = base_of(study, path)
+    scene = base.scene({})
+    rows = [_shown(row) for row in store.rows(study_name(study))]
+    found: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "kind": "study",
+        "title": study.title,
+        "file": path.name,
+        "scene": describe(scene),
+        "notes": scene.notes,
+        "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
+        "supports": supports(study, scene, rows),
+        "summary": summary.as_dict(),
+        "usage": summary.usage.as_dict(),
+        "seconds": seconds,
+        "engine_seconds": _seconds(rows, store),
+        "scores": score_sets(rows, history=store.history),
+        "audit": audit(study, rows),
+        "versions": record.versions(),
+        "machine": record.machine(),
+    }
+    if study.claims == "paper":
+        verdicts = claims.judge(rows, top_displacement(scene))
+        found["claims"] = [verdict.as_dict() for verdict in verdicts]
+        found["headline"] = claims.headline(verdicts)
+        found["panels"] = panels(rows, store)
+    plain: dict[str, Any] = record.to_plain(found)
+    # They come from the store, plain already.
+    plain["rows"] = [{name: value for name, value in row.items() if name != "key"} for row in rows]
+    return plain
+
+
+def top_displacement(scene: Scene) -> Any:
+    """Horizontal displacement (m) of the silhouette's topmost point at a rotation about the wider side's corner."""
+    section = scene.statue.section_m
+    side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
+    corner = np.array([side * scene.statue.corner_m(side), 0.0])
+    top = section[np.argmax(section[:, 1])] - corner
+
+    def displaced(theta_rad: float) -> float:
+        # Clockwise positive: x' = x cos θ + z sin θ.
+        turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
+        return float(abs(turned - top[0]))
+
+    return displaced
+
+
+def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[dict[str, Any]]:
+    """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
+    found: dict[tuple[float, float, float], dict[str, Any]] = {}
+    drawn: dict[str, Any] = {}
+    for row in rows:
+        varied, key = row["varied"], row["key"]
+        if row["run"] is None or key is None:
+            continue
+        if key not in drawn:
+            history = store.history(key)
+            if history is None:
+                continue
+            drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
+        place = (varied["contact.restitution"], varied["motion.x.amplitude_g"], varied["motion.x.frequency_hz"])
+        panel = found.setdefault(
+            place, {"restitution": place[0], "amplitude_g": place[1], "frequency_hz": place[2], "curves": {}}
+        )
+        model = f"{row['engine']} ({varied['variant']})"
+        setting = "floor" if varied["pedestal"] == "none" else "pedestal"
+        panel["curves"].setdefault(model, {})[setting] = drawn[key]
+    return [found[place] for place in sorted(found)]
+
+
+def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> dict[str, list[float]]:
+    keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
+    return {
+        "t_s": [round(float(value), 4) for value in t_s[keep]],
+        "theta_rad": [float(f"{value:.5g}") for value in theta_rad[keep]],
+        "slip_m": [float(f"{value:.5g}") for value in slip_m[keep]],
+    }
+
+
+def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
+    """Indices that keep the first, the last and the least and largest of every curve in each of `points`/2 stretches."""
+    size = curves[0].size
+    if size <= points:
+        return np.arange(size)
+    edges = np.linspace(0, size, points // 2 + 1).astype(int)
+    kept = {0, size - 1}
+    for low, high in pairwise(edges):
+        for curve in curves:
+            kept |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
+    return np.array(sorted(kept))
+
+
+def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
+    """What is kept of a row; words that all rows share are one string, for there may be a million of them."""
+    run = row["run"]
+    kept = None
+    if run is not None:
+        kept = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
+        kept["validity"] = _shared(run["validity"])
+        kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
+    return {
+        "number": row["number"],
+        "engine": row["engine"],
+        "key": row["key"],
+        "reason": sys.intern(row["reason"]),
+        "varied": _shared(row["varied"]),
+        "run": kept,
+    }
+
+
+def _shared(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {sys.intern(key): value for key, value in table.items()}
+
+
+def _seconds(rows: Sequence[Mapping[str, Any]], store: Store) -> dict[str, float]:
+    total: dict[str, float] = {}
+    for key, engine in {(row["key"], row["engine"]) for row in rows if row["key"] is not None}:
+        total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
+    return total
+
+
+def _order(value: Any) -> tuple[bool, Any]:
+    return isinstance(value, str), value

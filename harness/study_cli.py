@@ -1,0 +1,148 @@
+"""The study command: run what is missing, write the record."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+from harness import effects3d
+from harness.campaign.executors import LIMIT_S, DaskPool, LocalPool, Pool
+from harness.campaign.progress import progress
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.records.result_folder import RECORD, checksum, listing, read_own
+from harness.studies import estimate
+from harness.studies.cases import base_of
+from harness.studies.export import export_csv, export_parquet
+from harness.studies.file import StudyFile, load_study
+from harness.studies.store import STORE_NAME, Store
+from harness.studies.study_record import study_record
+from harness.studies.study_run import Summary, run_study, study_name
+
+
+def run(
+    path: Path,
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    resume: bool = False,
+    dask: str | None = None,
+    export: Path | None = None,
+    large: bool = False,
+    quiet: bool = False,
+    pool: Pool | None = None,
+) -> tuple[dict[str, Any], Summary | effects3d.Summary]:
+    """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
+
+    `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one. Raises
+    `InputError` for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
+    """
+    with ExitStack() as stack:
+        if effects3d.asked(path):
+            _check_effects(export, jobs)
+            study = None
+        else:
+            study = load_study(path)
+            _check(study, folder, jobs, resume, export)
+        if pool is None:
+            limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
+            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
+        stack.enter_context(ending_cleanly())
+        if study is None:
+            told = stack.enter_context(progress(path.stem, quiet))
+            return effects3d.run_effects(path, folder, pool, told, resume=resume)
+        return _run(study, path, folder, pool, export, large, quiet)
+
+
+def _run(
+    study: StudyFile, path: Path, folder: Path, pool: Pool, export: Path | None, large: bool, quiet: bool
+) -> tuple[dict[str, Any], Summary]:
+    """A study of cases: its size is told, or refused, before anything is begun."""
+    start = time.perf_counter()
+    scene = base_of(study, path).scene({})
+    if not large:
+        estimate.check(study, scene, pool.workers, str(path))
+    size = estimate.sentence(study, scene, pool.workers)
+    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as told:
+        summary = run_study(study, path, store, pool, told)
+        found = study_record(study, path, store, summary, time.perf_counter() - start) | {"files": listing(())}
+        if export is not None:
+            writer = export_parquet if export.suffix == ".parquet" else export_csv
+            writer(store, study_name(study), export)
+            found["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
+        record.write_json(folder / RECORD, found)
+    return found, summary
+
+
+def _check_effects(export: Path | None, jobs: int | None) -> None:
+    """A study of what the third dimension changes has its own kind of record, its answers in a file of their own."""
+    if export is not None:
+        raise InputError(Mistake("--export", "", "a study of cases", "one of the third dimension: see its result.json"))
+    _check_jobs(jobs)
+
+
+@contextmanager
+def ending_cleanly() -> Iterator[None]:
+    """Let a request to end (SIGTERM) do what an interrupt does: stop the workers, close the store, say what is kept."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def unbegun(folder: Path) -> Iterator[None]:
+    """Take a store away that was made here when the study turns out to be wrong before anything was computed."""
+    store = folder / STORE_NAME
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    fresh = not store.exists()
+    try:
+        yield
+    except InputError:
+        if fresh and store.is_file() and _is_empty(store):
+            for path in (store, *folder.glob(f"{STORE_NAME}-*")):
+                path.unlink()
+            for path in made:
+                path.rmdir()
+        raise
+
+
+def _is_empty(path: Path) -> bool:
+    with closing(sqlite3.connect(path)) as store:
+        return store.execute("SELECT 1 FROM run LIMIT 1").fetchone() is None
+
+
+def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:
+    _check_jobs(jobs)
+    if export is not None and export.suffix not in (".csv", ".parquet"):
+        raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
+    if export is not None and not export.resolve().parent.is_dir():
+        raise InputError(Mistake("--export", "", "a file in an existing folder", str(export)))
+    if export is not None and os.path.lexists(export) and not _exported(export, folder):
+        got = f"the file {export}, which this study has not written, or which was changed since"
+        raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
+    if resume and not (folder / STORE_NAME).is_file():
+        wanted = f"a study that was begun in {folder}"
+        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
+def _exported(export: Path, folder: Path) -> bool:
+    """Whether the study in `folder` wrote a file, and it is as it was written."""
+    told = (read_own(folder / RECORD) or {}).get("export")
+    return isinstance(told, dict) and told == {"file": str(export.resolve()), "sha256": checksum(export)}
+
+
+def _check_jobs(jobs: int | None) -> None:
+    if jobs is not None and jobs < 1:
+        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))

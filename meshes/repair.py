@@ -1,0 +1,113 @@
+"""Small repairs of a scan's triangles, each on its own: it returns the mesh and the change, None if there was nothing
+to do."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import MeshError
+from meshes.loft import union
+from meshes.mesh import RawMesh, double_areas, drop_unused
+from meshes.processing_log import Change, change, measure
+from meshes.topology import EdgeCount, Edges, parts, wound_alike
+
+Mended = tuple[RawMesh, Change | None]
+
+
+def drop_duplicates(mesh: RawMesh) -> Mended:
+    """Faces over the same three vertices made one."""
+    key = np.sort(mesh.faces, axis=1)
+    order = np.lexsort(key.T)
+    new = np.r_[True, (np.diff(key[order], axis=0) != 0).any(axis=1)]
+    if new.all():
+        return mesh, None
+    kept = np.sort(order[new])
+    removed = len(mesh.faces) - len(kept)
+    return mesh.with_faces(mesh.faces[kept]), Change("duplicates", f"{removed} repeated faces removed", removed)
+
+
+def drop_crumbs(mesh: RawMesh, largest_share: float) -> Mended:
+    """Separate parts with less than `largest_share` of the largest part's area removed."""
+    number = parts(mesh.faces)
+    areas = np.bincount(number, weights=0.5 * np.linalg.norm(double_areas(mesh.vertices, mesh.faces), axis=1))
+    small = areas < largest_share * areas.max()
+    if not small.any():
+        return mesh, None
+    kept = mesh.with_faces(mesh.faces[~small[number]])
+    count = int(small.sum())
+    share = 100.0 * areas[small].max() / areas.max()
+    what = f"{count} floating crumbs removed, the largest {share:.3g} % of the main part's area"
+    return kept, change("crumbs", what, count, measure(mesh), measure(kept))
+
+
+def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
+    """At edges with more than two faces those that stick out removed, else all, to be closed as holes.
+
+    Raises MeshError if they are too many.
+    """
+    edges = Edges.of(mesh.faces)
+    branching = np.repeat(edges.faces_at > 2, edges.faces_at)
+    count = int((edges.faces_at > 2).sum())
+    if count == 0:
+        return mesh, None
+    if count > max(3, largest_share * len(edges.faces_at)):
+        raise MeshError(
+            f"{mesh.source}: wanted edges with two faces each, got {count} of {len(edges.faces_at)} with more"
+            f" (non-manifold)"
+            " — in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve"
+        )
+    bad = np.unique(edges.face[branching])
+    free = np.unique(edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
+    fins = np.intersect1d(bad, free)
+    if len(fins):
+        trimmed = mesh.with_faces(np.delete(mesh.faces, fins, axis=0))
+        if EdgeCount.of(trimmed.faces).branching == 0:
+            what = f"{count} edges with more than two faces: {len(fins)} faces that stick out there removed"
+            return trimmed, Change("non-manifold", what, len(fins))
+    kept = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
+    what = f"{count} edges with more than two faces: {len(bad)} faces there removed, to be closed as holes"
+    return kept, Change("non-manifold", what, len(bad))
+
+
+def wind_alike(mesh: RawMesh) -> Mended:
+    """Neighbouring faces given one sense."""
+    if EdgeCount.of(mesh.faces).misoriented == 0:
+        return mesh, None
+    faces, turned = wound_alike(mesh.faces)
+    what = f"{turned} faces turned to the sense of their neighbours"
+    return RawMesh(mesh.vertices, faces, mesh.source), Change("orientation", what, turned)
+
+
+def turn_outward(mesh: RawMesh) -> Mended:
+    """A surface that is inside out turned, its holes thought closed."""
+    if measure(mesh).volume_m3 >= 0.0:
+        return mesh, None
+    turned = RawMesh(mesh.vertices, np.ascontiguousarray(mesh.faces[:, ::-1]), mesh.source)
+    return turned, Change("orientation", "inside out: all faces turned outward", len(mesh.faces))
+
+
+def join_bodies(mesh: RawMesh) -> Mended:
+    """Several large closed parts that overlap joined into one body; raises MeshError for parts that stay apart."""
+    number = parts(mesh.faces)
+    count = int(number.max()) + 1
+    if count == 1:
+        return mesh, None
+    pieces = [drop_unused(mesh.vertices, mesh.faces[number == k]) for k in range(count)]
+    closed = all(EdgeCount.of(faces).closed for _, faces in pieces)
+    if closed:
+        joined = RawMesh(*union(pieces), mesh.source)
+        if not _apart(joined.faces):
+            what = f"{count} overlapping parts joined into one body"
+            return joined, change("bodies", what, count, measure(mesh), measure(joined))
+    sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
+    raise MeshError(
+        f"{mesh.source}: wanted one statue, got {count} separate bodies of {sizes} units — export each to a file of"
+        f" its own"
+        " (MeshLab: Split in Connected Components), or give a hollow statue's inner shell as a second file"
+    )
+
+
+def _apart(faces: NDArray[np.int64]) -> bool:
+    """Whether the faces fall into separate parts."""
+    return bool(parts(faces).max() > 0)

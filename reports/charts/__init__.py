@@ -1,0 +1,1 @@
+"""Charts that zoom and their still pictures."""

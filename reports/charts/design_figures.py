@@ -1,0 +1,99 @@
+"""Design maps: how far the pedestal slides over what varies, and where the pedestal itself would tip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from reports.charts.palette import INK
+from reports.text.numbers import heading, short
+from reports.text.study_rows import Condition
+
+Json = dict[str, Any]
+
+TIPPING: Final = ("pedestal_tipping_margin_m", "pedestal_tipping_margin_at_impact_m")
+"""The margins of the record: the pedestal's half width less the reach of the floor's force, in motion and at impacts."""
+
+
+def design_figures(
+    models: Sequence[str], found: Sequence[Condition], axes: tuple[str, str] | None
+) -> list[tuple[str, Json]]:
+    """One map of the pedestal's largest displacement for each model that slides, places that would tip it marked.
+
+    Empty when nothing slides or what varies makes no map, or when a place stands for several conditions.
+    """
+    if axes is None or len({tuple(item.varied[key] for key in axes) for item in found}) != len(found):
+        return []
+    figures = []
+    for model in models:
+        figure = _design_map(model, found, axes)
+        if figure is not None:
+            figures.append((f"{model}: largest displacement of the pedestal; ✕ where the pedestal would tip", figure))
+    return figures
+
+
+def best_designs(models: Sequence[str], found: Sequence[Condition], axes: tuple[str, str] | None) -> list[str]:
+    """For each model that slides one sentence: of the designs in which the statue stands and nothing tips, the least slip."""
+    if axes is None or len({tuple(item.varied[key] for key in axes) for item in found}) != len(found):
+        return []
+    sentences = []
+    for model in models:
+        runs = [(row["run"], item) for item in found for row in [item.answers.get(model)] if row and row["run"]]
+        if not any(run["peak_slip_m"] > 0.0 for run, _ in runs):
+            continue
+        good = [(run, item) for run, item in runs if run["outcome"] == "stands" and not _tips(run)]
+        if not good:
+            sentences.append(
+                f"In none of {len(runs)} designs does the statue stand on a pedestal that does not tip ({model})."
+            )
+            continue
+        run, item = min(good, key=lambda pair: float(pair[0]["peak_slip_m"]))
+        where = " and ".join(f"{heading(key)} = {short(float(item.varied[key]))}" for key in axes)
+        sentences.append(
+            f"The statue stands and the pedestal does not tip in {len(good)} of {len(runs)} designs; of these the pedestal moves "
+            f"least, {1000.0 * float(run['peak_slip_m']):.0f} mm, at {where} ({model})."
+        )
+    return sentences
+
+
+def _tips(run: Mapping[str, Any]) -> bool:
+    margins = [run["validity"].get(name) for name in TIPPING]
+    return any(margin is not None and margin < 0.0 for margin in margins)
+
+
+def _design_map(model: str, found: Sequence[Condition], axes: tuple[str, str]) -> Json | None:
+    xs, ys = (sorted({item.varied[key] for item in found}) for key in axes)
+    slip = np.full((len(ys), len(xs)), np.nan)
+    tips: list[tuple[float, float]] = []
+    for item in found:
+        row = item.answers.get(model)
+        if row is None or row["run"] is None:
+            continue
+        run = row["run"]
+        slip[ys.index(item.varied[axes[1]]), xs.index(item.varied[axes[0]])] = 1000.0 * float(run["peak_slip_m"])
+        if _tips(run):
+            tips.append((item.varied[axes[0]], item.varied[axes[1]]))
+    if not np.nanmax(slip, initial=0.0) > 0.0:
+        return None
+    shown = [[None if np.isnan(value) else float(f"{value:.4g}") for value in line] for line in slip]
+    heat = {
+        "type": "heatmap", "x": xs, "y": ys, "z": shown, "colorscale": "Cividis", "reversescale": True,
+        "colorbar": {"title": {"text": "slip (mm)"}, "thickness": 12},
+        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{z}} mm<extra></extra>",
+    }  # fmt: skip
+    marks = {
+        "type": "scatter", "mode": "markers", "x": [x for x, _ in tips], "y": [y for _, y in tips],
+        "marker": {"symbol": "x-thin", "size": 7, "line": {"width": 1.2, "color": INK}}, "hoverinfo": "skip",
+    }  # fmt: skip
+    return {
+        "data": [heat, marks],
+        "layout": {
+            "height": 380,
+            "xaxis": {"title": {"text": heading(axes[0])}},
+            "yaxis": {"title": {"text": heading(axes[1])}},
+            "showlegend": False,
+            "margin_top": 12,
+        },
+    }

@@ -1,0 +1,260 @@
+"""The zoomable histories of all models on one time axis: rotation, motion patterns, pedestal slip, floor motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from harness.model.history import History, Outcome
+from reports.charts.decimate import Array, kept_samples
+from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
+from reports.charts.patterns import pattern_strip
+from reports.pages.assets import packed_array
+from reports.source import RunSource
+from reports.text.wording import horizon_s
+
+Json = dict[str, Any]
+
+BAND_SAMPLES: Final = 3000
+ACROSS: Final = "out_of_plane_rad"
+ACROSS_RAD: Final = 1e-4
+"""A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
+GAP: Final = 0.055
+AXIS_COLOURS: Final = {"x": INK, "y": "#AA4499", "z": "#3A8FC7"}
+
+
+def histories_figure(source: RunSource) -> Json:
+    """The figure as plotly's plain JSON; every curve is a record's history, peaks kept."""
+    rows = _rows(source)
+    axes, domains = _axes(rows)
+    data: list[Json] = []
+    names = list(source.histories)
+    for name, history in source.histories.items():
+        data += _rotation(source, name, history, names, axes["rotation"])
+    if "slip" in rows:
+        data += [
+            _lower(name, history, 1000.0 * history.slip_m, "slip %{y:.3f} mm", names, axes["slip"])
+            for name, history in source.histories.items()
+        ]
+    if "across" in rows:
+        data += [
+            _lower(name, history, history.extra[ACROSS], "out of plane %{y:.4f} rad", names, axes["across"])
+            for name, history in source.histories.items()
+            if ACROSS in history.extra
+        ]
+    if "strip" in rows:
+        data += pattern_strip(source, axes["strip"])
+    if "floor" in rows:
+        data += _floor(source.record["motion"], float(source.scene["gravity_m_s2"]), axes["floor"])
+    layout = _layout(source, rows, axes, domains)
+    return {"data": data, "layout": layout, "views": _views(source)}
+
+
+def _rows(source: RunSource) -> dict[str, float]:
+    rows = {"rotation": 5.0}
+    with_patterns = [run for run in source.runs.values() if run["patterns"]]
+    if with_patterns:
+        rows["strip"] = 0.55 * len(with_patterns)
+    if source.scene["pedestal"] is not None:
+        rows["slip"] = 2.2
+    if any(_leaves_the_plane(history) for history in source.histories.values()):
+        rows["across"] = 1.8
+    if any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz"):
+        rows["floor"] = 1.7
+    return rows
+
+
+def _leaves_the_plane(history: History) -> bool:
+    return ACROSS in history.extra and float(np.abs(history.extra[ACROSS]).max()) > ACROSS_RAD
+
+
+def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[float, float]]]:
+    free = 1.0 - GAP * (len(rows) - 1)
+    total = sum(rows.values())
+    axes, domains, top = {}, {}, 1.0
+    for number, (row, weight) in enumerate(rows.items(), start=1):
+        bottom = max(0.0, top - free * weight / total)
+        axes[row] = "y" if number == 1 else f"y{number}"
+        domains[row] = (round(bottom, 4), round(top, 4))
+        top = bottom - GAP
+    return axes, domains
+
+
+def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
+    kept = kept_samples(values) if most is None else kept_samples(values, most)
+    return packed_array(history.t_s[kept], "f4"), packed_array(values[kept], "f4")
+
+
+def _rotation(source: RunSource, name: str, history: History, names: list[str], axis: str) -> list[Json]:
+    style = look(name, names)
+    t_s, theta = _line(history, history.theta_rad)
+    traces: list[Json] = []
+    band = _band(source.runs[name], history)
+    if band is not None:
+        traces.append(
+            {
+                "type": "scatter", "x": band[0], "y": band[1], "yaxis": axis, "fill": "toself", "mode": "lines",
+                "line": {"width": 0}, "fillcolor": faint(style.colour, 0.18), "hoverinfo": "skip", "showlegend": False,
+                "legendgroup": name,
+            }
+        )  # fmt: skip
+    traces.append(
+        {
+            "type": "scatter", "x": t_s, "y": theta, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
+            "line": {"color": style.colour, "dash": style.dash, "width": style.width},
+            "hovertemplate": f"{name} θ %{{y:.5f}} rad<extra></extra>",
+        }
+    )  # fmt: skip
+    run = source.runs[name]
+    if Outcome(run["outcome"]).overturned and run["no_return_time_s"] is not None:
+        at = float(run["no_return_time_s"])
+        traces.append(
+            {
+                "type": "scatter", "x": [at], "y": [float(np.interp(at, history.t_s, history.theta_rad))], "yaxis": axis,
+                "mode": "markers", "marker": {"symbol": "x", "size": 10, "color": style.colour}, "legendgroup": name,
+                "showlegend": False, "hovertemplate": f"{name} passes its balance point<extra></extra>",
+            }
+        )  # fmt: skip
+    return traces
+
+
+def _band(run: Mapping[str, Any], history: History) -> tuple[Json, Json] | None:
+    size = run["numerical_uncertainty_rad"]
+    if not size or run["reliable_until_s"] is None:
+        return None
+    within = history.t_s <= float(run["reliable_until_s"])
+    if np.count_nonzero(within) < 2:
+        return None
+    t_s, theta = history.t_s[within], history.theta_rad[within]
+    kept = kept_samples(theta, BAND_SAMPLES)
+    t_s, theta = t_s[kept], theta[kept]
+    around = np.concatenate([theta + size, (theta - size)[::-1]])
+    return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
+
+
+def _lower(name: str, history: History, values: Array, words: str, names: list[str], axis: str) -> Json:
+    """One model's curve in a row under the rotation."""
+    style = look(name, names)
+    t_s, drawn = _line(history, values)
+    return {
+        "type": "scatter", "x": t_s, "y": drawn, "yaxis": axis, "mode": "lines", "name": name, "legendgroup": name,
+        "showlegend": False, "line": {"color": style.colour, "dash": style.dash, "width": style.width},
+        "hovertemplate": f"{name} {words}<extra></extra>",
+    }  # fmt: skip
+
+
+def _floor(motion: Mapping[str, Any], gravity_m_s2: float, axis: str) -> list[Json]:
+    t_s = packed_array(motion["t_s"], "f4")
+    return [
+        {
+            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(motion[f"{name}_m_s2"]) / gravity_m_s2, "f4"),
+            "yaxis": axis, "mode": "lines", "name": f"floor {name}", "legend": "legend3",
+            "line": {"color": colour, "width": 1.0}, "hovertemplate": f"floor {name} %{{y:.3f}} g<extra></extra>",
+        }
+        for name, colour in AXIS_COLOURS.items()
+        if f"{name}_m_s2" in motion
+    ]  # fmt: skip
+
+
+def _views(source: RunSource) -> Json:
+    """The two vertical views of the rotation: near the balance points, and whole."""
+    statue = source.scene["statue"]
+    low, high = -float(statue["slenderness_left_rad"]), float(statue["slenderness_right_rad"])
+    least = min((float(item.theta_rad.min()) for item in source.histories.values()), default=0.0)
+    most = max((float(item.theta_rad.max()) for item in source.histories.values()), default=0.0)
+    whole = _padded(min(least, 0.0), max(most, 0.0))
+    near = [max(min(least, 0.0), 1.35 * low), min(max(most, 0.0), 1.35 * high)]
+    # Let go beyond its balance points, a body that falls never comes near them.
+    seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
+    near = _padded(*near) if seen else whole
+    return {"whole": whole, "near": near, "duration_s": float(source.scene["duration_s"])}
+
+
+def _padded(low: float, high: float) -> list[float]:
+    margin = 0.08 * (high - low) or 0.01
+    return [low - margin, high + margin]
+
+
+def _layout(
+    source: RunSource, rows: Mapping[str, float], axes: Mapping[str, str], domains: Mapping[str, tuple[float, float]]
+) -> Json:
+    lowest = list(axes.values())[-1]
+    titles = {
+        "rotation": "rotation θ  [rad]",
+        "strip": "",
+        "slip": "slip u  [mm]",
+        "across": "across  [rad]",
+        "floor": "floor  [g]",
+    }
+    layout: Json = {
+        "xaxis": {
+            "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, float(source.scene["duration_s"])],
+            "gridcolor": HAIRLINE, "zeroline": False, "showspikes": True, "spikemode": "across", "spikethickness": 1,
+            "spikecolor": MUTED, "spikedash": "dot", "hoverformat": ".4f", "ticksuffix": "",
+        },
+        "hovermode": "x unified", "hoversubplots": "axis", "barmode": "overlay", "bargap": 0.1,
+        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1.0, "yanchor": "bottom"},
+        "shapes": _shapes(source, axes["rotation"]), "annotations": _annotations(source, axes["rotation"]),
+        "height": 320 + 90 * len(rows) + 22 * len(source.runs),
+    }  # fmt: skip
+    for row, axis in axes.items():
+        layout[axis.replace("y", "yaxis")] = {
+            "domain": list(domains[row]), "title": {"text": titles[row]}, "gridcolor": HAIRLINE, "automargin": True,
+            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": row == "strip", "nticks": 7 if row == "rotation" else 4,
+        }  # fmt: skip
+    layout["yaxis"]["range"] = _views(source)["near"]
+    if "strip" in axes:
+        layout[axes["strip"].replace("y", "yaxis")] |= {"autorange": "reversed", "showgrid": False, "zeroline": False}
+    if "floor" in axes:
+        layout["legend3"] = {
+            "orientation": "h", "x": 1, "xanchor": "right", "y": domains["floor"][1], "yanchor": "bottom",
+            "font": {"size": 11},
+        }  # fmt: skip
+    return layout
+
+
+def _shapes(source: RunSource, axis: str) -> list[Json]:
+    statue, end = source.scene["statue"], float(source.scene["duration_s"])
+    levels = [float(statue["slenderness_right_rad"]), -float(statue["slenderness_left_rad"])]
+    shapes: list[Json] = [
+        {
+            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": level, "y1": level, "layer": "below",
+            "line": {"color": MUTED, "width": 1, "dash": "dash"},
+        }
+        for level in levels
+    ]  # fmt: skip
+    until = horizon_s(source)
+    if until is not None and until < end:
+        shapes.append(
+            {
+                "type": "rect", "xref": "x", "x0": until, "x1": end, "yref": "paper", "y0": 0, "y1": 1, "layer": "below",
+                "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
+            }
+        )  # fmt: skip
+    return shapes
+
+
+def _annotations(source: RunSource, axis: str) -> list[Json]:
+    statue, end = source.scene["statue"], float(source.scene["duration_s"])
+    small = {"size": 11, "color": MUTED}
+    texts: list[Json] = [
+        {
+            "xref": "paper", "x": 1, "xanchor": "right", "yref": axis, "y": level, "yanchor": anchor, "showarrow": False,
+            "text": f"balances on the {side} edge", "font": small,
+        }
+        for level, side, anchor in (
+            (float(statue["slenderness_right_rad"]), "right", "top"),
+            (-float(statue["slenderness_left_rad"]), "left", "bottom"),
+        )
+    ]  # fmt: skip
+    until = horizon_s(source)
+    if until is not None and until < end:
+        texts.append(
+            {
+                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
+            }
+        )  # fmt: skip
+    return texts

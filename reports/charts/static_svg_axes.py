@@ -1,0 +1,131 @@
+"""The axes of a still picture: where a value of a figure's plain JSON lies on paper, and which ticks are written."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.text.numbers import short
+
+Json = Mapping[str, Any]
+Array = NDArray[np.float64]
+
+MARGIN: Final = {"left": 66.0, "right": 22.0, "top": 40.0, "bottom": 48.0}
+LETTER: Final = 6.6
+"""Width of a letter of the pictures' type in pixels, on average."""
+STEPS: Final = (1.0, 2.0, 5.0, 10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis: values from `low` to `high` (logarithms on a logarithmic axis) between two places in pixels."""
+
+    low: float
+    high: float
+    start_px: float
+    end_px: float
+    log: bool
+    names: Sequence[str]
+    spec: Json
+
+    def px(self, values: Any) -> Array:
+        """Places in pixels of numbers, or of names on an axis of names."""
+        if self.names:
+            known = {name: k for k, name in enumerate(self.names)}
+            numbers = np.asarray([known[str(value)] for value in np.atleast_1d(values)], dtype=np.float64)
+        else:
+            numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
+            numbers = np.log10(np.maximum(numbers, 1e-300)) if self.log else numbers
+        return np.asarray(self.start_px + (numbers - self.low) / (self.high - self.low) * (self.end_px - self.start_px))
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Places in pixels and texts of the ticks."""
+        if self.names:
+            return [(float(self.px(name)[0]), name) for name in self.names]
+        if "tickvals" in self.spec:
+            values, texts = self.spec["tickvals"], self.spec.get("ticktext") or map(str, self.spec["tickvals"])
+            return [(float(self.px(value)[0]), text) for value, text in zip(values, texts, strict=True)]
+        if self.log:
+            whole = range(math.ceil(self.low - 1e-9), math.floor(self.high + 1e-9) + 1)
+            return [(float(self.px(10.0**k)[0]), short(10.0**k)) for k in whole]
+        wanted = min(int(self.spec.get("nticks", 8)), max(2, int(abs(self.end_px - self.start_px) / 34.0)))
+        low, high = min(self.low, self.high), max(self.low, self.high)
+        return [(float(self.px(value)[0]), short(value)) for value in nice_ticks(low, high, wanted)]
+
+
+def nice_ticks(low: float, high: float, most: int) -> list[float]:
+    """Round values within [low, high], at most `most` (≥ 2) where that many round ones exist."""
+    rough = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * factor for factor in STEPS if power * factor >= rough * (1.0 - 1e-9))
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [round(k * step, 12) for k in range(first, last + 1)]
+
+
+def numbers(values: Any) -> Any:
+    """The values of a trace: packed arrays unpacked, lists as they are."""
+    if isinstance(values, Mapping):
+        raw = base64.b64decode(values["bdata"])
+        return np.frombuffer(raw, dtype=np.dtype(values["dtype"]).newbyteorder("<")).astype(np.float64)
+    return values
+
+
+def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
+    """All axes of a figure by their plotly names (`x`, `y`, `y2`…), laid out in a picture of that size."""
+    layout = figure["layout"]
+    names = {letter + str(trace.get(f"{letter}axis", letter))[1:] for trace in figure["data"] for letter in "xy"}
+    specs = {name: layout.get(f"{name[0]}axis{name[1:]}", {}) for name in sorted(names)}
+    values = {name: _values(figure["data"], name) for name in specs}
+    left = MARGIN["left"]
+    for name, found in values.items():
+        if name.startswith("y") and found and isinstance(found[0], str):
+            left = max(left, 24.0 + LETTER * max(len(text) for text in found))
+    bottom = float(layout.get("margin_bottom", MARGIN["bottom"]))
+    inner = {"x": (left, width - MARGIN["right"]), "y": (height - bottom, MARGIN["top"])}
+    made = {}
+    for name, spec in specs.items():
+        start, end = inner[name[0]]
+        a, b = spec.get("domain", (0.0, 1.0))
+        made[name] = _axis(spec, values[name], start + a * (end - start), start + b * (end - start))
+    return made
+
+
+def _values(traces: Sequence[Json], name: str) -> list[Any]:
+    """Every value that the traces hold on an axis; a bar reaches from its base, or from nought."""
+    found: list[Any] = []
+    letter = name[0]
+    for trace in traces:
+        if trace.get(f"{letter}axis", letter) != name or letter not in trace:
+            continue
+        data = list(numbers(trace[letter]))
+        if trace["type"] == "bar" and (trace.get("orientation") == "h") == (letter == "x"):
+            base = trace.get("base", [0.0] * len(data))
+            data = [*base, *(start + size for start, size in zip(base, data, strict=True))]
+        found += data
+    return [value for value in found if isinstance(value, str) or (value is not None and math.isfinite(value))]
+
+
+def _axis(spec: Json, values: Sequence[Any], start_px: float, end_px: float) -> Axis:
+    names: list[str] = []
+    log = spec.get("type") == "log"
+    if spec.get("type") == "category" or any(isinstance(value, str) for value in values):
+        names = list(dict.fromkeys(str(value) for value in values))
+        low, high = -0.5, len(names) - 0.5
+    elif "range" in spec:
+        low, high = (float(value) for value in spec["range"])
+    else:
+        inside = [math.log10(value) for value in values if value > 0.0] if log else [float(value) for value in values]
+        low, high = (min(inside), max(inside)) if inside else (0.0, 1.0)
+        margin = 0.05 * (high - low) or 0.5
+        low, high = low - margin, high + margin
+        if spec.get("rangemode") == "tozero" and not log:
+            low, high = min(low + margin, 0.0), max(high, 0.0)
+    if spec.get("autorange") == "reversed":
+        low, high = high, low
+    return Axis(low, high if high != low else low + 1.0, start_px, end_px, log, names, spec)

@@ -1,0 +1,139 @@
+"""The pictures that a study's rows hold: the paper's panels, fragility, roses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics.fragility import fit
+from reports.charts.palette import HAIRLINE, INK, MUTED, Look, faint, look
+from reports.pages.assets import packed_array
+from reports.text.numbers import heading
+from reports.text.study_rows import Condition, family
+
+Json = dict[str, Any]
+
+FLOOR_COLOUR: Final = "#0072B2"
+PEDESTAL_COLOUR: Final = "#D55E00"
+SLIP_COLOUR: Final = "#009E73"
+SHOWN_RAD: Final = 0.50
+"""The paper's figures show rotations up to this value."""
+LEAST_RUNS: Final = 10
+"""Runs at one level below which a share says little."""
+
+
+def panel_data(panels: Sequence[Mapping[str, Any]]) -> Json:
+    """The paper's figures 7 to 9: per restitution a grid of amplitude by frequency, for every model that has curves."""
+    models: dict[str, None] = {}
+    groups: dict[float, list[Json]] = {}
+    for panel in panels:
+        curves = {}
+        for model, settings in panel["curves"].items():
+            models[model] = None
+            curves[model] = {
+                setting: {name: packed_array(values, "f4") for name, values in curve.items()}
+                for setting, curve in settings.items()
+            }
+        place = {key: panel[key] for key in ("amplitude_g", "frequency_hz")}
+        groups.setdefault(float(panel["restitution"]), []).append({**place, "curves": curves})
+    return {
+        "models": list(models),
+        "groups": [{"restitution": value, "panels": groups[value]} for value in sorted(groups)],
+        "colours": {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR, "slip": SLIP_COLOUR},
+        "shown_rad": SHOWN_RAD,
+    }
+
+
+def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str) -> Json | None:
+    """Share of overturned runs against an intensity, with 95 % intervals and the lognormal fit with its band.
+
+    Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
+    """
+    data: list[Json] = []
+    engines = [model.partition(" (")[0] for model in models]
+    for number, model in enumerate(models):
+        levels: dict[float, list[bool]] = {}
+        for item in found:
+            row = item.answers.get(model)
+            if row is not None and row["run"] is not None and family(row["run"]["outcome"]) != "failed":
+                levels.setdefault(float(item.varied[key]), []).append(family(row["run"]["outcome"]) == "overturns")
+        if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
+            data += _fragility(model, look(engines[number], engines), levels)
+    if not data:
+        return None
+    layout = {
+        "height": 420, "xaxis": {"title": {"text": heading(key)}, "gridcolor": HAIRLINE},
+        "yaxis": {"title": {"text": "share of runs that overturn"}, "range": [-0.03, 1.03], "gridcolor": HAIRLINE},
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
+    """Points with Wilson's intervals, the fitted curve and its band, of one model."""
+    shares = [(x, share) for x, fell in sorted(levels.items()) for share in [wilson(sum(fell), len(fell))] if share]
+    intensity = [x for x, fell in levels.items() for _ in fell]
+    curve = fit(intensity, [fell for runs in levels.values() for fell in runs])
+    xs = np.linspace(min(intensity), max(intensity), 120)
+    low, high = curve.band(xs)
+    points = {
+        "type": "scatter", "mode": "markers", "name": model, "legendgroup": model, "x": [x for x, _ in shares],
+        "y": [share.value for _, share in shares], "marker": {"color": style.colour},
+        "error_y": {
+            "type": "data", "symmetric": False, "array": [share.high - share.value for _, share in shares],
+            "arrayminus": [share.value - share.low for _, share in shares], "thickness": 1,
+        },
+    }  # fmt: skip
+    if curve.median is None:
+        return [points]
+    plain = {"type": "scatter", "mode": "lines", "legendgroup": model, "showlegend": False, "hoverinfo": "skip"}
+    around = {
+        "x": packed_array(np.concatenate([xs, xs[::-1]]), "f4"), "y": packed_array(np.concatenate([high, low[::-1]]), "f4"),
+        "fill": "toself", "fillcolor": faint(style.colour, 0.12), "line": {"width": 0},
+    }  # fmt: skip
+    fitted = {
+        "x": packed_array(xs, "f4"), "y": packed_array(curve.probability(xs), "f4"),
+        "line": {"color": style.colour, "dash": style.dash, "width": style.width},
+    }  # fmt: skip
+    return [plain | around, plain | fitted, points]
+
+
+def rose_figure(models: Sequence[str], found: Sequence[Condition]) -> Json | None:
+    """Least amplitude that overturns the statue, by direction of shaking; None without azimuths and amplitudes."""
+    keys = list(found[0].varied) if found else []
+    turn = next((key for key in keys if key.endswith("azimuth_deg")), None)
+    size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
+    if turn is None or size is None:
+        return None
+    data: list[Json] = []
+    engines = [model.partition(" (")[0] for model in models]
+    for number, model in enumerate(models):
+        least: dict[float, float] = {}
+        for item in found:
+            row = item.answers.get(model)
+            if row is not None and row["run"] is not None and family(row["run"]["outcome"]) == "overturns":
+                angle = float(item.varied[turn])
+                least[angle] = min(least.get(angle, np.inf), float(item.varied[size]))
+        if len(least) < 4:
+            continue
+        style = look(engines[number], engines)
+        angles = sorted(least)
+        data.append(
+            {
+                "type": "scatterpolar", "mode": "lines+markers", "name": model, "theta": [*angles, angles[0]],
+                "r": [least[angle] for angle in [*angles, angles[0]]], "line": {"color": style.colour, "dash": style.dash},
+            }
+        )  # fmt: skip
+    if not data:
+        return None
+    radial = {"title": {"text": heading(size)}, "rangemode": "tozero", "gridcolor": HAIRLINE}
+    return {
+        "data": data,
+        "layout": {
+            "height": 520, "polar": {"angularaxis": {"rotation": 0, "color": MUTED}, "radialaxis": radial},
+            "font": {"color": INK}, "legend": {"orientation": "h", "y": 1.08, "yanchor": "bottom"},
+        },
+    }  # fmt: skip

@@ -1,0 +1,1 @@
+"""The statue drawn: where it is at a rotation, its outline, its replay."""

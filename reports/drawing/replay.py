@@ -1,0 +1,89 @@
+"""What the 3D replay needs: the statue's mesh once, and each model's recorded motion as a few numbers per frame."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model.history import History
+from harness.model.run import to_plain
+from reports.charts.palette import look
+from reports.drawing.display_mesh import display_mesh
+from reports.drawing.kinematics import SOLID_COLUMNS, section
+from reports.pages.assets import pack_text, packed_array
+from reports.source import RunSource
+
+Array = NDArray[np.float64]
+
+FRAME_S: Final = 0.005
+"""Step of the frames kept; the page interpolates between them, so that slow replay stays smooth."""
+MOST_FRAMES: Final = 20_000
+POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
+"""Further columns of a history that move the statue or the pedestal in the replay, where an engine records them."""
+
+
+def replay_payload(source: RunSource) -> str:
+    """The replay's data, packed."""
+    shape = section(source.scene)
+    statue, pedestal = source.scene["statue"], source.scene["pedestal"]
+    mesh = display_mesh(source.mesh, shape, float(statue["depth_m"]))
+    end = max(float(item.t_s[-1]) for item in source.histories.values())
+    step = max(FRAME_S, end / MOST_FRAMES)
+    names = list(source.runs)
+    payload = {
+        "step_s": step,
+        "end_s": end,
+        "corner_left_m": shape.corner_left_m,
+        "corner_right_m": shape.corner_right_m,
+        "height_m": float(statue["height_m"]),
+        "centroid_height_m": float(statue["centroid_height_m"]),
+        "depth_m": float(statue["depth_m"]),
+        "pedestal": None if pedestal is None else dict(pedestal),
+        "wall": source.scene["wall"],
+        "mesh": {
+            "positions": packed_array(mesh.vertices_m, "f4"),
+            "normals": packed_array(np.round(127.0 * mesh.normals), "i1"),
+            "index": packed_array(mesh.faces, "u4"),
+            "faces": len(mesh.faces),
+            "source_faces": mesh.source_faces,
+            "own": source.mesh is not None,
+        },
+        "models": [
+            {"name": name, "colour": look(name, names).colour, **_frames(history, step)}
+            for name, history in source.histories.items()
+        ],
+        "floor": _floor(source.record["motion"], float(source.scene["gravity_m_s2"]), step, end),
+    }
+    return pack_text(json.dumps(to_plain(payload), separators=(",", ":"), allow_nan=False))
+
+
+def _frames(history: History, step_s: float) -> dict[str, Any]:
+    end = float(history.t_s[-1])
+    t_s = np.append(np.arange(0.0, end, step_s), end)
+    columns = {"theta_rad": history.theta_rad, "slip_m": history.slip_m}
+    columns |= {name: history.extra[name] for name in POSE_COLUMNS if name in history.extra}
+    sampled = {name: np.interp(t_s, history.t_s, values) for name, values in columns.items()}
+    used = {name: values for name, values in sampled.items() if name == "theta_rad" or np.any(values)}
+    return {"end_s": end, "frames": {name: packed_array(values, "f4") for name, values in used.items()}}
+
+
+def _floor(motion: Mapping[str, Any], gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, Any]:
+    """The floor's acceleration in g, for the arrow; absent directions are at rest."""
+    t_s = np.arange(0.0, end_s + step_s, step_s)
+    return {
+        axis: packed_array(np.interp(t_s, motion["t_s"], np.asarray(motion[f"{axis}_m_s2"]) / gravity_m_s2), "f4")
+        for axis in "xyz"
+        if f"{axis}_m_s2" in motion
+    }
+
+
+def default_model(source: RunSource) -> str:
+    """The model shown solid: a 3D engine's where there is one, else the last that has a history."""
+    names = list(source.histories)
+    solid = [name for name in names if SOLID_COLUMNS[0] in source.histories[name].extra]
+    preferred = [name for name in ("pybullet", "mujoco", "pymunk", "pymunk:plain") if name in names]
+    return (solid or preferred or names)[0]

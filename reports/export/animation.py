@@ -1,0 +1,270 @@
+"""The replay as an animated GIF for slides: the statue's mesh, another model's outline, the histories under it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.model.errors import InputError, Mistake
+from harness.model.history import History
+from harness.records.result_folder import MARK, check_marked, writing
+from reports.charts.palette import look
+from reports.drawing.display_mesh import display_mesh
+from reports.drawing.kinematics import SOLID_COLUMNS, Section, posed_in_space_m, section
+from reports.drawing.replay import default_model
+from reports.drawing.silhouette import silhouette_m
+from reports.source import RunSource, run_source
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+Array = NDArray[np.float64]
+
+FRAMES_PER_S: Final = 20
+LONGEST_S: Final = 12.0
+"""Longer motions are shown around their largest rotation: a slide is not looked at for a minute."""
+SIZE: Final = (640, 560)
+CHART: Final = 120
+GREYS: Final = 64
+VIEW: Final = (0.42, 0.16)
+"""Azimuth and elevation of the view in rad."""
+SUN: Final = np.array([-0.55, -0.55, 0.63])
+FLOOR: Final = np.array([[-0.62, -0.4, 0.0], [0.62, -0.4, 0.0], [0.62, 0.5, 0.0], [-0.62, 0.5, 0.0]])
+LIGHT, PAPER, STONE, LINE, PINK = range(GREYS, GREYS + 5)
+FIRST_MODEL: Final = GREYS + 5
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Everything that stays the same from frame to frame; lengths in metres, the picture in pixels."""
+
+    source: RunSource
+    solid: str
+    ghost: str | None
+    shape: Section
+    vertices_m: Array
+    faces: NDArray[np.int64]
+
+    @property
+    def lift_m(self) -> float:
+        """Height of the support on which the statue stands."""
+        pedestal = self.source.scene["pedestal"]
+        return 0.0 if pedestal is None else float(pedestal["height_m"])
+
+    @cached_property
+    def scale(self) -> float:
+        """Pixels per metre."""
+        return (SIZE[1] - CHART - 40) / (1.18 * (self.lift_m + float(self.vertices_m[:, 2].max())))
+
+    def pixels(self, points_m: Array) -> tuple[Array, Array]:
+        """Orthographic projection: pixels (n, 2) and depth (n,), far is large."""
+        azimuth, elevation = VIEW
+        x = points_m[:, 0] * math.cos(azimuth) + points_m[:, 1] * math.sin(azimuth)
+        away = -points_m[:, 0] * math.sin(azimuth) + points_m[:, 1] * math.cos(azimuth)
+        up = points_m[:, 2] * math.cos(elevation) + away * math.sin(elevation)
+        depth = away * math.cos(elevation) - points_m[:, 2] * math.sin(elevation)
+        centre = 0.5 * (self.shape.corner_right_m - self.shape.corner_left_m) * math.cos(azimuth)
+        left = SIZE[0] / 2 + self.scale * (x - centre)
+        return np.column_stack([left, SIZE[1] - CHART - 34 - self.scale * up]), depth
+
+
+def write_gif(folder: Path, path: Path | None = None, model: str | None = None) -> Path:
+    """Write the replay of a run's folder as a GIF (default `replay.gif` in it), in real time at 20 frames per second.
+
+    Raises `InputError` for a folder without a run, without histories, or for a model that it does not hold.
+    """
+    source = run_source(folder)
+    if not source.histories:
+        raise InputError(Mistake(str(folder), "", "a run with histories", "a record without any"))
+    if model is not None and model not in source.histories:
+        raise InputError(Mistake("--model", "", f"one of {', '.join(source.histories)}", repr(model)))
+    target = path or folder / "replay.gif"
+    check_marked([target])
+    stage = _stage(source, model or default_model(source))
+    start, end = _window(source.histories[stage.solid])
+    times = np.arange(start, end + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
+    chart = _chart(stage, start, end)
+    frames = [_frame(stage, float(t), chart, start, end) for t in times]
+    with writing(target) as fresh:
+        frames[0].save(
+            fresh,
+            format="GIF",
+            save_all=True,
+            append_images=frames[1:],
+            duration=1000 // FRAMES_PER_S,
+            loop=0,
+            disposal=1,
+            comment=MARK,
+        )
+    return target
+
+
+def _stage(source: RunSource, solid: str) -> Stage:
+    shape = section(source.scene)
+    mesh = display_mesh(source.mesh, shape, float(source.scene["statue"]["depth_m"]), most_faces=4000)
+    ghost = "analytic" if "analytic" in source.histories and solid != "analytic" else None
+    return Stage(source, solid, ghost, shape, mesh.vertices_m, mesh.faces)
+
+
+def _window(history: History) -> tuple[float, float]:
+    end = float(history.t_s[-1])
+    if end <= LONGEST_S:
+        return 0.0, end
+    peak = float(history.t_s[int(np.argmax(np.abs(history.theta_rad)))])
+    start = min(max(0.0, peak - 0.6 * LONGEST_S), end - LONGEST_S)
+    return start, start + LONGEST_S
+
+
+def _colours(stage: Stage) -> list[int]:
+    low, high = np.array([92, 84, 72]), np.array([244, 238, 226])
+    greys = [(low + (high - low) * k / (GREYS - 1)).astype(int).tolist() for k in range(GREYS)]
+    fixed = [[236, 239, 242], [252, 252, 250], [172, 178, 187], [60, 68, 80], [194, 24, 91]]
+    names = list(stage.source.runs)
+    own = [[int(look(name, names).colour[i : i + 2], 16) for i in (1, 3, 5)] for name in names]
+    return [value for colour in greys + fixed + own for value in colour]
+
+
+def _blank(stage: Stage) -> Image:
+    from PIL import Image
+
+    image = Image.new("P", SIZE, LIGHT)
+    image.putpalette(_colours(stage))
+    return image
+
+
+def _model_colour(stage: Stage, name: str) -> int:
+    return FIRST_MODEL + list(stage.source.runs).index(name)
+
+
+def _chart(stage: Stage, start_s: float, end_s: float) -> Image:
+    """The background of every frame: the histories of all models under an empty floor."""
+    from PIL import ImageDraw
+
+    image = _blank(stage)
+    draw = ImageDraw.Draw(image)
+    top = SIZE[1] - CHART
+    draw.rectangle((0, top, SIZE[0], SIZE[1]), fill=PAPER)
+    draw.line((0, top, SIZE[0], top), fill=STONE)
+    low, high = _shown_rad(stage)
+    per_rad = (CHART - 34) / (high - low)
+    middle = SIZE[1] - 8 + low * per_rad
+    draw.line((0, middle, SIZE[0], middle), fill=STONE)
+    for name, history in stage.source.histories.items():
+        t = np.linspace(start_s, min(end_s, float(history.t_s[-1])), 1200)
+        theta = np.clip(history.at(t), low, high)
+        points = np.column_stack([(t - start_s) / (end_s - start_s) * SIZE[0], middle - per_rad * theta])
+        draw.line([tuple(point) for point in points.tolist()], fill=_model_colour(stage, name), width=2)
+    for k, name in enumerate(stage.source.histories):
+        draw.text((8 + 90 * k, top + 4), name, fill=_model_colour(stage, name))
+    return image
+
+
+def _shown_rad(stage: Stage) -> tuple[float, float]:
+    """Least and largest rotation of the chart: those of the histories, cut a little beyond the balance points."""
+    statue = stage.source.scene["statue"]
+    least = min(float(item.theta_rad.min()) for item in stage.source.histories.values())
+    most = max(float(item.theta_rad.max()) for item in stage.source.histories.values())
+    low = max(least, -1.2 * float(statue["slenderness_left_rad"]))
+    high = min(most, 1.2 * float(statue["slenderness_right_rad"]))
+    return min(low, -1e-3), max(high, 1e-3)
+
+
+def _frame(stage: Stage, t_s: float, chart: Image, start_s: float, end_s: float) -> Image:
+    from PIL import ImageDraw
+
+    image = chart.copy()
+    draw = ImageDraw.Draw(image)
+    solid = stage.source.histories[stage.solid]
+    theta = _at(solid, t_s)[0]
+    floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)[0]
+    draw.polygon([tuple(point) for point in floor.tolist()], fill=PAPER, outline=STONE)
+    faces, shades = _faces(stage, _posed(stage, solid, t_s), solid, t_s)
+    for polygon, shade in zip(faces, shades, strict=True):
+        draw.polygon([tuple(point) for point in polygon.tolist()], fill=shade)
+    if stage.ghost is not None:
+        outline = _outline(stage, *_at(stage.source.histories[stage.ghost], t_s))
+        draw.polygon(outline, outline=_model_colour(stage, stage.ghost))
+    x = (t_s - start_s) / (end_s - start_s) * SIZE[0]
+    draw.line((x, SIZE[1] - CHART, x, SIZE[1]), fill=PINK, width=2)
+    label = f"{t_s:5.2f} s   {stage.solid}: {theta:+.3f} rad"
+    draw.text((8, 8), label if stage.ghost is None else f"{label}   outline: {stage.ghost}", fill=LINE)
+    return image
+
+
+def _at(history: History, t_s: float) -> tuple[float, float]:
+    time = min(t_s, float(history.t_s[-1]))
+    slip = history.slip_m + history.extra.get("statue_slip_m", 0.0)
+    return float(np.interp(time, history.t_s, history.theta_rad)), float(np.interp(time, history.t_s, slip))
+
+
+def _posed(stage: Stage, history: History, t_s: float) -> Array:
+    """The statue's vertices at a time: the whole pose of a 3D engine, else the planar one."""
+    if all(name in history.extra for name in SOLID_COLUMNS):
+        time = min(t_s, float(history.t_s[-1]))
+        pose = {name: float(np.interp(time, history.t_s, history.extra[name])) for name in SOLID_COLUMNS}
+        return posed_in_space_m(stage.vertices_m, stage.shape.corner_right_m, pose)
+    theta, slip = _at(history, t_s)
+    posed = stage.vertices_m.copy()
+    posed[:, [0, 2]] = stage.shape.posed_m(stage.vertices_m[:, [0, 2]], theta, slip)[0]
+    posed[:, 2] += stage.lift_m
+    return posed
+
+
+def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> tuple[Sequence[Array], Sequence[int]]:
+    """Visible faces of pedestal and statue from far to near with their shades."""
+    groups = [(posed, stage.faces, GREYS - 1)]
+    pedestal = stage.source.scene["pedestal"]
+    if pedestal is not None:
+        groups.insert(0, (*_box(stage, pedestal, history, t_s), GREYS // 2))
+    polygons: list[Array] = []
+    shades: list[int] = []
+    for vertices, faces, bright in groups:
+        pixels, depth = stage.pixels(vertices)
+        corners = vertices[faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+        flat = pixels[faces]
+        edges = flat[:, 1:] - flat[:, :1]
+        # Counter-clockwise from outside is clockwise on a screen whose y runs down.
+        turned_here = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0] < 0.0
+        order = np.argsort(-depth[faces].mean(axis=1))
+        order = order[turned_here[order]]
+        shade = np.round(bright * (0.35 + 0.65 * np.clip(normal @ SUN, 0.0, 1.0))).astype(int)
+        polygons += list(flat[order])
+        shades += shade[order].tolist()
+    return polygons, shades
+
+
+def _box(stage: Stage, pedestal: Any, history: History, t_s: float) -> tuple[Array, NDArray[np.int64]]:
+    """The pedestal at a time: slid, and tilted, turned and shifted across where the engine recorded that."""
+    slip, tilt, yaw, across = (
+        _value(history, name, t_s) for name in ("slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
+    )
+    w, d, h = 0.5 * pedestal["width_m"], 0.5 * pedestal["depth_m"], 0.5 * pedestal["height_m"]
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    c, s, cy, sy = math.cos(tilt), math.sin(tilt), math.cos(yaw), math.sin(yaw)
+    turn = np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
+    centre = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + float(pedestal["offset_m"]) + slip
+    vertices = (signs * [w, d, h]) @ turn.T + [centre, across, h * c + w * abs(s)]
+    quads = [(0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5), (1, 5, 7, 3), (0, 2, 6, 4)]
+    return vertices, np.array([tri for a, b, c, e in quads for tri in ((a, b, c), (a, c, e))], dtype=np.int64)
+
+
+def _value(history: History, name: str, t_s: float) -> float:
+    """A column of a history at a time, 0 where the engine does not record it."""
+    values = history.slip_m if name == "slip_m" else history.extra.get(name)
+    return 0.0 if values is None else float(np.interp(min(t_s, float(history.t_s[-1])), history.t_s, values))
+
+
+def _outline(stage: Stage, theta: float, slip: float) -> list[tuple[float, float]]:
+    """The ghost's silhouette in the plane of its base's middle."""
+    posed = stage.shape.posed_m(silhouette_m(stage.source.scene, stage.source.mesh), theta, slip)[0]
+    points = np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m])
+    return [(float(x), float(y)) for x, y in stage.pixels(points)[0]]

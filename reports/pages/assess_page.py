@@ -1,0 +1,122 @@
+"""The page of an assessment: how probable the fall is, by each model; what it depends on; how strong a shaking is borne.
+
+The record: `kind` "assess", `title`, `uncertainty` (each `key`, `kind`, `value`, `width`), `assumed`, `seed`, `assessment` and
+`difference_from_model` by engine, `fragility`, `indices` (absent where a draw needs the scene read again), `versions`, `machine`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from harness.assess.assessment import percent, sentence
+from reports.charts.palette import HAIRLINE, INK, MUTED
+from reports.text.chance import tone
+from reports.text.numbers import digits
+from reports.text.wording import Verdict
+
+MATTERS: Final = 0.05
+"""A total index below this: knowing the input would change next to nothing."""
+TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
+"""Factors written on the axis."""
+
+
+def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the assess template shows."""
+    return {
+        "title": record["title"],
+        "verdict": assess_verdict(record),
+        "rows": [(name, _cells(item)) for name, item in record["assessment"].items()],
+        "inputs": [
+            (item["key"], [digits(item["value"]), item["kind"], _width(item)]) for item in record["uncertainty"]
+        ],
+        "assumed": record["assumed"],
+        "indices": [
+            (key, [f"{item['first']:.2f}", f"{item['total']:.2f}"]) for key, item in record.get("indices", {}).items()
+        ],
+        "chart": _chart(record["fragility"]) if "fragility" in record else None,
+        "notes": record["notes"],
+        "seed": record["seed"],
+        "versions": record["versions"],
+        "machine": record["machine"],
+    }
+
+
+def assess_verdict(record: Mapping[str, Any]) -> Verdict:
+    """The first model's probability, then what the others say, and the factors on the motion."""
+    answers = {name: item for name, item in record["assessment"].items() if "probability_overturned" in item}
+    if not answers:
+        return Verdict("No model could assess this scene", "failed", [])
+    # The most probable fall decides the colour: one model's optimism is no reason for green.
+    worst = max(answers.values(), key=lambda item: float(item["high"]))
+    first = next(iter(answers))
+    points = [f"{name}: {sentence(item)}." for name, item in answers.items()]
+    points += [_difference(name, item) for name, item in record["difference_from_model"].items()]
+    at = record.get("fragility", {}).get("factor_at", {})
+    known = [f"{percent(float(key))} % at {value:.2f}" for key, value in at.items() if value is not None]
+    if known:
+        points.append(f"Probability of a fall by the factor on today's shaking: {', '.join(known)}.")
+    order = sorted(record.get("indices", {}).items(), key=lambda item: -float(item[1]["total"]))
+    if order and order[0][1]["total"] >= MATTERS:
+        points.append(
+            f"What decides most is {order[0][0]}: {percent(order[0][1]['total'])} % of the doubt hangs on it."
+        )
+    return Verdict(f"The statue {sentence(answers[first])}", tone(worst), points)
+
+
+def _cells(item: Mapping[str, Any]) -> list[str]:
+    if "probability_overturned" not in item:
+        return ["not here", item["message"], "", ""]
+    interval = f"{percent(item['low'])} to {percent(item['high'])} % (level {percent(item['level'])} %)"
+    undecided = f"{percent(item['undecided'])} %"
+    return [f"{percent(item['probability_overturned'])} %", interval, f"{item['engine_runs']}", undecided]
+
+
+def _difference(name: str, item: Mapping[str, float]) -> str:
+    low, high = 100.0 * item["low"], 100.0 * item["high"]
+    told = f"the model's probability less that of {name} is {100.0 * item['value']:+.1f} points ({low:+.1f} to {high:+.1f})"
+    if item["low"] > 0.0 or item["high"] < 0.0:
+        return f"The model {'over' if item['low'] > 0.0 else 'under'}states the danger: {told}."
+    return f"No difference is shown between the model and {name}: {told}."
+
+
+def _width(item: Mapping[str, Any]) -> str:
+    words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
+    return f"{words[item['kind']]} {digits(item['width'])}"
+
+
+def _chart(fragility: Mapping[str, Any]) -> dict[str, Any]:
+    data = [
+        {
+            "type": "scatter",
+            "mode": "lines+markers",
+            "x": fragility["factor"],
+            "y": fragility["probability_overturned"],
+            "line": {"color": INK, "width": 2},
+            "name": "analytic",
+            "showlegend": False,
+            "hovertemplate": "× %{x:.2f}: %{y:.0%}<extra></extra>",
+        },
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "x": [1.0, 1.0],
+            "y": [0.0, 1.0],
+            "line": {"color": MUTED, "width": 1, "dash": "4px,3px"},
+            "name": "today's shaking",
+            "hoverinfo": "skip",
+        },
+    ]
+    layout = {
+        "height": 380,
+        "xaxis": {
+            "title": {"text": "factor on the shaking, all axes"},
+            "type": "log",
+            "gridcolor": HAIRLINE,
+            "tickvals": TICKS,
+        },
+        "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }
+    return {"data": data, "layout": layout}

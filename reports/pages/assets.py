@@ -1,0 +1,101 @@
+"""What a page carries so that it opens without a network: libraries from their wheels, templates, packed data."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import zipfile
+from collections.abc import Mapping
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from numpy.typing import ArrayLike
+
+from harness.model.run import to_plain
+from harness.model.terminal import printable_lines
+from reports.charts.static_svg import still
+
+TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
+CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap", "scatterpolar"})
+"""The kinds of chart on all pages; the pages' chart library holds no others."""
+VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
+"""Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
+
+
+def package_folder(name: str) -> Path:
+    """The folder of an installed package, which is not imported. Raises `ModuleNotFoundError`."""
+    spec = find_spec(name)
+    if spec is None or not spec.submodule_search_locations:
+        raise ModuleNotFoundError(f"{name} is not installed: install the requirements of the lock file")
+    return Path(next(iter(spec.submodule_search_locations)))
+
+
+@cache
+def three_js() -> str:
+    """The 3D library three.js as the trimesh wheel ships it, without the page around it, packed.
+
+    Raises `LookupError` when the wheel's viewer no longer has the shape that is known here.
+    """
+    archive = package_folder("trimesh") / "resources" / "templates" / "viewer.zip"
+    with zipfile.ZipFile(archive) as viewer:
+        page = viewer.read("viewer.html.template").decode("utf-8")
+    start, end = page.find("<script>"), page.find(VIEWER_OWN_CODE)
+    if start < 0 or end < start or "Three.js Authors" not in page[start : start + 200]:
+        raise LookupError(f"{archive} does not hold three.js as expected: install the trimesh version of the lock file")
+    return pack_text(page[start + len("<script>") : end])
+
+
+def pack_text(text: str) -> str:
+    """Text as base64 of gzip, unpacked by the browser itself; the same text always packs the same."""
+    return base64.b64encode(gzip.compress(text.encode("utf-8"), compresslevel=6, mtime=0)).decode("ascii")
+
+
+def packed_array(values: ArrayLike, kind: str = "f4") -> dict[str, str]:
+    """An array as the typed little-endian base64 that plotly.js (and replay.js) read: {dtype, bdata}."""
+    array = np.ascontiguousarray(np.asarray(values), dtype=np.dtype(kind).newbyteorder("<"))
+    return {"dtype": kind, "bdata": base64.b64encode(array.tobytes()).decode("ascii")}
+
+
+def json_for_script(value: Any) -> Markup:
+    """JSON that may stand inside a script element: no sequence in it can end the element."""
+    text = json.dumps(to_plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
+
+
+def chart_json(figure: Mapping[str, Any]) -> Markup:
+    """A chart's figure as JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
+    unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
+    if unknown:
+        raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
+    return json_for_script(figure)
+
+
+def _shown(value: Any) -> Any:
+    """A user's text as it may stand in a page: control characters, which HTML forbids, as their escapes; lines are kept."""
+    return printable_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+@cache
+def environment() -> Environment:
+    """The templates, everything in them escaped, a missing value an error."""
+    found = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=select_autoescape(default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=_shown,
+    )
+    found.filters |= {"script_json": json_for_script, "chart_json": chart_json, "still": still}
+    return found
+
+
+def source_text(name: str) -> Markup:
+    """A style sheet or script of the templates folder, put into the page as it stands."""
+    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))

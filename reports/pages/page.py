@@ -1,0 +1,74 @@
+"""One self-contained HTML page per result folder, whatever kind of record it holds, and a plain one for conservators."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final
+
+from harness.model.errors import InputError, Mistake
+from harness.model.run import write_text
+from harness.model.terminal import printable
+from reports.charts.library import chart_library
+from reports.pages.assets import environment, source_text
+from reports.source import read_record, telling_damage
+
+REPORT_NAME: Final = "report.html"
+CONSERVATOR_NAME: Final = "conservator.html"
+CONSERVATOR_KINDS: Final = ("run", "study", "effects3d")
+"""The kinds of record that a conservator's page can be written of."""
+
+PAGES: Final = {
+    "run": "reports.pages.run_page",
+    "assess": "reports.pages.assess_page",
+    "study": "reports.pages.study_page",
+    "effects3d": "reports.pages.effects3d_page",
+    "validation": "reports.pages.validation_page",
+    "bench": "reports.pages.bench_page",
+    "stress": "reports.pages.stress_page",
+}
+"""Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
+
+
+def write_report(folder: Path) -> Path:
+    """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
+
+    Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written.
+    """
+    record = read_record(folder)
+    mistakes: list[Mistake] = []
+    for name, build in _pages(record).items():
+        try:
+            with telling_damage(folder, name):
+                text = build(folder, record)
+        except InputError as error:
+            mistakes += error.mistakes
+        else:
+            write_text(folder / name, text)
+    if mistakes:
+        raise InputError(dict.fromkeys(mistakes))
+    return folder / REPORT_NAME
+
+
+def _pages(record: Mapping[str, Any]) -> dict[str, Callable[[Path, dict[str, Any]], str]]:
+    """What builds each page of a record, by file name."""
+    plain = {CONSERVATOR_NAME: _conservator} if record["kind"] in CONSERVATOR_KINDS else {}
+    return {REPORT_NAME: _report, **plain}
+
+
+def _report(folder: Path, record: dict[str, Any]) -> str:
+    values = import_module(PAGES[record["kind"]]).context(folder, record)
+    machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
+    return _render(f"{record['kind']}.html.j2", values | machinery)
+
+
+def _conservator(folder: Path, record: dict[str, Any]) -> str:
+    from reports.pages.conservator import context
+
+    return _render("conservator.html.j2", context(folder, record))
+
+
+def _render(template: str, values: Mapping[str, Any]) -> str:
+    title = printable(str(values["title"]))
+    return environment().get_template(template).render(values, title=title, css=source_text("page.css"))

@@ -1,0 +1,222 @@
+"""The page of a study: verdict, claims, outcome matrix, panels, maps, fragility, what was asked and what was not."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from reports.charts.design_figures import best_designs, design_figures
+from reports.charts.map_figures import map_axes, map_figures
+from reports.charts.study_figures import fragility_figure, panel_data, rose_figure
+from reports.drawing.scene_picture import scene_svg
+from reports.pages.assets import source_text
+from reports.text.numbers import heading, label, listed, plain, short, unit
+from reports.text.pedestal_effect import pedestal_effect
+from reports.text.study_rows import (
+    FAILED,
+    NOT_SENT,
+    SYMBOLS,
+    Condition,
+    agreement,
+    cell,
+    conditions,
+    family,
+    model_name,
+    tone,
+    varying_keys,
+)
+from reports.text.wording import Verdict
+
+MOST_MATRIX_ROWS: Final = 300
+"""Longer matrices are not read; the map shows them."""
+MOST_WARNINGS: Final = 30
+NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+"""A number inside a warning: runs differ in it while the warning is the same."""
+MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
+
+
+def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the study template shows."""
+    models, found = conditions(record["rows"])
+    keys = varying_keys(found)
+    charts = study_charts(record, models, found, keys)
+    return {
+        "title": record["title"],
+        "verdict": study_verdict(record, models, found),
+        "chips": [],
+        "picture": scene_svg(record["scene"], {}),
+        "scene_title": record["scene"]["title"],
+        "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record["vary"].items()],
+        "models": models,
+        "claims": claim_rows(record.get("claims")),
+        "claim_models": list(dict.fromkeys(item["model"] for item in record.get("claims") or ())),
+        "matrix": matrix(models, found, keys) if len(found) <= MOST_MATRIX_ROWS else None,
+        "matrix_keys": [heading(key) for key in keys],
+        "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
+        "pairs": agreement(models, found),
+        "panels": panel_data(record["panels"]) if record.get("panels") else None,
+        "pedestal_effect": pedestal_effect(record, models, found),
+        "charts": charts,
+        "has_map": any(name.startswith("map") for name, _, _ in charts),
+        "summary": record["summary"]["sentence"],
+        "audit": record["audit"],
+        "reasons": Counter(row["reason"] for row in record["rows"]).most_common(),
+        "warnings": study_warnings(record["rows"]),
+        "notes": record["notes"],
+        "usage": record.get("usage", {}).get("sentence", ""),
+        "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
+        "command": f"rockcheck study {shlex.quote(record['file'])}",
+        "versions": record["versions"],
+        "machine": record["machine"],
+        "seconds": unit(record["seconds"], "s"),
+        "panel_script": source_text("panels.js"),
+    }
+
+
+def study_charts(
+    record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]
+) -> list[tuple[str, str, dict[str, Any]]]:
+    """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
+    axes = [key for key in record["vary"] if key in keys]
+    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, found, axes))]
+    designs = design_figures(models, found, map_axes(found, axes))
+    charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
+    scattered = len(axes) < len(keys)
+    for key in axes if scattered else ():
+        if "amplitude" in key or key.endswith("scale"):
+            figure = fragility_figure(models, found, key)
+            if figure is not None:
+                charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
+    rose = rose_figure(models, found)
+    if rose is not None:
+        charts.append(("rose", "Least amplitude that overturns the statue, by direction", rose))
+    return charts
+
+
+def _shown(value: Any) -> str:
+    return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
+
+
+def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> Verdict:
+    """The study in words: the claims where there are any, else how often the models agree."""
+    pairs = agreement(models, found)
+    points = [
+        f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
+        for first, second, same, total in pairs
+    ]
+    keys = [key for key in record["vary"] if key in varying_keys(found)]
+    points += best_designs(models, found, map_axes(found, keys))
+    points += left_domain(record["rows"])
+    same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
+    agreed = "agree" if same == total else "differ"
+    if record.get("headline"):
+        return Verdict(_claims_headline(record["headline"]), agreed, [*_claim_points(record), *points])
+    if not pairs:
+        answers = [item.answers.get(model) for model in models for item in found]
+        ends = [family(row["run"]["outcome"]) for row in answers if row is not None and row["run"] is not None]
+        return Verdict(_falls(models, found), tone(ends), points)
+    headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
+    return Verdict(headline, agreed, points)
+
+
+def left_domain(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
+    sentences = []
+    for model in dict.fromkeys(model_name(row) for row in rows):
+        runs = [row["run"] for row in rows if row["run"] is not None and model_name(row) == model]
+        causes = Counter(run["validity"].get("left_domain_by") or "" for run in runs)
+        del causes[""]
+        if causes:
+            each = listed(f"{cause}: {count}" for cause, count in causes.most_common())
+            sentences.append(f"{model} left its domain in {causes.total()} of {len(runs)} runs ({each}).")
+    return sentences
+
+
+def _falls(models: Sequence[str], found: Sequence[Condition]) -> str:
+    """In how many conditions each model lets the statue overturn."""
+    parts = []
+    for model in models:
+        rows = [
+            row for item in found for row in [item.answers.get(model)] if row is not None and row["run"] is not None
+        ]
+        fell = sum(family(row["run"]["outcome"]) == "overturns" for row in rows)
+        parts.append(f"in {fell} of {len(rows)} conditions ({model})")
+    return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.0f} %"
+
+
+def _claims_headline(headline: Mapping[str, str]) -> str:
+    groups: dict[str, list[str]] = {}
+    for claim, verdict in headline.items():
+        groups.setdefault(verdict, []).append(f"({claim})")
+    words = {
+        "holds": "true in every model",
+        "does not hold": "true in no model",
+        "holds for some": "true in every model in part of the cases",
+        "the models differ": "judged differently by the models",
+        "not tested": "not tested",
+    }
+    parts = [f"{listed(names)} {words[verdict]}" for verdict, names in groups.items()]
+    return f"The paper's claims: {'; '.join(parts)}"
+
+
+def _claim_points(record: Mapping[str, Any]) -> list[str]:
+    sentences = {item["claim"]: item["sentence"] for item in record["claims"]}
+    return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in record["headline"].items()]
+
+
+def claim_rows(verdicts: Sequence[Mapping[str, Any]] | None) -> list[dict[str, Any]]:
+    """The table of claims: one row per claim, one cell per model."""
+    rows: dict[str, dict[str, Any]] = {}
+    for item in verdicts or ():
+        row = rows.setdefault(item["claim"], {"claim": item["claim"], "sentence": item["sentence"], "cells": []})
+        row["cells"].append({**item, "mark": MARKS[item["verdict"]]})
+    return list(rows.values())
+
+
+def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
+    """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
+    different sides do)."""
+    rows = []
+    for item in found:
+        cells = [cell(item.answers.get(model)) for model in models]
+        by_variant: dict[str, set[str]] = {}
+        for model, shown in zip(models, cells, strict=True):
+            if shown.family != "none":
+                by_variant.setdefault(model.partition(" (")[2], set()).add(
+                    shown.family if shown.family == "overturns" else shown.words
+                )
+        differs = any(len(words) > 1 for words in by_variant.values())
+        rows.append({"keys": [_shown(item.varied[key]) for key in keys], "cells": cells, "differs": differs})
+    return rows
+
+
+def study_warnings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Each kind of warning once, with the number of runs that gave it; numbers in which they differ are told as a range."""
+    kinds: dict[str, Counter[str]] = {}
+    for row in rows:
+        for text in row["run"]["warnings"] if row["run"] is not None else ():
+            full = f"{row['engine']}: {text}"
+            kinds.setdefault(NUMBER.sub("\0", full), Counter())[full] += 1
+    ordered = sorted(kinds.values(), key=lambda texts: -texts.total())
+    return [
+        f"{_ranged(list(texts))} ({texts.total()} run{'s' if texts.total() > 1 else ''})"
+        for texts in ordered[:MOST_WARNINGS]
+    ]
+
+
+def _ranged(texts: Sequence[str]) -> str:
+    """Texts that are the same but for their numbers as one, from the least to the largest of each number."""
+    ranges = []
+    for column in zip(*(NUMBER.findall(text) for text in texts), strict=True):
+        low, high = min(column, key=float), max(column, key=float)
+        ranges.append(low if float(low) == float(high) else f"{low} to {high}")
+    shown = iter(ranges)
+    return NUMBER.sub(lambda _: next(shown), texts[0])

@@ -1,0 +1,1 @@
+"""A record said in words, numbers and rows."""

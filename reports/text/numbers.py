@@ -1,0 +1,149 @@
+"""Numbers as people read them: units always, three digits, no false zeros."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from harness.model.terminal import printable
+
+WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+
+
+def digits(value: float | None, count: int = 3) -> str:
+    """A number to `count` significant digits, in plain form between 0.001 and 100 000; an en dash for None."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    size = abs(value)
+    if size < 1e-3 or size >= 1e5:
+        mantissa, exponent = f"{value:.{count - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        return f"{mantissa}·10{_raised(int(exponent))}".replace("-", "−")
+    places = max(0, count - 1 - int(f"{size:e}".partition("e")[2]))
+    return f"{value:.{places}f}".replace("-", "−")
+
+
+def _raised(exponent: int) -> str:
+    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def unit(value: float | None, name: str, count: int = 3) -> str:
+    """A number with its unit, a no-break space between."""
+    return digits(value, count) if value is None else f"{digits(value, count)}\u00a0{name}"
+
+
+def length(value_m: float, count: int = 3) -> str:
+    """A length in the unit in which a person would say it: m, cm or mm."""
+    size = abs(value_m)
+    if size < 5e-7:
+        return "0\u00a0mm"
+    value, name = (value_m, "m") if size >= 1.0 else (100.0 * value_m, "cm")
+    if size < 0.01:
+        value, name = 1000.0 * value_m, "mm"
+    count -= size < 0.1
+    return f"{short(value, count)}\u00a0{name}"
+
+
+def short(value: float, count: int = 4) -> str:
+    """A number as given: no zeros at its end."""
+    text = digits(value, count)
+    return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+
+
+def given(value: float, name: str) -> str:
+    """A given number, as short as it was given, with its unit."""
+    return f"{short(value)}\u00a0{name}"
+
+
+def angle(value_rad: float) -> str:
+    """A rotation in rad with degrees beside it."""
+    return f"{unit(value_rad, 'rad')} ({digits(math.degrees(value_rad), 2)}°)"
+
+
+def count_word(count: int) -> str:
+    """Small counts as words."""
+    return WORDS[count] if count < len(WORDS) else str(count)
+
+
+def percent(share: float, count: int = 2) -> str:
+    """A push as a share of the statue's weight."""
+    return f"{short(100.0 * share, count)} %"
+
+
+def listed(items: Iterable[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    names = list(items)
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def spread(values: Sequence[float], name: str, count: int = 3) -> str:
+    """One number, or the range from least to largest when they differ in `count` digits."""
+    low, high = digits(min(values), count), digits(max(values), count)
+    space = "" if name == "°" else "\u00a0"
+    return f"{low}{space}{name}" if low == high else f"{low} to {high}{space}{name}"
+
+
+def drawn_text(text: str) -> str:
+    """A user's own text in a figure for print, where dollars would begin a formula and a first underscore hides a curve."""
+    safe = printable(text).replace("$", r"\$")
+    return f"\u2009{safe}" if safe.startswith("_") else safe
+
+
+def plain(value: Any) -> str:
+    """Any value of a record in one table cell."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return digits(value, 4)
+    if isinstance(value, Mapping):
+        return ", ".join(_pair(key, item) for key, item in value.items())
+    if isinstance(value, (list, tuple)):
+        shown = [plain(item) for item in value[:12]]
+        return ", ".join(shown) + (f", … ({len(value)})" if len(value) > 12 else "")
+    return str(value)
+
+
+def _pair(key: str, value: Any) -> str:
+    words, name = split_unit(key)
+    return f"{words} {short(value)}\u00a0{name}" if name and isinstance(value, float) else f"{words} {plain(value)}"
+
+
+UNITS = {
+    "m_s2": "m/s²",
+    "rad_s": "rad/s",
+    "kg_m2": "kg m²",
+    "kg_m3": "kg/m³",
+    "rad": "rad",
+    "kg": "kg",
+    "hz": "Hz",
+    "deg": "°",
+    "s": "s",
+    "m": "m",
+    "g": "g",
+    "j": "J",
+    "n": "N",
+}
+
+
+def split_unit(key: str) -> tuple[str, str]:
+    """A record's key as words and unit: `peak_theta_rad` → (`peak theta`, `rad`)."""
+    for ending, name in UNITS.items():
+        if key.lower().endswith(f"_{ending}"):
+            return key[: -len(ending) - 1].replace("_", " "), name
+    return key.replace("_", " "), ""
+
+
+def heading(key: str) -> str:
+    """A scene's dotted key as a short heading: its last part (`motion.x.amplitude_g` → `amplitude [g]`)."""
+    return label(key.rsplit(".", 1)[-1])
+
+
+def label(key: str) -> str:
+    """A record's key as a heading: words, then the unit in brackets."""
+    words, name = split_unit(key)
+    return f"{words} [{name}]" if name else words

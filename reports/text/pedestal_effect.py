@@ -1,0 +1,144 @@
+"""What the pedestal changes over a study: how often it prevents a fall, and how far the top moves with and without it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from harness.model.history import Outcome
+from reports.charts.palette import HAIRLINE, MUTED
+from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
+from reports.drawing.kinematics import section
+from reports.text.numbers import heading
+from reports.text.study_rows import Condition, family
+
+Json = dict[str, Any]
+
+WALL_COLOUR: Final = "#8c1d2f"
+
+
+@dataclass(frozen=True)
+class PedestalEffect:
+    """A model's sentence, and charts of the share of falls (`saved`) and of the reach (`moved`): (name, words, figure).
+
+    There are charts where the study varies a frequency.
+    """
+
+    model: str
+    sentence: str
+    charts: Sequence[tuple[str, str, Json]]
+
+
+def pedestal_effect(
+    record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]
+) -> PedestalEffect | None:
+    """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
+    keys = list(found[0].varied) if found else []
+    pace = next((key for key in keys if key.endswith("frequency_hz")), None)
+    if len({item.varied["pedestal"] for item in found if "pedestal" in keys}) < 2:
+        return None
+    shape = section(record["scene"])
+    model = next((name for name in models if name.startswith("analytic")), models[0])
+    if pace is None:
+        return PedestalEffect(model, _saved_in_words(found, model), [])
+    fell: dict[tuple[float, str], list[bool]] = {}
+    reach: dict[tuple[float, str], float] = {}
+    for item in found:
+        row = item.answers.get(model)
+        if row is None or row["run"] is None:
+            continue
+        setting = "on the floor" if item.varied["pedestal"] == "none" else "on the pedestal"
+        place = (float(item.varied[pace]), setting)
+        fell.setdefault(place, []).append(family(row["run"]["outcome"]) == "overturns")
+        if row["run"]["outcome"] == Outcome.STANDS:
+            theta = float(row["run"]["peak_theta_rad"]) * np.array([-1.0, 1.0])
+            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + float(row["run"]["peak_slip_m"])
+            reach[place] = max(reach.get(place, 0.0), moved)
+    charts = [
+        ("saved", f"Share of conditions in which it overturns ({model})", _by_setting(fell, heading(pace))),
+        (
+            "moved",
+            f"What the top moves by at most where it stands ({model})",
+            _reach_by_setting(reach, heading(pace), record),
+        ),
+    ]
+    return PedestalEffect(model, _saved_in_words(found, model), charts)
+
+
+def _saved_in_words(found: Sequence[Condition], model: str) -> str:
+    """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
+    pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
+    for item in found:
+        row = item.answers.get(model)
+        if row is not None and row["run"] is not None:
+            rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
+            fell = family(row["run"]["outcome"]) == "overturns"
+            pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fell
+    both = [pair for pair in pairs.values() if len(pair) == 2]
+    prevented, caused = sum(p[True] and not p[False] for p in both), sum(p[False] and not p[True] for p in both)
+    bare = sum(p[True] for p in both)
+    return (
+        f"Of {len(both)} conditions it overturns in {bare} without the pedestal; with it {prevented} of these are prevented and "
+        f"{caused} others caused ({model})."
+    )
+
+
+def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:
+    data = []
+    for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR)):
+        places = sorted(place for place in fell if place[1] == setting)
+        shares = [100.0 * sum(fell[place]) / len(fell[place]) for place in places]
+        text = [f"{sum(fell[place])}/{len(fell[place])}" for place in places]
+        data.append(
+            {
+                "type": "bar", "name": setting, "x": [f"{place[0]:g}" for place in places], "y": shares, "text": text,
+                "textposition": "outside", "cliponaxis": False, "marker": {"color": colour},
+            }
+        )  # fmt: skip
+    layout = {
+        "height": 360, "barmode": "group", "xaxis": {"title": {"text": title}, "type": "category"},
+        "yaxis": {"title": {"text": "overturns  [%]"}, "range": [0, 112], "gridcolor": HAIRLINE},
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: Mapping[str, Any]) -> Json:
+    data = [
+        {
+            "type": "scatter", "mode": "lines+markers", "name": setting, "line": {"color": colour},
+            "x": [place[0] for place in sorted(reach) if place[1] == setting],
+            "y": [reach[place] for place in sorted(reach) if place[1] == setting],
+        }
+        for setting, colour in (("on the floor", FLOOR_COLOUR), ("on the pedestal", PEDESTAL_COLOUR))
+    ]  # fmt: skip
+    layout: Json = {
+        "height": 360, "xaxis": {"title": {"text": title}, "gridcolor": HAIRLINE},
+        "yaxis": {"title": {"text": "top moves by  [m]"}, "rangemode": "tozero", "gridcolor": HAIRLINE},
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    wall = record["scene"]["wall"]
+    if wall is not None:
+        at = float(wall["distance_m"])
+        layout |= {"shapes": [_level("y", at, WALL_COLOUR)], "annotations": [_note("y", at, "wall")]}
+    return {"data": data, "layout": layout}
+
+
+def _level(axis: str, value: float, colour: str) -> Json:
+    other = "y" if axis == "x" else "x"
+    place = {f"{axis}0": value, f"{axis}1": value, f"{other}0": 0, f"{other}1": 1, f"{other}ref": "paper"}
+    return {"type": "line", **place, "line": {"color": colour, "width": 1.5, "dash": "dash"}}
+
+
+def _note(axis: str, value: float, text: str) -> Json:
+    place = (
+        {"x": value, "yref": "paper", "y": 1.0, "yanchor": "bottom"}
+        if axis == "x"
+        else {"xref": "paper", "x": 1, "y": value}
+    )
+    return {**place, "text": text, "showarrow": False, "font": {"size": 11, "color": MUTED}} | (
+        {} if axis == "x" else {"xanchor": "right", "yanchor": "bottom"}
+    )

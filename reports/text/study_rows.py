@@ -1,0 +1,127 @@
+"""A study's rows arranged for tables and pictures: conditions down, models across."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from harness.model.history import Outcome
+
+SYMBOLS: Final = {
+    "stands": ("●", "stands"),
+    "overturned_left": ("◀", "overturns left"),
+    "overturned_right": ("▶", "overturns right"),
+    "overturned_front": ("▼", "overturns to the front"),
+    "overturned_back": ("▲", "overturns to the back"),
+    "touches_wall": ("▌", "touches the wall"),
+    "left_pedestal": ("⇲", "slides off its support"),
+    "lift_off": ("↥", "loses contact"),
+    "friction_paradox": ("∅", "friction paradox"),
+    "undecided": ("?", "undecided"),
+}
+"""Sign and words of each outcome: told apart without colour."""
+FAILED: Final = ("✕", "the run failed")
+NOT_SENT: Final = ("·", "not asked")
+FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One model's answer under one condition."""
+
+    sign: str
+    words: str
+    family: str
+    tip: str
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One combination of what the study varies, with every model's row of it (the variants' own keys aside)."""
+
+    varied: Mapping[str, Any]
+    answers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def model_name(row: Mapping[str, Any]) -> str:
+    """Engine and variant of a row."""
+    return f"{row['engine']} ({row['varied']['variant']})"
+
+
+def conditions(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[Condition]]:
+    """The models in their order, and all conditions in the study's order."""
+    models: dict[str, None] = {}
+    found: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, Mapping[str, Any]]]] = {}
+    for row in sorted(rows, key=lambda item: int(item["number"])):
+        varied = {key: value for key, value in row["varied"].items() if key != "variant"}
+        models[model_name(row)] = None
+        found.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
+    variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
+    return sorted(models, key=lambda model: _order(model, variants)), [
+        Condition(varied, answers) for varied, answers in found.values()
+    ]
+
+
+def _order(model: str, variants: Sequence[str]) -> tuple[int, int, str]:
+    """Variants as the study has them, within each the analytic model first."""
+    engine, _, variant = model.partition(" (")
+    rank = {"analytic": 0, "pymunk": 1, "pybullet": 2}.get(engine, 3)
+    return variants.index(variant), rank, engine
+
+
+def family(outcome: str) -> str:
+    """The outcome's class for colours: stands, overturns, wall, other, failed."""
+    if Outcome(outcome).overturned:
+        return "overturns"
+    if Outcome(outcome).failed:
+        return "failed"
+    return FAMILY.get(outcome, "other")
+
+
+def tone(answers: Iterable[str]) -> str:
+    """The colour of a count of falls from families of outcomes: `agree` only where every answer is that it stands."""
+    families = set(answers)
+    return "agree" if families == {"stands"} else "differ" if "stands" in families or "wall" in families else "failed"
+
+
+def cell(row: Mapping[str, Any] | None) -> Cell:
+    """What a table shows of one row."""
+    if row is None:
+        return Cell(*NOT_SENT, "none", NOT_SENT[1])
+    run = row["run"]
+    if run is None:
+        return Cell(*NOT_SENT, "none", str(row["reason"]))
+    sign, words = SYMBOLS.get(run["outcome"], FAILED)
+    parts = [words]
+    if run["peak_theta_rad"] is not None and run["outcome"] == "stands":
+        parts.append(f"largest rotation {abs(run['peak_theta_rad']):.4f} rad")
+    if run["no_return_time_s"] is not None:
+        parts.append(f"passes its balance point at {run['no_return_time_s']:.3f} s")
+    if run["numerical_uncertainty_rad"] is not None:
+        parts.append(f"numerical error ±{run['numerical_uncertainty_rad']:.1e} rad")
+    return Cell(sign, words, family(run["outcome"]), "; ".join(parts))
+
+
+def varying_keys(found: Sequence[Condition]) -> list[str]:
+    """The keys that take more than one value."""
+    keys = list(found[0].varied) if found else []
+    return [key for key in keys if len({repr(item.varied[key]) for item in found}) > 1]
+
+
+def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
+    """For each pair of models of one variant: both names, conditions with the same outcome, conditions answered by both."""
+    pairs = []
+    for k, first in enumerate(models):
+        for second in models[k + 1 :]:
+            if first.partition(" (")[2] != second.partition(" (")[2]:
+                continue
+            both = [
+                (Outcome(a["run"]["outcome"]), Outcome(b["run"]["outcome"]))
+                for item in found
+                for a, b in [(item.answers.get(first), item.answers.get(second))]
+                if a is not None and b is not None and a["run"] is not None and b["run"] is not None
+            ]
+            if both:
+                pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))
+    return pairs

@@ -1,0 +1,132 @@
+"""The horizon of prediction, on a model whose sensitivity is known in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness.accuracy.horizon import Horizon, horizon, parted_s, perturbed
+from harness.engines.base import EngineFailure
+from harness.model.history import History, Outcome
+from harness.model.run import Run
+from harness.model.scene import Scene
+from tests import doubles
+from tests.scenes_for_tests import PAESTUM, paestum, scene
+
+GROWTH = 3.0
+TOLERANCE = 0.01
+
+
+@dataclass
+class Unstable:
+    """A model whose rotation is its start times e^{3t}, and 0.05 sin t times its motion's strength; it counts its runs."""
+
+    runs: int = 0
+
+    def __call__(self, each: Scene) -> Run:
+        self.runs += 1
+        t = np.linspace(0.0, 10.0, 10001)
+        strength = each.shake.x.peak_m_s2
+        theta = (each.initial.theta_rad + 1e-2 * (strength - 1.0)) * np.exp(GROWTH * t)
+        if each.initial.theta_rate_rad_s > 1e-4:
+            raise EngineFailure("thrown too hard")
+        rate = GROWTH * theta
+        fell = Outcome.OVERTURNED_RIGHT if theta[-1] > 1.5 else Outcome.STANDS
+        return doubles.run_of(History(t, theta, rate, 0 * t, 0 * t), outcome=fell)
+
+
+SCENE = scene(PAESTUM, Harmonic(1.0, 1.0), duration_s=10.0)
+
+
+def test_the_horizon_is_where_the_growth_reaches_the_tolerance() -> None:
+    """δ e^{3t} = tolerance at ln(tolerance/δ)/3; the rate's variant leaves the rotation alone, the motion's is smaller."""
+    model = Unstable()
+    found = horizon(SCENE, model, tolerance_rad=TOLERANCE)
+    assert found.until_s == pytest.approx(
+        [math.log(TOLERANCE / size) / GROWTH for size in found.perturbations], rel=1e-6
+    )
+    assert found.growth_per_s == pytest.approx(GROWTH, rel=1e-6)
+    assert model.runs == 1 + 4 * len(found.perturbations)
+    assert found.failed == 1  # the rate perturbed by 1e-3 p
+    assert found.outcomes == ("overturned_right", "stands")
+
+
+def test_a_stable_model_is_predictable_to_the_end() -> None:
+    found = horizon(SCENE, lambda each: doubles.run_of(doubles.rest()), tolerance_rad=TOLERANCE)
+    assert set(found.until_s) == {SCENE.duration_s}
+    assert found.growth_per_s is None
+    assert found.outcomes == ("stands",)
+
+
+def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation() -> None:
+    found = Horizon(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0)
+    assert [found.until(u) for u in (0.0, 1e-9, 1e-7, 1e-5, 1e-4)] == [6.0, 6.0, 3.0, 3.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("until_s", "says"),
+    [
+        ((6.0, 3.0), "until 3 s if start and motion are known to 1e-05, until 6 s even if to 1e-09"),
+        ((10.0, 3.0), "until 3 s if start and motion are known to 1e-05, throughout if to 1e-09"),
+        ((10.0, 10.0), "throughout, even if start and motion are known to 1e-05 only"),
+    ],
+)
+def test_a_horizon_says_what_it_takes_to_predict(until_s: tuple[float, float], says: str) -> None:
+    found = Horizon(TOLERANCE, 10.0, (1e-9, 1e-5), until_s, GROWTH, ("stands",), 0)
+    assert found.sentence == f"rotation predictable to 0.01 rad {says}"
+
+
+def test_perturbations_touch_start_and_motion_by_their_size() -> None:
+    lean, thrown, stronger, weaker = perturbed(SCENE, 1e-3)
+    assert lean.initial.theta_rad == 1e-3
+    assert thrown.initial.theta_rate_rad_s > 1e-3
+    assert stronger.shake.x.peak_m_s2 == pytest.approx(1.001)
+    assert weaker.shake.x.peak_m_s2 == pytest.approx(0.999)
+    assert len(perturbed(scene(PAESTUM, theta_rad=-0.1), 1e-3)) == 2
+    assert perturbed(scene(PAESTUM, theta_rad=-0.1), 1e-3)[0].initial.theta_rad == pytest.approx(-0.101)
+
+
+def test_a_run_that_ends_earlier_parts_at_its_end() -> None:
+    history = doubles.rocking()
+    assert parted_s(history, history, TOLERANCE) is None
+    assert parted_s(doubles.truncated(history, 4.0), history, TOLERANCE) == pytest.approx(4.0)
+    assert parted_s(doubles.parted(history, 2.0, 0.01), history, TOLERANCE) == pytest.approx(3.0)
+
+
+def test_an_unperturbed_run_without_history_is_a_failure() -> None:
+    with pytest.raises(EngineFailure, match="no history"):
+        horizon(SCENE, lambda each: doubles.run_of(None))
+
+
+def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
+    """Asked for, the horizon of every model stands in the record, and the verdict holds no further than the nearer one."""
+    from harness.scene_run.scene_run import run_scene
+
+    shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
+    found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3, horizon=True)
+    assert set(found.horizons) == {"analytic", "pymunk"}
+    nearer = min(each.intrinsic_s for each in found.horizons.values())
+    scores = found.scores["analytic_vs_pymunk"]
+    assert scores.evidence["horizon_s"] <= nearer
+    for each in found.horizons.values():
+        assert list(each.until_s) == sorted(each.until_s, reverse=True)
+    assert found.as_dict()["horizons"]["analytic"]["intrinsic_s"] == found.horizons["analytic"].intrinsic_s
+
+
+def test_the_compiled_model_s_horizon_is_found_unasked() -> None:
+    """It costs some twenty runs of milliseconds; with one answer alone there is nothing to compare and nothing is found."""
+    from harness.scene_run.scene_run import run_scene
+
+    shaken = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=2.0)
+    found = run_scene(shaken, ["analytic", "pymunk"], dt_s=1e-3)
+    assert set(found.horizons) == {"analytic"}
+    scores = found.scores["analytic_vs_pymunk"]
+    assert scores.horizon_s is not None
+    assert scores.horizon_s <= found.horizons["analytic"].intrinsic_s
+    assert scores.compared_until_s is not None
+    assert scores.compared_until_s <= scores.horizon_s
+    assert run_scene(shaken, ["analytic"]).horizons == {}

@@ -1,0 +1,133 @@
+"""How much work a run may do: counted, never timed, so that a slow machine passes and a lost short cut fails."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.engines.base import Engine
+from harness.model.options import SKIPS, Want
+from harness.model.scene import Scene
+from tests import budgets_bench as budgets
+
+NONE = Want(skips=frozenset())
+STEP_S = 2.5e-4
+
+
+@pytest.fixture(scope="module")
+def forced() -> Scene:
+    content = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
+    return scene_of("forced", content)
+
+
+def test_steps_of_the_analytic_model(forced: Scene) -> None:
+    engine = engines.load("analytic")
+    run = engine.simulate(forced, engine.ladder(forced)[-1], NONE)
+    assert 0 < run.steps <= budgets.ANALYTIC_STEPS
+    assert 0 < run.work["taylor_coefficients"] <= budgets.ANALYTIC_TERMS
+    assert run.work["events"] <= run.steps, "events without steps would be found by a search of their own"
+    capped = engine.simulate(forced, engine.settings_for_dt(forced, 0.01), NONE)
+    assert capped.steps > budgets.ANALYTIC_STEPS, "the budget does not see shorter steps: it sees nothing"
+    assert capped.work["taylor_coefficients"] > budgets.ANALYTIC_TERMS
+
+
+@pytest.mark.parametrize(("name", "repeated"), [("pymunk", "steps_repeated"), ("pybullet", "repeated_steps")])
+def test_steps_of_a_contact_engine(forced: Scene, name: str, repeated: str) -> None:
+    engine = ready(name)
+    run = engine.simulate(forced, engine.settings_for_dt(forced, STEP_S), NONE)
+    steps = forced.duration_s / STEP_S
+    assert steps <= run.steps + 1
+    assert run.steps <= budgets.SPARE * steps
+    assert 0 < run.work[repeated] <= budgets.REPEATED[name]
+    shorter = engine.simulate(forced, engine.settings_for_dt(forced, 0.9 * STEP_S), NONE)
+    assert shorter.steps > budgets.SPARE * steps, "the budget does not see steps a tenth shorter: it sees nothing"
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_a_target_accuracy_takes_few_runs_steps_and_sweeps(name: str) -> None:
+    engine = ready(name)
+    scene = scene_of("easy", {"duration_s": 0.5, "statue": PAESTUM, "motion": harmonic(0.2, 3.0)})
+    run = run_to_accuracy(engine, scene, 1e-3, Want())
+    assert 2 <= run.work["runs"] <= budgets.ACCURACY_RUNS
+    assert run.steps <= run.work["steps_of_all_runs"] <= budgets.ACCURACY_STEPS
+    assert run.work["steps_of_all_runs"] * run.settings["iterations"] <= budgets.SWEEPS[name]
+    finer = run_to_accuracy(engine, scene, 1e-5, Want())
+    assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer rung"
+
+
+@pytest.mark.parametrize(("name", "duration_s"), [("analytic", 20.0), ("pymunk", 2.0), ("pybullet", 2.0)])
+def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: float) -> None:
+    engine = ready(name)
+    longer = forced.but(duration_s=duration_s)
+    sizes = {}
+    for history in (False, True):
+        want = Want(history=history)
+        engine.simulate(longer, engine.ladder(longer)[0], want)
+        tracemalloc.start()
+        engine.simulate(longer, engine.ladder(longer)[0], want)
+        sizes[history] = tracemalloc.get_traced_memory()[1] / 1024.0
+        tracemalloc.stop()
+    assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB[name]
+    assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
+
+
+def ready(name: str) -> Engine:
+    """The engine, or a skip that says why it cannot run here."""
+    engine = engines.load(name)
+    if engine.missing():
+        pytest.skip(engine.missing() or "")
+    return engine
+
+
+HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+"""Libraries that cost a tenth of a second or more to import."""
+NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
+"""Those of them that a run of one engine needs."""
+RUN = """
+from harness.simulation import simulate
+from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
+"""
+
+
+def modules(code: str) -> set[str]:
+    """What a fresh interpreter has loaded after some code."""
+    told = [sys.executable, "-c", f"{code}\nimport sys\nprint(*sys.modules)"]
+    return set(subprocess.run(told, capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_help_imports_no_simulator() -> None:
+    loaded = modules("import reports.cli")
+    assert not loaded & HEAVY
+    assert len(loaded) <= budgets.MODULES_OF_HELP
+    more = modules("import reports.cli, scipy.integrate")
+    assert len(more) > budgets.MODULES_OF_HELP, "the budget does not see a library: it sees nothing"
+
+
+@pytest.mark.parametrize("name", ["pymunk", "pybullet", "analytic"])
+def test_a_run_imports_its_own_engine_only(name: str) -> None:
+    ready(name)
+    loaded = modules(RUN.format(name=name))
+    assert loaded & HEAVY == NEEDED[name]
+    assert len(loaded) <= budgets.MODULES_OF_RUN[name]
+
+
+def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:
+    engine = engines.load("pymunk")
+    scene = scene_of("falls", {"duration_s": 8.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)})
+    settings = engine.ladder(scene)[0]
+    on = engine.simulate(scene, settings, Want())
+    off = engine.simulate(scene, settings, Want(skips=frozenset(SKIPS) - {"stop_at_overturn"}))
+    assert on.outcome is off.outcome
+    assert on.outcome.overturned
+    assert on.history is not None
+    assert off.history is not None
+    assert np.array_equal(on.history.theta_rad, off.history.theta_rad)
+    assert on.steps < 0.5 * off.steps

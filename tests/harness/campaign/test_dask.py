@@ -1,0 +1,104 @@
+"""The same study on a Dask cluster: same store, nothing lost, nothing twice."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+from harness.campaign.executors import DaskPool, LocalPool
+from harness.model.errors import InputError
+from harness.studies.file import load_study
+from harness.studies.store import Packed, Store
+from harness.studies.study_run import run_study
+from tests.harness.studies.small_study import CONTACT, contents, written
+
+pytest.importorskip("distributed", reason="the extra [dask] is not installed")
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+    """A real scheduler and two worker processes on this machine, reached on the loopback interface only."""
+    command = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+    ]
+    processes = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path)]
+    stream = processes[0].stderr
+    assert stream is not None
+    address = next(found[0] for line in stream if (found := re.search(r"tcp://127\.0\.0\.1:\d+", line)))
+    workers = []
+    for _ in range(2):
+        worker = [
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_worker",
+            address,
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--no-nanny",
+        ]
+        workers.append(
+            subprocess.Popen(worker, text=True, cwd=tmp_path, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        )
+    processes += workers
+    yield address, workers
+    for process in processes:
+        process.kill()
+        process.wait()
+    stream.close()
+
+
+def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
+    cluster: tuple[str, list[subprocess.Popen[str]]], tmp_path: Path
+) -> None:
+    path = written(tmp_path / "study", CONTACT)
+    study = load_study(path)
+    with Store(tmp_path / "local.sqlite") as store:
+        run_study(study, path, store, LocalPool(1))
+    address, workers = cluster
+    pool = DaskPool(address)
+    while pool.workers < 2:
+        time.sleep(0.05)
+    killed: list[int] = []
+    stored: Counter[str] = Counter()
+
+    def told(done: int, total: int) -> None:
+        if done == 5 and not killed:
+            workers[0].kill()
+            killed.append(done)
+
+    with Store(tmp_path / "cluster.sqlite") as store:
+        add = store.add
+
+        def counted(results: Sequence[Packed]) -> None:
+            stored.update(str(item.columns[0]) for item in results)
+            add(results)
+
+        store.add = counted  # type: ignore[method-assign]
+        first = run_study(study, path, store, pool, told)
+        again = run_study(study, path, store, pool)
+    pool.close()
+    assert killed
+    assert first.computed == first.distinct == len(stored) == 24
+    assert set(stored.values()) == {1}, "a result came twice"
+    assert (again.computed, again.found) == (0, 24)
+    assert contents(tmp_path / "cluster.sqlite") == contents(tmp_path / "local.sqlite")
+
+
+def test_an_address_without_a_scheduler_is_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="running Dask scheduler"):
+        DaskPool("tcp://127.0.0.1:1")

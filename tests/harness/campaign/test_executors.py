@@ -1,0 +1,143 @@
+"""Every task is done once, and a process that dies costs only its own task."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.campaign import executors
+from harness.campaign.executors import AHEAD, Crash, LocalPool
+from tests.harness.campaign.endings import ended
+
+MAIN = threading.main_thread().ident or 0
+LIMIT_S = 5.0
+"""Long enough for a fresh process to answer on a busy machine, short enough to wait for in a test."""
+CRASH = "__import__('os')._exit(3)"
+
+
+def results(tasks: list[str], jobs: int) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+
+    def done(task: str, result: Any) -> None:
+        assert task not in found, "a task was done twice"
+        found[task] = result
+
+    # `eval` is the one function that a fresh process knows and that does what a test says.
+    LocalPool(jobs).run(eval, tasks, done)
+    return found
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_each_task_is_done_once(jobs: int) -> None:
+    tasks = [f"{i} * {i}" for i in range(20)]
+    assert results(tasks, jobs) == {f"{i} * {i}": i * i for i in range(20)}
+
+
+def test_a_dead_process_costs_only_its_own_task() -> None:
+    tasks = ["1 + 1", CRASH, *(f"{i} + 0" for i in range(12))]
+    found = results(tasks, 2)
+    assert set(found) == set(tasks)
+    assert isinstance(found.pop(CRASH), Crash)
+    assert all(result == eval(task) for task, result in found.items())
+
+
+def test_a_task_of_its_own_exception_is_not_hidden() -> None:
+    with pytest.raises(ZeroDivisionError):
+        results(["1 / 0"], 1)
+
+
+def test_tasks_are_taken_as_workers_become_free() -> None:
+    taken: list[int] = []
+    ahead: list[int] = []
+
+    def tasks() -> Iterator[str]:
+        for i in range(40):
+            taken.append(i)
+            yield f"{i} + 0"
+
+    finished: list[str] = []
+
+    def done(task: str, result: Any) -> None:
+        finished.append(task)
+        ahead.append(len(taken) - len(finished))
+
+    pool = LocalPool(2)
+    pool.run(eval, tasks(), done)
+    pool.close()
+    assert len(finished) == 40
+    assert max(ahead) <= AHEAD * 2
+
+
+def test_processes_are_started_once() -> None:
+    pool = LocalPool(1)
+    seen: set[Any] = set()
+    for _ in range(3):
+        pool.run(eval, ["__import__('os').getpid()"] * 4, lambda task, pid: seen.add(pid))
+    pool.close()
+    assert len(seen) == 1
+
+
+def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path; from harness.campaign.executors import LocalPool\n"
+        "BUSY = \"__import__('time').sleep(60.0)\"\n"
+        "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
+        "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"
+    )
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    environment = os.environ | {"PYTHONPATH": str(Path.cwd())}
+    subprocess.run([sys.executable, script, tmp_path / "pid"], check=False, env=environment)
+    pid = int((tmp_path / "pid").read_text())
+    assert ended(pid)
+
+
+def test_a_pool_that_is_interrupted_in_the_middle_of_an_answer_leaves_no_thread_waiting() -> None:
+    # The second answer takes its worker longer to write than the interrupt takes to end it.
+    def interrupted(task: str, result: Any) -> None:
+        if task == "0":
+            time.sleep(0.4)
+            raise KeyboardInterrupt
+
+    before = set(threading.enumerate())
+    with pytest.raises(KeyboardInterrupt):
+        LocalPool(2).run(eval, ["0", *["bytes(400_000_000)"] * 3], interrupted)
+    left = [thread for thread in threading.enumerate() if thread not in before]
+    for thread in left:
+        thread.join(timeout=10.0)
+    assert not [thread.name for thread in left if thread.is_alive()]
+
+
+STOPPED = "__import__('os').kill(__import__('os').getpid(), __import__('signal').SIGSTOP)"
+
+
+def test_a_stopped_worker_costs_only_its_own_task_and_no_more_than_the_limit() -> None:
+    found: dict[str, Any] = {}
+    tasks = ["1 + 1", STOPPED, *(f"{i} + 0" for i in range(6))]
+    with closing(LocalPool(2, limit_s=LIMIT_S)) as pool:
+        pool.run(eval, tasks, found.__setitem__)
+    assert isinstance(found.pop(STOPPED), executors.Hung)
+    assert all(result == eval(task) for task, result in found.items())
+    assert len(found) == len(tasks) - 1
+
+
+def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stopped process does not hear a request to end: until it is killed, whoever waits for it waits for ever."""
+    monkeypatch.setattr(executors, "GRACE_S", 0.5, raising=False)
+    timer = threading.Timer(LIMIT_S, lambda: signal.pthread_kill(MAIN, signal.SIGINT))
+    before = {process.pid for process in multiprocessing.active_children()}
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
+    assert {process.pid for process in multiprocessing.active_children()} == before

@@ -1,0 +1,127 @@
+"""Measurements in parts: what is finished is kept, what was interrupted goes on, one part can be measured anew."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.campaign.parts import FOLDER, Part, command, measure, seconds, sentences
+from harness.model.errors import InputError
+
+STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
+
+
+def silent(text: str) -> None:
+    """Hears nothing."""
+
+
+class Counting:
+    """Work that counts how often each task was done, and may be interrupted at one."""
+
+    def __init__(self, stop_at: str = "") -> None:
+        self.done: list[str] = []
+        self.stop_at = stop_at
+
+    def __call__(self, task: str) -> list[dict[str, Any]]:
+        if task == self.stop_at:
+            raise KeyboardInterrupt
+        self.done.append(task)
+        return [{"task": task, "time": len(self.done)}]
+
+
+def parts(work: Counting, other: Counting | None = None) -> list[Part]:
+    return [Part("first", ("a", "b", "c"), work), Part("second", ("d",), other or work)]
+
+
+def test_what_was_interrupted_goes_on_and_what_is_finished_is_kept(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        measure(tmp_path, parts(Counting("c")), None, STAMP, silent)
+    again = Counting()
+    found = measure(tmp_path, parts(again), None, STAMP, silent)
+    assert again.done == ["c", "d"]
+    assert [row["task"] for row in found["first"].in_order(parts(again)[0])] == ["a", "b", "c"]
+    assert not found["second"].left
+
+
+def test_a_whole_measurement_is_made_anew(tmp_path: Path) -> None:
+    measure(tmp_path, parts(Counting()), None, STAMP, silent)
+    again = Counting()
+    measure(tmp_path, parts(again), None, STAMP, silent)
+    assert again.done == ["a", "b", "c", "d"]
+
+
+def test_one_part_is_measured_anew_the_others_are_kept(tmp_path: Path) -> None:
+    measure(tmp_path, parts(Counting()), None, STAMP, silent)
+    again = Counting()
+    found = measure(tmp_path, parts(again), ["second"], STAMP, silent)
+    assert again.done == ["d"]
+    assert not found["first"].left
+
+
+def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> None:
+    found = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
+    told = sentences(seconds(found))
+    assert told[1] == "Not measured yet: first (3 to do)."
+    assert told[0].startswith("Time by part: second ")
+
+
+def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> None:
+    part = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
+    assert command("stress", True, part) == "rockcheck stress --quick --parts second"
+    whole = measure(tmp_path, [*parts(Counting()), Part("nothing to do", (), Counting())], None, STAMP, silent)
+    assert command("bench", False, whole) == "rockcheck bench"
+
+
+def test_rows_of_other_versions_are_not_used(tmp_path: Path) -> None:
+    measure(tmp_path, parts(Counting()), ["first"], STAMP, silent)
+    again = Counting()
+    measure(tmp_path, parts(again), None, {**STAMP, "versions": {"rockcheck": "2"}}, silent)
+    assert again.done == ["a", "b", "c", "d"]
+
+
+def test_a_torn_line_costs_its_own_task_only(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        measure(tmp_path, parts(Counting("c")), None, STAMP, silent)
+    path = tmp_path / FOLDER / "first.jsonl"
+    path.write_bytes(path.read_bytes()[:-20])
+    again = Counting()
+    found = measure(tmp_path, parts(again), None, STAMP, silent)
+    assert again.done == ["b", "c", "d"]
+    assert not found["first"].left
+
+
+def test_an_unknown_part_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"--parts: wanted some of first, second, got 'third'"):
+        measure(tmp_path, parts(Counting()), ["third"], STAMP, silent)
+
+
+def squared(base: int, task: str) -> list[dict[str, Any]]:
+    """Work for a worker: the process ends with task 3."""
+    if task == "3":
+        os._exit(1)
+    return [{"value": int(task) ** 2 + base}]
+
+
+def died(task: str) -> list[dict[str, Any]]:
+    return [{"value": -1}]
+
+
+def test_workers_compute_side_by_side_and_a_death_is_a_row(tmp_path: Path) -> None:
+    part = Part("squares", ("1", "2", "3", "4"), partial(squared, 100), died)
+    found = measure(tmp_path, [part], None, STAMP, silent)
+    assert [row["value"] for row in found["squares"].in_order(part)] == [101, 104, -1, 116]
+
+
+def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from harness.campaign import parts as module
+
+    first = Counting()
+    module.session(tmp_path, parts(first)[:1], False, ["first"], silent)
+    monkeypatch.setattr(module, "source", lambda: "other code")
+    again = Counting()
+    module.session(tmp_path, parts(again), False, None, silent)
+    assert again.done == ["a", "b", "c", "d"]

@@ -1,0 +1,82 @@
+"""Distances of distributions and intervals, against scipy, hand computation and coverage."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from harness.comparison.statistics import distributions
+from tests.budgets_compare import QUANTILE_SE, ROUNDING_REL
+
+
+@pytest.fixture
+def samples() -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(4)
+    return rng.lognormal(0.0, 0.5, 83), rng.lognormal(0.2, 0.4, 57)
+
+
+def test_distances_are_scipy_s(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    a, b = samples
+    assert distributions.ks_distance(a, b) == pytest.approx(stats.ks_2samp(a, b).statistic, rel=ROUNDING_REL)
+    assert distributions.area_metric(a, b) == pytest.approx(stats.wasserstein_distance(a, b), rel=ROUNDING_REL)
+
+
+def test_distances_by_hand() -> None:
+    """{1, 2, 3} against {2, 4}: F_a − F_b is 1/3 on [1, 2), 1/6 on [2, 3), 1/2 on [3, 4)."""
+    assert distributions.ks_distance([1, 2, 3], [2, 4]) == pytest.approx(0.5)
+    assert distributions.area_metric([1, 2, 3], [2, 4]) == pytest.approx(1 / 3 + 1 / 6 + 1 / 2)
+
+
+def test_a_shift_is_the_area_metric(samples: tuple[np.ndarray, np.ndarray]) -> None:
+    a, _ = samples
+    assert distributions.area_metric(a + 0.7, a) == pytest.approx(0.7, rel=1e-9)
+    assert distributions.area_metric(a, a) == 0.0
+    assert distributions.ks_distance(a, a) == 0.0
+
+
+@pytest.mark.parametrize("bad", [[], [1.0, math.nan]])
+def test_an_empty_or_broken_sample_is_refused(bad: list[float]) -> None:
+    with pytest.raises(ValueError, match="all finite"):
+        distributions.area_metric(bad, [1.0])
+
+
+def test_wilson_by_hand() -> None:
+    """8 of 10 with z = 1.96: the published interval is 0.490 to 0.943."""
+    found = distributions.wilson(8, 10)
+    assert found is not None
+    assert (found.value, round(found.low, 3), round(found.high, 3)) == (0.8, 0.490, 0.943)
+    assert distributions.wilson(0, 0) is None
+    for hits in (0, 10):
+        edge = distributions.wilson(hits, 10)
+        assert edge is not None
+        assert 0.0 <= edge.low <= edge.value <= edge.high <= 1.0
+
+
+def test_bootstrap_of_a_mean_has_its_standard_error() -> None:
+    values = np.random.default_rng(7).normal(3.0, 2.0, 400)
+    found = distributions.bootstrap(lambda index: float(values[index].mean()), values.size, seed=1)
+    assert found is not None
+    half = 1.96 * values.std() / math.sqrt(values.size)
+    # The 2.5 % quantile of 1000 resamples has a standard error of 0.0264 standard deviations… /φ(1.96)·√(0.025·0.975/1000).
+    error = QUANTILE_SE * math.sqrt(0.025 * 0.975 / 1000) / stats.norm.pdf(1.96) * half / 1.96
+    assert found.low == pytest.approx(values.mean() - half, abs=error)
+    assert found.high == pytest.approx(values.mean() + half, abs=error)
+    assert found == distributions.bootstrap(lambda index: float(values[index].mean()), values.size, seed=1)
+
+
+def test_a_score_that_is_nowhere_defined_has_no_interval() -> None:
+    assert distributions.bootstrap(lambda index: math.nan, 10) is None
+    assert distributions.bootstrap(lambda index: 1.0, 0) is None
+
+
+def test_equal_distributions_stay_below_the_null_and_others_do_not() -> None:
+    rng = np.random.default_rng(11)
+    same = distributions.compare_distributions(rng.normal(size=80), rng.normal(size=80), resamples=300)
+    apart = distributions.compare_distributions(rng.normal(size=80), rng.normal(1.0, size=80), resamples=300)
+    assert same.area.value < same.area_null
+    assert apart.area.value > apart.area_null
+    assert apart.ks_p < 1e-3 < same.ks_p
+    assert apart.area.low < apart.area.value < apart.area.high

@@ -1,0 +1,221 @@
+"""The verdicts follow from the record, and from nothing else."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness import Outcome, Run, compare
+from harness.comparison.verdict import COVERAGE, Verdict, left_domain, shares
+from harness.model.history import History
+from tests import doubles
+
+U_RAD = 1e-4
+U_M = 5e-5
+
+
+def certain(history: History, name: str, until_s: float = 10.0, **fields: Any) -> Run:
+    known = {"numerical_uncertainty_rad": U_RAD, "slip_uncertainty_m": U_M, "reliable_until_s": until_s}
+    return doubles.run_of(history, name, **known | fields)
+
+
+@pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
+def test_the_limit_is_twice_the_joint_uncertainty(apart: float, verdict: Verdict) -> None:
+    history = doubles.rocking()
+    limit = COVERAGE * 2.0 * U_RAD
+    scores = compare(certain(doubles.raised(history, apart * limit), "a"), certain(history, "b"))
+    assert scores.verdict is verdict
+    assert scores.evidence["limit_rad"] == pytest.approx(limit)
+
+
+def test_apart_before_the_horizon_is_the_model() -> None:
+    history = doubles.rocking()
+    scores = compare(certain(doubles.parted(history, 2.0, 0.01), "a", 5.0), certain(history, "b"))
+    assert scores.verdict is Verdict.MODEL
+    assert scores.evidence["exceeded_s"] == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
+    assert scores.evidence["horizon_s"] == 5.0
+    assert "while both numerical errors are bounded (until 5 s)" in scores.verdict_sentence
+    near = compare(certain(doubles.parted(history, 2.0, 0.01), "a"), certain(history, "b"), horizons_s=(4.0, None))
+    assert "before the horizon at 4 s" in near.verdict_sentence
+
+
+def test_past_an_engine_s_bounded_error_is_not_beyond_the_horizon() -> None:
+    """Two causes: the engine missed its target from 5 s on, or nobody could compute it further than the measured horizon."""
+    history = doubles.rocking()
+    a, b = certain(doubles.parted(history, 6.0, 0.01), "a", 5.0), certain(history, "b")
+    missed = compare(a, b)
+    assert missed.verdict is Verdict.UNBOUNDED
+    assert "agree up to 5 s" in missed.verdict_sentence
+    assert missed.verdict_sentence.endswith("where the numerical error of a is not bounded any more.")
+    assert "horizon" not in missed.verdict_sentence
+    assert compare(a, b, horizons_s=(None, 9.0)).verdict is Verdict.UNBOUNDED
+    unpredictable = compare(a, b, horizons_s=(None, 5.5))
+    assert unpredictable.verdict is Verdict.HORIZON
+    assert "beyond the horizon of prediction" in unpredictable.verdict_sentence
+
+
+def test_a_robust_difference_of_a_planar_model_is_the_plane_left_out() -> None:
+    """Only where the floor moved across the plane: with the same motion given to both it is their models."""
+    history = doubles.rocking()
+    b = certain(history, "space", motion_axes=("x", "y"))
+    for axes, verdict in (("x",), Verdict.PLANE), (("x", "y"), Verdict.MODEL), (None, Verdict.MODEL):
+        a = certain(doubles.parted(history, 2.0, 0.01), "plane", motion_axes=axes)
+        scores = compare(a, b)
+        assert scores.verdict is verdict
+        told = "plane was not given the floor's motion along y" in scores.verdict_sentence
+        assert told is (verdict is Verdict.PLANE)
+        assert scores.evidence["motion_not_given"] == ({"plane": ["y"]} if told else {})
+    alike = compare(certain(history, "plane", motion_axes=("x",)), b)
+    assert alike.verdict is Verdict.AGREE
+    assert "plane was not given the floor's motion along y" in alike.verdict_sentence
+
+
+def test_a_fall_across_the_plane_parts_two_models_of_the_same_rotation() -> None:
+    history = doubles.rocking()
+    fields: dict[str, Any] = {"outcome": Outcome.OVERTURNED_FRONT, "no_return_time_s": 3.0}
+    plane = certain(history, "plane", motion_axes=("x",))
+    space = certain(history, "space", motion_axes=("x", "y"), **fields)
+    scores = compare(space, plane)
+    assert scores.verdict is Verdict.PLANE
+    assert scores.evidence["exceeded_s"] == 3.0
+    assert compare(replace(space, motion_axes=("x",)), plane).verdict is Verdict.MODEL
+    assert compare(replace(space, reliable_until_s=2.0), plane).verdict is Verdict.UNBOUNDED
+
+
+def test_two_falls_to_different_sides_are_one_outcome() -> None:
+    history = doubles.rocking()
+    a, b = (
+        certain(each, name, 5.0, outcome=outcome, no_return_time_s=6.0)
+        for each, name, outcome in (
+            (doubles.parted(history, 5.5, 0.01), "a", Outcome.OVERTURNED_LEFT),
+            (history, "b", Outcome.OVERTURNED_RIGHT),
+        )
+    )
+    scores = compare(a, b)
+    assert (scores.outcome_agrees, scores.side_agrees) == (True, False)
+    assert scores.evidence["outcome_flips_within_uncertainty"] is False
+    assert scores.evidence["side_flips_within_uncertainty"] is True
+    assert "both overturn, to different sides within the stated uncertainty" in scores.verdict_sentence
+    assert "the outcome flips" not in scores.verdict_sentence
+    standing = compare(a, certain(history, "b"))
+    assert (standing.outcome_agrees, standing.side_agrees) == (False, None)
+
+
+def test_a_horizon_from_elsewhere_counts_as_well() -> None:
+    history = doubles.rocking()
+    a, b = certain(doubles.parted(history, 6.0, 0.01), "a"), certain(history, "b")
+    assert compare(a, b).verdict is Verdict.MODEL
+    assert compare(a, b, horizons_s=(None, 5.0)).verdict is Verdict.HORIZON
+
+
+@pytest.mark.parametrize(
+    ("left_s", "verdict"), [(1.9, Verdict.DOMAIN), (2.5, Verdict.MODEL)], ids=["left before", "left after"]
+)
+def test_leaving_the_domain_explains_only_what_follows(left_s: float, verdict: Verdict) -> None:
+    history = doubles.rocking()
+    validity = {"left_domain_s": left_s, "left_domain_by": "friction of 0.9 needed, 0.5 there"}
+    a = certain(doubles.parted(history, 2.0, 0.01), "a", validity=validity)
+    scores = compare(a, certain(history, "b"))
+    assert scores.verdict is verdict
+    assert ("friction of 0.9 needed" in scores.verdict_sentence) is (verdict is Verdict.DOMAIN)
+
+
+def test_what_came_first_decides_between_horizon_and_domain() -> None:
+    history = doubles.rocking()
+    b = certain(history, "b")
+    parted = doubles.parted(history, 6.0, 0.01)
+    early = certain(parted, "a", 5.0, validity={"left_domain_s": 4.0})
+    late = certain(parted, "a", 4.0, validity={"left_domain_s": 5.0})
+    assert compare(early, b).verdict is Verdict.DOMAIN
+    assert compare(late, b).verdict is Verdict.UNBOUNDED
+    assert compare(late, b, horizons_s=(4.0, None)).verdict is Verdict.HORIZON
+
+
+@pytest.mark.parametrize("outcome", [Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX])
+def test_a_run_that_ends_outside_the_model_left_its_domain(outcome: Outcome) -> None:
+    history = doubles.rocking()
+    run = certain(doubles.truncated(history, 3.0), "a", outcome=outcome)
+    assert left_domain(run) == (3.0, outcome.sentence)
+    assert compare(run, certain(history, "b")).verdict is Verdict.DOMAIN
+
+
+def test_an_outcome_that_flips_within_the_uncertainty_is_flagged() -> None:
+    history = doubles.rocking()
+    fell = certain(history, "a", outcome=Outcome.OVERTURNED_LEFT)
+    scores = compare(fell, certain(history, "b"))
+    assert scores.verdict is Verdict.AGREE
+    assert scores.evidence["outcome_flips_within_uncertainty"] is True
+    beyond = compare(certain(history, "a", 4.0, outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
+    assert beyond.verdict is Verdict.UNBOUNDED
+    assert beyond.evidence["outcome_flips_within_uncertainty"] is True
+    apart = compare(certain(doubles.scaled(history, 2.0), "a", outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
+    assert apart.verdict is Verdict.MODEL
+    assert apart.evidence["outcome_flips_within_uncertainty"] is False
+
+
+@pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
+def test_slip_is_held_against_its_own_uncertainty(apart: float, verdict: Verdict) -> None:
+    """Whatever the rotation's is: here a thousand times the slip's in rad, and a tenth of it."""
+    limit_m = COVERAGE * 2.0 * U_M
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=apart * limit_m)
+    for u_rad in (1e3 * U_M, 0.1 * U_M):
+        known = {"numerical_uncertainty_rad": u_rad, "slip_uncertainty_m": U_M}
+        scores = compare(certain(slid, "a", **known), certain(history, "b", **known))
+        assert scores.verdict is verdict
+        assert scores.evidence["slip_limit_m"] == pytest.approx(limit_m)
+        assert scores.evidence["largest_slip_difference_m"] == pytest.approx(float(np.max(slid.slip_m)))
+        assert scores.numerical_uncertainty["rms_slip_m"] == pytest.approx(2.0 * U_M)
+
+
+def test_a_difference_of_slip_is_told_in_millimetres() -> None:
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
+    scores = compare(certain(slid, "a"), certain(history, "b"))
+    assert scores.verdict is Verdict.MODEL
+    assert scores.evidence["differs_in"] == "slip"
+    assert "their slips more than twice their joint numerical error (0.2 mm) apart" in scores.verdict_sentence
+    assert "rad" not in scores.verdict_sentence
+    turned = compare(certain(doubles.raised(history, 0.01), "a"), certain(history, "b"))
+    assert turned.evidence["differs_in"] == "rotation"
+    assert "(0.0004 rad) apart" in turned.verdict_sentence
+
+
+def test_a_slip_s_error_that_is_not_stated_is_said() -> None:
+    history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
+    scores = compare(certain(slid, "a", slip_uncertainty_m=None), certain(history, "b"))
+    assert "numerical error of the slip of a not stated: taken as zero" in scores.verdict_sentence
+
+
+def test_an_unstated_error_is_said() -> None:
+    history = doubles.rocking()
+    a = doubles.run_of(doubles.raised(history, 1e-3), "other")
+    assert "numerical error of other not stated" in compare(a, certain(history, "b")).verdict_sentence
+
+
+@pytest.mark.parametrize(
+    ("peak_s", "verdict"), [(2.9, Verdict.MODEL), (3.1, Verdict.UNBOUNDED)], ids=["before", "after"]
+)
+def test_without_histories_the_larger_peak_s_time_tells_when_they_parted(peak_s: float, verdict: Verdict) -> None:
+    """θ_b never exceeds its own peak, so where the larger peak is reached the two are apart by the difference of the peaks."""
+    certain_to_3 = {"numerical_uncertainty_rad": U_RAD, "reliable_until_s": 3.0}
+    a = doubles.run_of(None, "a", peak_theta_rad=0.2, peak_time_s=peak_s, **certain_to_3)
+    b = doubles.run_of(None, "b", peak_theta_rad=0.1, peak_time_s=1.0, **certain_to_3)
+    assert compare(a, b).verdict is verdict
+    assert compare(b, a).verdict is verdict
+
+
+def test_shares_of_all_verdicts_sum_to_one() -> None:
+    found = shares([Verdict.AGREE, Verdict.AGREE, Verdict.MODEL, Verdict.HORIZON])
+    assert found == {
+        "agree within numerical error": 0.5,
+        "differ: model": 0.25,
+        "differ: beyond the horizon": 0.25,
+        "differ: the model left its domain": 0.0,
+        "differ: the plane left out": 0.0,
+        "differ: numerical error not bounded": 0.0,
+    }
+    assert math.isclose(sum(found.values()), 1.0)
+    assert set(shares([]).values()) == {0.0}

@@ -1,0 +1,115 @@
+"""A client of Bullet is kept from run to run, and no run sees it: the same bits whatever ran before, failed, or runs beside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pybullet
+import pytest
+
+from analytic.excitation import Harmonic
+from harness.engines.pybullet import client
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
+from tests.scenes_for_tests import paestum
+
+CASES: dict[str, tuple[Scene, Want]] = {
+    "floor": (paestum(0.429, 3.0, pedestal=False, duration_s=0.4), Want()),
+    "pedestal": (paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.55), Want()),
+    "whole": (paestum(0.429, 3.0, duration_s=0.4), WHOLE),
+    "full shape": (paestum(0.334, 3.0, duration_s=0.3), NOTHING_SKIPPED),
+}
+
+
+def run(name: str) -> Run:
+    case, want = CASES[name]
+    return bullet(case, 1e-3, want)
+
+
+def bits(result: Run) -> bytes:
+    assert result.history is not None
+    return b"".join(np.ascontiguousarray(values).tobytes() for values in result.history.columns().values())
+
+
+def forget() -> None:
+    """End every kept client."""
+    while client._idle:
+        pybullet.disconnect(client._idle.pop()[1])
+
+
+@pytest.fixture(scope="module")
+def alone() -> Iterator[dict[str, bytes]]:
+    """What each case gives in a client of its own."""
+    found = {}
+    for name in CASES:
+        forget()
+        found[name] = bits(run(name))
+    yield found
+    forget()
+
+
+@pytest.mark.parametrize(
+    "order", [("floor", "pedestal", "whole", "full shape"), ("full shape", "whole", "pedestal", "floor")]
+)
+def test_a_kept_client_gives_the_bits_of_a_new_one(alone: dict[str, bytes], order: tuple[str, ...]) -> None:
+    odd = paestum(0.6, 2.0, duration_s=0.05)
+    for name in (*order, *order):
+        bullet(odd, 5e-4, reach=2e-2, erp=0.5, iterations=7, cone_friction=False, reversed_bodies=True)
+        assert bits(run(name)) == alone[name], name
+    assert len(client._idle) == 1, "no client was kept: nothing was shown"
+
+
+def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
+    case, want = CASES["pedestal"]
+    run("floor")
+    before = list(client._idle)
+
+    def fails(t_s: float, theta_rad: float) -> bool:
+        raise ArithmeticError("stopped from outside")
+
+    with pytest.raises(ArithmeticError):
+        bullet(case, 1e-3, replace(want, stop=fails))
+    assert client._idle == before[:-1]
+    assert not pybullet.isConnected(before[-1][1])
+    assert bits(run("pedestal")) == alone["pedestal"]
+
+
+def test_a_run_inside_a_run_and_runs_in_threads_do_not_meet(alone: dict[str, bytes]) -> None:
+    case, want = CASES["pedestal"]
+    inner: list[bytes] = []
+
+    def looks(t_s: float, theta_rad: float) -> bool:
+        if not inner:
+            inner.append(bits(run("floor")))
+        return False
+
+    assert bits(bullet(case, 1e-3, replace(want, stop=looks))) == alone["pedestal"]
+    assert inner == [alone["floor"]]
+    with ThreadPoolExecutor(3) as pool:
+        names = list(CASES) * 2
+        assert list(pool.map(lambda name: bits(run(name)) == alone[name], names)) == [True] * len(names)
+    assert len(client._idle) <= client.MOST_IDLE
+
+
+def test_a_forked_process_leaves_its_parents_clients_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    forget()
+    client.give_back(client.take(), sound=True)
+    kept = client._idle[0][1]
+    monkeypatch.setattr(client.os, "getpid", lambda: -1)
+    other = client.take()
+    assert other != kept
+    pybullet.disconnect(other)
+    pybullet.disconnect(kept)
+
+
+def test_a_table_that_moves_under_a_kept_client() -> None:
+    case = paestum(0.3, 3.0, duration_s=0.2).but(table="moving")
+    case = case.but(shake=replace(case.shake, z=Harmonic(1.0, 5.0)))
+    first = bits(bullet(case, 1e-3))
+    run("floor")
+    assert bits(bullet(case, 1e-3)) == first

@@ -1,0 +1,135 @@
+"""pybullet's errors fall faster than the step, through impacts, on any step, in half of the scene and in all of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness.bench.coverage import random_scene
+from harness.bench.standard_scenes import standard_set
+from harness.engines import load
+from harness.model.options import Want
+from harness.model.scene import Scene, Shake
+from tests import budgets_bullet as budget
+from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet, exact
+from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
+
+pytest.importorskip("pybullet")
+
+HALF = Want()
+COARSEST_S = 4e-3
+
+
+def error(on: Scene, dt_s: float, want: Want = HALF) -> float:
+    found, truth = bullet(on, dt_s, want), exact(on)
+    assert found.history is not None
+    assert truth.history is not None
+    times = np.linspace(0.0, min(found.end_s, truth.end_s), 500)
+    return float(np.max(np.abs(found.history.at(times) - truth.history.at(times))))
+
+
+def free_rocking(duration_s: float = 2.0) -> Scene:
+    return scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=duration_s)
+
+
+@pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
+def test_four_impacts_leave_no_error_of_first_order(want: Want) -> None:
+    errors = [error(free_rocking(), dt_s, want) for dt_s in (4e-3, 1e-3)]
+    assert errors[0] <= budget.FREE_ROCKING_COARSE_RAD
+    assert math.log(errors[0] / errors[1], 4.0) >= budget.ORDER_WITH_IMPACTS
+
+
+@pytest.mark.parametrize("dt_s", [4.3e-3, 2.6e-3, 1.7e-3, 1.3e-3])
+def test_impacts_may_fall_anywhere_in_a_step(dt_s: float) -> None:
+    assert error(free_rocking(), dt_s) <= budget.FREE_ROCKING_RAD * (dt_s / 1e-3) ** budget.ORDER_WITH_IMPACTS
+
+
+def test_a_standing_foot_stays_where_it_stands() -> None:
+    # Each step takes it along the tangent of its circle, half a step's turning off its place: back again in the next.
+    on = scene(rectangle(0.2, 1.0), theta_rad=0.0987, duration_s=0.3)
+    run = bullet(on, 4e-3)
+    assert run.history is not None
+    assert np.max(np.abs(run.history.columns()["statue_slip_m"])) <= budget.STANDING_M
+
+
+def test_a_sliding_foot_has_no_place_to_come_back_to() -> None:
+    friction, motion = 0.1, Harmonic(0.4 * GRAVITY_M_S2, 2.0)
+    on = scene(rectangle(0.2, 1.0), motion, mu_statue=friction, duration_s=1.0)
+    run = bullet(on, 2.5e-4)
+    assert run.history is not None
+    slip_m = run.history.columns()["statue_slip_m"][-1]
+    assert slip_m == pytest.approx(newmark_m(motion, friction, 1.0), rel=budget.SLIDING_REL)
+
+
+@pytest.mark.parametrize("pedestal", [True, False], ids=["pedestal", "floor"])
+def test_a_rung_errs_by_what_it_states_at_most(pedestal: bool) -> None:
+    on = paestum(0.334, 3.0, pedestal=pedestal, mu=(0.20, 0.15))
+    for rung in load("pybullet").ladder(on)[:3]:
+        worst = max(error(on, rung.dt_s, want) for want in (HALF, WHOLE))
+        assert worst <= rung.expected_error_rad
+        if rung.dt_s == COARSEST_S:
+            assert rung.expected_error_rad <= budget.STATED_OVER * worst
+
+
+@pytest.mark.parametrize(
+    "on",
+    [paestum(), paestum(pedestal=False), replace(paestum(), shake=Shake(y=Harmonic(1.0, 2.0)))],
+    ids=["pedestal", "floor", "across"],
+)
+def test_finer_rungs_and_probes_state_no_more(on: Scene) -> None:
+    engine = load("pybullet")
+    ladder = engine.ladder(on)
+    assert all(coarse.expected_error_rad >= fine.expected_error_rad for coarse, fine in pairwise(ladder))
+    # A probe has a little less than half the step of its rung.
+    states = [engine.probes(on, rung)[0].expected_error_rad for rung in ladder]
+    assert states == [
+        *(rung.expected_error_rad for rung in ladder[1:-1]),
+        *(rung.expected_error_rad for rung in ladder[-2:]),
+    ]
+
+
+def test_many_vertices_let_go_at_once(data_dir: Path) -> None:
+    # A scan stands on seventeen vertices of one plane: where those that have left stay contacts, sweeps do not reach the end.
+    assert data_dir.is_dir()
+    on = next(item for item in standard_set() if item.name.endswith("planar")).scene()
+    rough, fine = (bullet(on, dt_s).history for dt_s in (4e-3, 5e-4))
+    assert rough is not None
+    assert fine is not None
+    assert np.max(np.abs(rough.theta_rad - fine.at(rough.t_s))) <= budget.SCAN_UPLIFT_RAD
+
+
+@pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
+def test_static_friction_gives_way_inside_a_step(want: Want) -> None:
+    # From rest to the first slip: a step that is wholly static or wholly kinetic is off by up to (μ_s − μ_k) g times the step.
+    on = paestum(0.334, 2.0, mu=(0.20, 0.15), duration_s=0.2)
+    truth = exact(on)
+    for dt_s in (2e-3, 1e-3):
+        run = bullet(on, dt_s, want)
+        assert run.work["repeated_steps"] == 1
+        assert apart(run, truth, "slip_m") <= budget.RELEASE_M
+
+
+def test_friction_just_below_its_limit_holds() -> None:
+    # The force that holds the pedestal is within 0.2 % of its limit for ten steps: until it has passed it, it holds.
+    on = replace(random_scene(19_040), duration_s=0.25)
+    truth = exact(on)
+    for dt_s in (1e-3, 1.1e-4):
+        assert apart(bullet(on, dt_s), truth, "slip_m") <= budget.RELEASE_M
+
+
+def newmark_m(motion: Harmonic, friction: float, duration_s: float, steps: int = 20_000) -> float:
+    """Displacement of a sliding block on its support at the end, by steps in which friction may at most stop it."""
+    dt_s = duration_s / steps
+    table_m_s = motion.velocity_m_s(np.linspace(0.0, duration_s, steps + 1))
+    lost_m_s, rate_m_s, slip_m = friction * GRAVITY_M_S2 * dt_s, 0.0, 0.0
+    for pushed_m_s in -np.diff(table_m_s):
+        free_m_s = rate_m_s + float(pushed_m_s)
+        rate_m_s = math.copysign(max(abs(free_m_s) - lost_m_s, 0.0), free_m_s)
+        slip_m += rate_m_s * dt_s
+    return slip_m

@@ -1,0 +1,157 @@
+"""The analytic model behind the engine contract: every wish, label, limit and form reaches the run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import analytic
+from analytic import Harmonic, Pulse, Record
+from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
+from harness.engines.base import EngineFailure, Settings
+from harness.model.history import Outcome
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Form, Scene, Shake, Wall
+from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, scene
+
+ENGINE = TwoBlock()
+EVERYTHING = Want(skips=frozenset())
+
+
+def run(each: Scene, want: Want = EVERYTHING, settings: Settings | None = None) -> Run:
+    return ENGINE.simulate(each, settings or ENGINE.ladder(each)[1], want)
+
+
+def test_it_is_always_there_and_its_ladder_aims_finer_and_finer() -> None:
+    assert ENGINE.missing() is None
+    each = paestum()
+    errors = [rung.expected_error_rad for rung in ENGINE.ladder(each)]
+    assert tuple(errors) == ACCURACIES_RAD
+    assert ENGINE.settings_for_dt(each, 0.005).dt_s == 0.005
+
+
+def test_it_gives_what_the_library_gives() -> None:
+    each = paestum(mu=(0.20, 0.15))
+    ours = run(each)
+    theirs = analytic.simulate(
+        block_of(each), each.shake.x, dt_s=each.output_dt_s, accuracy_rad=ACCURACIES_RAD[1], **keywords(each)
+    )
+    assert ours.history is not None
+    assert np.array_equal(ours.history.theta_rad, theirs.theta_rad)
+    assert np.array_equal(ours.history.slip_m, theirs.slip_m)
+    assert ours.impact_times_s == tuple(theirs.impact_times_s)
+    assert ours.validity["energy_lost_j"] == theirs.energy_lost_j
+
+
+def test_probes_are_finer_and_agree_within_what_is_stated() -> None:
+    each = paestum(duration_s=0.8)
+    first = ENGINE.ladder(each)[1]
+    base = run(each, settings=first)
+    finer, shorter = (run(each, settings=probe) for probe in ENGINE.probes(each, first))
+    assert base.numerical_uncertainty_rad is not None
+    for probe in (finer, shorter):
+        assert probe.history is not None
+        assert base.history is not None
+        assert np.max(np.abs(probe.history.theta_rad - base.history.theta_rad)) <= base.numerical_uncertainty_rad
+    assert shorter.steps > base.steps
+
+
+def test_an_outcome_keeps_no_history_and_is_the_same() -> None:
+    each = paestum(0.429, 1.5, duration_s=3.0)
+    whole, short = run(each), run(each, Want(history=False))
+    assert short.history is None
+    assert short.outcome is whole.outcome
+    assert short.overturn_time_s == pytest.approx(whole.overturn_time_s, abs=1e-9)
+    assert any("No history" in sentence for sentence in short.skipped)
+
+
+def test_what_is_skipped_is_told_and_changes_nothing() -> None:
+    t_s = np.arange(101) * 0.01
+    accel_m_s2 = np.where(t_s > 0.5, 0.3 * GRAVITY_M_S2 * np.sin(20.0 * (t_s - 0.5)), 0.01)
+    each = paestum().but(shake=Shake(x=Record(t_s, accel_m_s2)))
+    lazy, eager = run(each, Want()), run(each)
+    assert len(lazy.skipped) > len(eager.skipped)
+    assert lazy.steps < eager.steps
+    assert lazy.history is not None
+    assert eager.history is not None
+    assert np.array_equal(lazy.history.theta_rad, eager.history.theta_rad)
+
+
+def test_the_energy_decides_once_the_motion_is_over() -> None:
+    each = paestum(pedestal=False, duration_s=20.0).but(shake=Shake(x=Pulse("one_sine", 4.0, 0.4)))
+    asked, told = Want(history=False), "from the energy alone"
+    lazy, eager = run(each, asked), run(each, Want(history=False, skips=frozenset()))
+    assert any(told in sentence for sentence in lazy.skipped)
+    assert not any(told in sentence for sentence in eager.skipped)
+    assert lazy.outcome is eager.outcome
+    assert lazy.steps < eager.steps
+
+
+def test_vertical_motion_reaches_the_run_and_can_lift_it_off() -> None:
+    each = paestum(0.3, 2.0)
+    plain = run(each)
+    shaken = run(each.but(shake=replace(each.shake, z=Harmonic(3.0, 5.0))))
+    assert shaken.peak_theta_rad != plain.peak_theta_rad
+    flown = run(each.but(shake=replace(each.shake, z=Harmonic(1.2 * GRAVITY_M_S2, 2.0))))
+    assert flown.outcome is Outcome.LIFT_OFF
+    assert flown.end_s < each.duration_s
+
+
+def test_motion_across_the_plane_is_left_out_and_told() -> None:
+    each = paestum()
+    across = run(each.but(shake=replace(each.shake, y=Harmonic(2.0, 2.0))))
+    assert any("planar" in sentence for sentence in across.warnings)
+    assert across.peak_theta_rad == run(each).peak_theta_rad
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_wall_ends_the_run(side: str) -> None:
+    tilt = 0.05 if side == "right" else -0.3
+    rate = 0.5 if side == "right" else -1.5
+    each = scene(PAESTUM, theta_rad=tilt, theta_rate_rad_s=rate, wall=Wall(side, 0.55), duration_s=2.0)  # type: ignore[arg-type]
+    found = run(each)
+    assert found.outcome is Outcome.TOUCHES_WALL
+    assert each.wall_rotation_rad is not None
+    assert found.peak_theta_rad == pytest.approx(each.wall_rotation_rad, abs=1e-9)
+
+
+def test_both_preset_forms_reach_the_model() -> None:
+    mu = (0.20, 0.15)
+    consistent = paestum(0.429, 4.5, mu=mu, duration_s=4.0)
+    paper = paestum(0.429, 4.5, mu=mu, restitution=0.875, form=Form("static", "unchanged"), duration_s=4.0)
+    assert keywords(consistent)["form"] == analytic.Form()
+    assert keywords(paper)["form"] == analytic.Form.paper(0.875)
+    ours, theirs = run(consistent), run(paper)
+    assert ours.validity["energy_gained_j"] == 0.0
+    assert theirs.validity["energy_gained_j"] > 0.0
+    assert any("gained" in sentence for sentence in theirs.warnings)
+    ratios = theirs.validity["impact_ratios"]
+    kept = [ratio for ratio in ratios if ratio != 0.0]
+    assert kept
+    assert kept == pytest.approx([0.875] * len(kept), rel=1e-12)
+
+
+def test_limits_of_the_model_are_reported_with_the_run() -> None:
+    with_pedestal, bare = run(paestum()), run(paestum(pedestal=False))
+    assert "pedestal_tipping_margin_m" in with_pedestal.validity
+    assert "pedestal_tipping_margin_m" not in bare.validity
+    assert bare.validity["peak_over_slenderness"] > 0.0
+    smooth = scene(PAESTUM, Harmonic(0.429 * GRAVITY_M_S2, 3.0), pedestal=PAESTUM_PEDESTAL, mu_statue=0.1)
+    left = run(smooth)
+    assert left.validity["left_domain_s"] is not None
+    assert any("outside the model's domain" in sentence for sentence in left.warnings)
+
+
+def test_what_the_library_refuses_is_an_engine_failure_in_its_words() -> None:
+    each = paestum()
+    beyond = each.but(initial=replace(each.initial, theta_rad=1.6))
+    with pytest.raises(EngineFailure, match="theta0_rad"):
+        run(beyond)
+
+
+def test_settings_of_another_engine_mean_the_finest() -> None:
+    assert run(paestum(duration_s=0.3), settings=Settings(1e-3, 1e-9)).settings["accuracy_rad"] == ACCURACIES_RAD[-1]
+    assert run(paestum(duration_s=0.3), settings=TwoBlockSettings(0.0, 1e-9, 1e-9)).settings["accuracy_rad"] == 1e-9

@@ -1,0 +1,32 @@
+"""Rocking in swings of a few milliseconds: steps longer than these must follow it, and it must come to rest in finite work."""
+
+from __future__ import annotations
+
+import pytest
+
+from harness.bench.micro_rocking import rows
+from harness.engines.base import Engine
+from harness.engines.pybullet.adapter import Bullet3D
+from harness.engines.pymunk import Munk2D
+from harness.model.options import Want
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import rectangle, scene
+
+ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)
+
+
+@ENGINES
+@pytest.mark.parametrize("seed", [10129, 20399, 20809, 20866])
+def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(engine: Engine, seed: int) -> None:
+    for row in rows(engine, [seed], [1e-3]):
+        assert row["sensitive_rad"] < 1e-5, "the scene itself is sensitive"
+        assert row["error_rad"][1e-3] <= budget.RATTLE_RAD
+
+
+@ENGINES
+def test_ever_shorter_swings_end_in_finite_work(engine: Engine) -> None:
+    on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
+    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), Want(skips=frozenset()))
+    assert run.history is not None
+    assert abs(run.history.theta_rad[-1]) <= budget.RATTLED_OUT_RAD
+    assert run.steps <= budget.RATTLED_OUT_STEPS * 500

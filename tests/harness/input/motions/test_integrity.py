@@ -1,0 +1,142 @@
+"""Damaged, mislabelled and doubtful files: refused with the line, or said."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.input.motions.readers import read_record
+from harness.model.errors import InputError
+from tests.harness.input.motions import writers
+from tests.harness.input.motions.writers import wave
+
+
+def csv(path: Path, accel: writers.Floats, t_s: writers.Floats | None = None, header: str = "t_s,a_UP_ms2") -> Path:
+    t_s = 0.01 * np.arange(accel.size) if t_s is None else t_s
+    path.write_text("\n".join([header, *(f"{t:.9g},{a:.9g}" for t, a in zip(t_s, accel, strict=True))]) + "\n")
+    return path
+
+
+def _line(number: int, text: str) -> Callable[[list[str]], list[str]]:
+    return lambda lines: [*lines[: number - 1], text, *lines[number:]]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (_line(50, "0.48,nan"), "line 50, a_UP_ms2: wanted a finite number"),
+        (_line(50, "0.48,"), "line 50, a_UP_ms2: wanted a finite number"),
+        (_line(50, "0.48"), "line 50: wanted 2 columns, got 1"),
+        (_line(50, "0,48;1,0"), "line 50, t_s: wanted a finite number"),
+        (_line(50, "0.47,1.0"), "line 50: wanted increasing times"),
+        (_line(50, "0.10,1.0"), "line 50: wanted increasing times"),
+        (lambda lines: [*lines[:60], *lines[90:]], "a gap of 0.31 s from 0.58 s"),
+        (lambda lines: [*lines[:-1], "1.9"], "the file is cut off"),
+        (lambda lines: lines[:2], "two samples or more"),
+        (lambda lines: [lines[0].replace("_ms2", ""), *lines[1:]], "wanted an acceleration unit"),
+        (lambda lines: [lines[0].replace("t_s", "x"), *lines[1:]], "a column of times"),
+        (lambda lines: [lines[0], *(f"{line.split(',')[0]},0" for line in lines[1:])], "nothing but zeros"),
+        (lambda lines: [""], "an empty file"),
+        (lambda lines: ["some words", "and more"], "wanted one of GeoNet V2A"),
+    ],
+)  # fmt: skip
+def test_a_damaged_csv_is_refused(tmp_path: Path, change: Callable[[list[str]], list[str]], said: str) -> None:
+    path = csv(tmp_path / "a.csv", wave(200))
+    assert read_record(path).channels[0].accel_m_s2.size == 200
+    path.write_text("\n".join(change(path.read_text().splitlines())))
+    with pytest.raises(InputError) as error:
+        read_record(path)
+    assert said in str(error.value)
+    assert str(path) in str(error.value)
+
+
+def test_three_hundred_g_names_the_likely_unit(tmp_path: Path) -> None:
+    path = csv(tmp_path / "a.csv", wave(peak_m_s2=300.0), header="t_s,a_UP_g")
+    with pytest.raises(InputError, match=r"got 300 g in g — the unit may be cm/s2 \(0\.306 g\) or mm/s2"):
+        read_record(path)
+    limit = csv(tmp_path / "b.csv", wave(peak_m_s2=9.99), header="t_s,a_UP_g")
+    assert read_record(limit).unit == "g"
+
+
+def test_a_unit_that_contradicts_the_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="leave unit out"):
+        read_record(csv(tmp_path / "a.csv", wave()), unit="g")
+    with pytest.raises(InputError, match="the unit of a PEER AT2 file, g"):
+        read_record(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP"), unit="m/s2")
+
+
+@pytest.mark.parametrize(
+    ("accel", "said"),
+    [
+        (wave(peak_m_s2=0.001), "very small"),
+        (wave(400)[:150], "ends while shaking"),
+        (wave(400)[150:], "begins while shaking"),
+        (np.where((np.arange(400) > 180) & (np.arange(400) < 200), 0.5, wave(400)), "constant over 0.18 s"),
+    ],
+)
+def test_doubtful_records_are_said(tmp_path: Path, accel: writers.Floats, said: str) -> None:
+    found = read_record(csv(tmp_path / "a.csv", accel)).warnings
+    assert any(said in warning for warning in found), found
+    assert read_record(csv(tmp_path / "b.csv", wave(400))).warnings == ()
+
+
+def test_uneven_steps_are_said_and_evened(tmp_path: Path) -> None:
+    t_s = np.sort(np.concatenate([0.01 * np.arange(200), [0.505, 0.605]]))
+    accel = np.interp(t_s, 0.01 * np.arange(200), wave(200))
+    record = read_record(csv(tmp_path / "a.csv", accel, t_s))
+    assert any("uneven steps" in warning for warning in record.warnings)
+    assert record.channels[0].dt_s == pytest.approx(0.005)
+    np.testing.assert_allclose(record.channels[0].accel_m_s2[::2], wave(200), atol=1e-8)
+
+
+def test_times_of_few_digits_are_not_uneven(tmp_path: Path) -> None:
+    t_s = np.round(np.arange(400) / 200.0, 4)
+    record = read_record(csv(tmp_path / "a.csv", wave(400, 0.005), t_s))
+    assert record.warnings == ()
+
+
+@pytest.mark.parametrize("lost", [1, 60])
+def test_cut_files_are_refused(tmp_path: Path, lost: int) -> None:
+    at2 = writers.at2(tmp_path / "a.AT2", wave(800), 0.01, "UP")
+    at2.write_text("\n".join(at2.read_text().split("\n")[: -1 - lost]))
+    smc = writers.smc(tmp_path / "a.smc", wave(800), 100.0, 0, 0, 200.0)
+    smc.write_text("\n".join(smc.read_text().split("\n")[: -1 - lost]))
+    esm = writers.esm(tmp_path / "a.ASC", wave(200), 0.01, "HNE", "20190728_160919.870")
+    esm.write_text("\n".join(esm.read_text().split("\n")[: -1 - lost]))
+    cosmos = writers.cosmos(tmp_path / "a.V2", [(wave(800), 90)], 0.01, milliseconds=False)
+    cosmos.write_text("\n".join(cosmos.read_text().split("\n")[: -2 - lost]))
+    for path in (at2, smc, esm, cosmos):
+        with pytest.raises(InputError, match="cut off"):
+            read_record(path)
+
+
+def test_a_cut_gzip_and_binary_data_are_refused(tmp_path: Path) -> None:
+    whole = gzip.compress(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP").read_bytes())
+    (tmp_path / "cut.gz").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match="does not unpack"):
+        read_record(tmp_path / "cut.gz")
+    (tmp_path / "binary").write_bytes(bytes(range(256)))
+    with pytest.raises(InputError, match="a text file"):
+        read_record(tmp_path / "binary")
+
+
+def test_a_header_that_claims_another_peak_is_said(tmp_path: Path) -> None:
+    accel = wave(333, peak_m_s2=3.0)
+    accel = accel if accel.max() == np.abs(accel).max() else -accel
+    true = read_record(writers.smc(tmp_path / "a.smc", accel, 100.0, 0, 0, 300.0))
+    assert not any("header says" in warning for warning in true.warnings)
+    false = read_record(writers.smc(tmp_path / "b.smc", accel, 100.0, 0, 0, 310.0))
+    assert any("header says 3.1 m/s²" in warning for warning in false.warnings)
+
+
+def test_the_last_whole_originals_line_matters(data_dir: Path, tmp_path: Path) -> None:
+    for name in ("20161113_110259_WTMC_20.V2A.gz", "ce36456p_CE36456.V2.gz"):
+        lines = gzip.decompress((data_dir / "records" / name).read_bytes()).decode().splitlines()
+        cut = tmp_path / name.removesuffix(".gz")
+        cut.write_text("\n".join(lines[:400]))
+        with pytest.raises(InputError, match="cut off"):
+            read_record(cut)

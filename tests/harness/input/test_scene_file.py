@@ -1,0 +1,124 @@
+"""From a scene file to plain numbers: what is assumed is said, what is compared is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from harness.bench.fuzz.originals import SCENE, prepare
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError
+from tests.harness.input.test_tables import GOOD
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(text)
+    return path
+
+
+def test_what_is_assumed_is_said(tmp_path: Path) -> None:
+    scene = load_scene(written(tmp_path, GOOD))
+    assert scene.statue.height_m == 1.0
+    assert any("twice the centroid's height" in note for note in scene.notes)
+    assert any("base's width" in note for note in scene.notes)
+    assert any("no pedestal" in note for note in scene.notes)
+
+
+def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
+    motion = "[motion.x]\nkind = 'harmonic'\namplitude_g = 0.25\nfrequency_hz = 1.0\n"
+    scene = load_scene(written(tmp_path, GOOD + motion))
+    assert scene.shake.x.peak_m_s2 == 0.25 * 9.81
+    weak = load_scene(written(tmp_path, GOOD + motion), ["gravity_m_s2=4.0"])
+    assert weak.shake.x.peak_m_s2 == 1.0
+
+
+def test_the_papers_preset_is_its_two_choices(tmp_path: Path) -> None:
+    scene = load_scene(
+        written(tmp_path, GOOD + "[model]\npreset = 'paper'\n[contact]\nrestitution = 0.85\n"),
+        ["model.friction_normal='dynamic'"],
+    )
+    assert (scene.form.friction_normal, scene.form.pedestal_at_impact) == ("dynamic", "unchanged")
+    assert scene.contact.restitution == 0.85
+
+
+def test_an_inertia_that_no_body_of_that_size_has_is_refused(tmp_path: Path) -> None:
+    scene = tmp_path / "s.toml"
+    scene.write_text(GOOD, encoding="utf-8")
+    with pytest.raises(InputError, match=r"statue\.inertia_kg_m2: wanted at most 400 "):
+        load_scene(scene, ["statue.inertia_kg_m2=400.1"])  # m (2 H)² with H = 1 m, twice the centroid's height
+    assert load_scene(scene, ["statue.inertia_kg_m2=399.9"]).statue.inertia_kg_m2 == 399.9
+
+
+def test_a_pedestal_must_carry_the_whole_base(tmp_path: Path) -> None:
+    pedestal = "[pedestal]\nmass_kg = 1.0\nwidth_m = 0.1\ndepth_m = 1.0\nheight_m = 0.1\n"
+    with pytest.raises(InputError, match="under the whole base"):
+        load_scene(written(tmp_path, GOOD + pedestal))
+    with pytest.raises(InputError, match="under the whole base"):
+        load_scene(written(tmp_path, GOOD + pedestal), ["pedestal.width_m=0.3", "pedestal.offset_m=0.2"])
+
+
+def test_a_mesh_is_compared_with_the_survey(root: Path) -> None:
+    scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.centroid_height_m=0.80"])
+    assert any("centroid_height_m = 0.8 differs from 0.774" in note for note in scene.notes)
+    assert any("corner_left_m = 0.3585 agrees with" in note for note in scene.notes)
+    assert scene.statue.solid is not None
+
+
+def test_a_weighed_mass_gives_the_density(root: Path) -> None:
+    scene = load_scene(root / "scenes" / "paestum_floor.toml", ["statue.mass_kg=750.0"])
+    assert scene.statue.mass_kg == pytest.approx(750.0, rel=1e-12)  # the density is solved from it: one division
+    assert any("density_kg_m3 = 2700 differs" in note for note in scene.notes)
+
+
+@pytest.mark.parametrize(
+    ("override", "key"),
+    [
+        ("statue.mesh.file='none.ply'", "statue.mesh.file"),
+        ("statue.mesh.density_kg_m3=none", "statue.mesh.density_kg_m3"),
+        ("motion.x={kind='record', file='none.csv', column='a'}", "motion.x"),
+    ],
+)
+def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_scene(root / "scenes" / "paestum_floor.toml", [override])
+    assert any(mistake.key.startswith(key) for mistake in caught.value.mistakes), str(caught.value)
+
+
+def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
+    from harness.effects3d.file import asked, load_effects
+    from harness.studies.cases import base_of, expand
+    from harness.studies.file import load_study
+
+    for path in sorted((root / "scenes").glob("*.toml")):
+        if asked(path):
+            study = load_effects(path)
+            assert load_scene(path.parent / study.scene).statue.solid is not None
+        elif "\nscene = " in path.read_text():
+            study = load_study(path)
+            assert next(iter(expand(study, base_of(study, path)))).number == 0
+        else:
+            assert load_scene(path).statue.mass_kg > 0.0
+
+
+UNKNOWN_KEYS = (
+    ("title =", "Title =", "Title", "did you mean title?"),
+    ("[wall]", "[record]", "record", ""),
+    ("mass_kg = 707", "Mass_kg = 707", "statue.Mass_kg", "did you mean mass_kg?"),
+    ("amplitude_g", "list_g", "motion.z.list_g", ""),
+)
+"""Keys that look like what the validator adds of its own: names of types, tags of unions."""
+
+
+@pytest.mark.parametrize(("old", "new", "key", "near"), UNKNOWN_KEYS)
+def test_an_unknown_key_is_named_whatever_it_looks_like(
+    tmp_path: Path, old: str, new: str, key: str, near: str
+) -> None:
+    prepare(tmp_path)
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.decode().replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as found:
+        load_scene(path)
+    told = [item for item in found.value.mistakes if item.got == "an unknown key"]
+    assert [(item.key, item.advice) for item in told] == [(key, near)]

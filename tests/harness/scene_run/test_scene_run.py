@@ -1,0 +1,124 @@
+"""Engines beside each other give what they give alone; a failure is a recorded outcome of its own engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from threading import Event
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic
+from harness import engines
+from harness.accuracy.simulation import check_target, simulate
+from harness.cli import summary
+from harness.comparison.verdict import Verdict
+from harness.engines.base import Engine
+from harness.model.errors import InputError
+from harness.model.history import Outcome
+from harness.model.options import Want
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.scene_run import confirmation as confirm
+from harness.scene_run import scene_run as run
+from harness.scene_run.scene_run import run_scene, write_result
+from tests import doubles
+from tests.scenes_for_tests import paestum
+
+
+@pytest.mark.skipif(engines.load("pybullet").missing() is not None, reason="pybullet is not installed here")
+def test_a_process_of_its_own_changes_no_result() -> None:
+    scene = paestum(0.3, 2.0, pedestal=False)
+    alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3)
+    apart = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True)
+    for name in ("analytic", "pybullet"):
+        a, b = alone.runs[name].history, apart.runs[name].history
+        assert a is not None
+        assert b is not None
+        assert np.array_equal(a.theta_rad, b.theta_rad)
+    assert list(apart.runs) == list(alone.runs)
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
+    scene = paestum(0.3, 2.0, pedestal=False, duration_s=0.3)
+    shaken = scene.but(shake=replace(scene.shake, y=Harmonic(2.0, 3.0))) if across else scene
+    result = run_scene(shaken, ["analytic", "pymunk", "pybullet"], dt_s=1e-3)
+    given = {name: tuple(run.motion_axes or ()) for name, run in result.runs.items() if not run.outcome.failed}
+    assert given.pop("pybullet", ("x", "y")) == (("x", "y") if across else ("x",))
+    assert given == {"analytic": ("x",), "pymunk": ("x",)}
+    assert result.as_dict()["runs"]["analytic"]["motion_axes"] == ["x"]
+    assert ("given unlike motions" in summary(result)) is (across and "pybullet" in result.runs)
+
+
+def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    awaited, said = Event(), []
+
+    def slow(name: str, *given: object) -> Run:
+        assert awaited.wait(10.0), "nobody said what is still at work"
+        return simulate(scene, "analytic")
+
+    def told(words: str) -> None:
+        said.append(words)
+        if words == "pybullet, still":
+            awaited.set()
+
+    scene = paestum(0.3, 2.0, pedestal=False)
+    monkeypatch.setattr(run, "_apart", slow)
+    run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, told=told)
+    assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
+
+
+def test_an_engine_that_is_not_here_is_an_outcome(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(type(engines.load("pymunk")), "missing", lambda self: "pymunk is not installed")
+    result = run_scene(paestum(0.1, 2.0), ["analytic", "pymunk"])
+    assert result.failed
+    assert result.runs["pymunk"].outcome is Outcome.UNAVAILABLE
+    assert result.scores == {}
+    write_result(result, tmp_path / "out")
+    assert not (tmp_path / "out" / "history_pymunk.csv").exists()
+
+
+def test_an_old_result_is_replaced_whole(tmp_path: Path) -> None:
+    scene = paestum(0.1, 2.0)
+    write_result(run_scene(scene, ["analytic", "pymunk"]), tmp_path)
+    write_result(run_scene(scene, ["analytic"]), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["history_analytic.csv", "result.json"]
+
+
+@pytest.mark.parametrize(("accuracy", "dt"), [(1e-3, 1e-3), (0.0, None), (1.0, None), (None, 0.0), (None, 1.0)])
+def test_a_target_out_of_range_is_a_mistake(accuracy: float | None, dt: float | None) -> None:
+    with pytest.raises(InputError, match="wanted"):
+        check_target(accuracy, dt)
+
+
+def test_an_unknown_engine_names_the_nearest() -> None:
+    with pytest.raises(InputError, match="did you mean pymunk"):
+        simulate(paestum(0.1, 2.0), "pymonk")
+
+
+@pytest.mark.parametrize(("off", "again"), [(3e-3, True), (0.5, False), (1e-4, False)])
+def test_a_difference_of_models_is_confirmed_by_a_finer_run(
+    monkeypatch: pytest.MonkeyPatch, off: float, again: bool
+) -> None:
+    """Two runs of an engine that agreed by chance are not a difference of models; one far beyond all chance is not run again."""
+    history = doubles.rocking()
+    asked: list[tuple[str, float | None]] = []
+
+    def answer(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+        asked.append((engine.name, accuracy_rad))
+        wrong = engine.name == "pymunk" and accuracy_rad is None
+        path = doubles.raised(history, off) if wrong else history
+        known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
+        return doubles.run_of(path, engine.name, **known)
+
+    monkeypatch.setattr(run, "simulate_with", answer)
+    monkeypatch.setattr(run, "_horizons", lambda *args, **options: {})
+    result = run_scene(paestum(), ["analytic", "pymunk"])
+    finer = ("pymunk", run.DEFAULT_ACCURACY_RAD / confirm.FINER)
+    assert (finer in asked) is again
+    assert ("analytic", finer[1]) not in asked, "a model that certifies its own error is sure of it"
+    verdict = result.scores["analytic_vs_pymunk"].verdict
+    assert verdict is (Verdict.MODEL if off > 0.1 else Verdict.AGREE)
+    assert any("before its difference" in note for note in result.scene.notes) is again

@@ -1,0 +1,55 @@
+"""The collision shape that a scene needs: planes, a convex statue, a concave one; what the plan says of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from harness import engines
+from harness.input.mesh_statue import statue_of
+from harness.model.options import Want
+from harness.model.scene import Wall
+from harness.statics.collision_shape import HULL_EXCESS_LIMIT, shape_needed
+from harness.statics.plan import plan
+from meshes import decomposition, togatus
+from tests.scenes_for_tests import paestum
+
+
+def test_the_choice() -> None:
+    figure = statue_of(togatus.build())
+    assert shape_needed(paestum(0.3, 2.0, pedestal=False).but(statue=figure)).shape == "base"
+    assert shape_needed(paestum(0.3, 2.0)).shape == "hull"
+    need = shape_needed(paestum(0.3, 2.0).but(statue=figure))
+    assert need.shape == "parts"
+    assert need.hull_excess_rel > HULL_EXCESS_LIMIT
+    assert 0.0 < need.below_m <= figure.height_m
+
+
+def told(name: str, *, pedestal: bool, wall: bool = False, mesh: bool = True) -> str:
+    """The reason of the plan's row on shapes for one engine; empty where it has none."""
+    scene = paestum(0.3, 2.0, pedestal=pedestal)
+    scene = scene.but(
+        statue=statue_of(togatus.build()) if mesh else scene.statue, wall=Wall("right", 0.05) if wall else None
+    )
+    rows = [step for step in plan(scene, [engines.load(name)], Want()) if step.skip == "base_only"]
+    return rows[0].reason if rows else ""
+
+
+def test_the_plan_says_which_shape_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(decomposition, "decompose", None)  # a plan decomposes nothing
+    parts = told("pybullet", pedestal=True)
+    assert "from there on its convex parts" in parts
+    assert "more than 12 %" in parts
+    assert "from there on its hull" in told("pybullet", pedestal=True, mesh=False)
+    assert "the wall, at vertices of the hull" in told("pybullet", pedestal=False, wall=True)
+    monkeypatch.setattr(decomposition, "missing", lambda: "coacd is not installed")
+    assert told("pybullet", pedestal=True).endswith("but coacd is not installed, so its hull is taken")
+
+
+@pytest.mark.parametrize("name", engines.REGISTRY)
+def test_an_engine_without_a_choice_says_what_it_takes(name: str) -> None:
+    engine = engines.load(name)
+    chooses, touches = "base_only" in engine.capabilities.skips, engine.capabilities.own_impact
+    assert bool(engine.capabilities.edge_shape) == (touches and not chooses)
+    if touches and not chooses:
+        assert engine.capabilities.edge_shape in told(name, pedestal=True)
+        assert told(name, pedestal=False) == ""

@@ -1,0 +1,44 @@
+"""A base that is not level is quiet while it stays on what it rests on, which is narrower than its corners are apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Record
+from harness.accuracy.simulation import simulate
+from harness.bench.profiles import BASES, scene, statue
+from harness.model.options import SKIPS, Want
+from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
+from tests.budgets import LIMIT_ROUNDING
+
+FLAT = ((-0.2, 0.0), (0.2, 0.0))
+PUSH = Record(np.array([0.0, 0.5, 1.0, 1.5]), np.array([0.0, 0.0, 3.0, 0.0]))
+"""Beyond what lifts the bulging base off its 0.14 m wide middle facet (1.2 m/s²), below what a base of 0.4 m takes (3.3 m/s²)."""
+
+
+def test_a_flat_base_waits_longer_than_rough_ones() -> None:
+    flat = scene(statue(FLAT), PUSH)
+    assert limit_of_rest_m_s2(flat) == pytest.approx(9.81 * 0.2 / 0.6, rel=LIMIT_ROUNDING)
+    assert first_motion_s(flat) == flat.duration_s
+    # The push is to the left. The last sample before it leaves the facet; or never, where the base is whole on that side.
+    quiet_s = {name: first_motion_s(scene(statue(base), PUSH)) for name, base in BASES.items()}
+    assert quiet_s == {"bulging": 0.5, "chipped": 1.0, "worn": 0.5, "uneven": 1.0, "keeled": 0.0}
+    assert flat.duration_s == 1.0
+
+
+def test_the_resting_polygon_is_that_of_the_lowest_vertices_under_the_centroid() -> None:
+    polygon = resting_polygon_m(statue(BASES["bulging"]))
+    assert polygon is not None
+    assert np.ptp(polygon[:, 0]) == pytest.approx(0.14, rel=LIMIT_ROUNDING)
+    assert resting_polygon_m(statue(BASES["keeled"])) is None
+
+
+def test_pymunk_moves_a_rough_base_under_a_push_that_leaves_its_corners_alone() -> None:
+    each = scene(statue(BASES["bulging"]), PUSH, 1.5)
+    peaks = [
+        simulate(each, "pymunk", accuracy_rad=None, dt_s=1e-3, want=Want(history=False, skips=skips)).peak_theta_rad
+        for skips in (frozenset(SKIPS), frozenset[str]())
+    ]
+    assert abs(peaks[1]) > 0.04  # over the facet's rotation, 0.09 rad, back and forth
+    assert peaks[0] == pytest.approx(peaks[1], rel=LIMIT_ROUNDING)

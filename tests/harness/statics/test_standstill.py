@@ -1,0 +1,74 @@
+"""A scene in which nothing moves says how far it is from moving, and the least size of its motion that moves it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness
+from analytic.excitation import Record
+from harness.records.description import motion_of
+from harness.scene_run.scene_run import run_scene
+from harness.statics.push import push_of
+from harness.statics.standstill import motion_sized, standstill
+from tests import scenes_for_tests as blocks
+
+
+@pytest.fixture
+def file(root: Path) -> Path:
+    return root / "scenes" / "3d_effects_base.toml"
+
+
+def test_a_quiet_scene_says_what_would_move_it(file: Path) -> None:
+    scene = harness.load_scene(file, ["motion.x.amplitude_g=0.05", "motion.y=none", "motion.z=none"])
+    result = run_scene(scene, ["analytic"])
+    (told,) = [note for note in result.scene.notes if note.startswith("nothing moves")]
+    assert "pushes with up to 0.05 g, 0.567 of that from which the statue tips" in told
+    key = told.partition("begins to move from ")[2].partition(" on")[0]
+    assert key == "motion.x.amplitude_g=0.08812"
+    moved = run_scene(harness.load_scene(file, [key, "motion.y=none", "motion.z=none"]), ["analytic"])
+    assert abs(moved.runs["analytic"].peak_theta_rad) > 0.0
+    less = harness.load_scene(file, ["motion.x.amplitude_g=0.0881", "motion.y=none", "motion.z=none"])
+    assert run_scene(less, ["analytic"]).runs["analytic"].peak_theta_rad == 0.0
+
+
+def test_the_least_size_counts_the_motion_across_and_the_vertical(file: Path) -> None:
+    """With the y and z of the scene the statue moves before x alone would move it."""
+    keys = ["motion.x.amplitude_g=0.05", "motion.y.amplitude_g=0.08", "motion.z.amplitude_g=0.2"]
+    scene = harness.load_scene(file, keys)
+    told = standstill(scene, run_scene(scene, ["analytic"]).runs.values())
+    assert told is not None
+    least = float(told.partition("amplitude_g=")[2].partition(" on")[0])
+    for factor, moves in ((1.0, True), (0.999, False)):
+        share = push_of(harness.load_scene(file, [f"motion.x.amplitude_g={least * factor}", *keys[1:]])).first[1]
+        assert (share >= 1.0) is moves
+
+
+def test_a_push_past_the_limit_is_not_called_still(file: Path) -> None:
+    """The analytic model holds a statue on its support that slides: what it leaves out is no rest."""
+    scene = harness.load_scene(
+        file, ["motion.x.amplitude_g=0.08", "motion.y=none", "motion.z=none", "contact.statue=0.05"]
+    )
+    run = run_scene(scene, ["analytic"])
+    assert any("slides on its support" in text for text in run.runs["analytic"].warnings)
+    (told,) = [note for note in run.scene.notes if "moves" in note]
+    assert told.startswith("no model asked moves")
+    assert "0.08 g, 1.6 times that from which the statue slides on its support" in told
+
+
+def test_what_a_record_does_after_the_run_is_no_part_of_it() -> None:
+    quiet = np.array([0.1, -0.2, 5.0, 0.0])
+    record = Record(np.array([0.0, 1.0, 3.0, 4.0]), quiet)
+    scene = blocks.scene(blocks.rectangle(0.4, 1.0), record, duration_s=1.0)
+    assert push_of(scene).peak == pytest.approx(0.2 / scene.gravity_m_s2)
+    assert motion_of(scene)["x_peak_m_s2"] == 0.2
+
+
+def test_a_scene_that_moves_or_is_not_shaken_says_nothing(file: Path) -> None:
+    scene = harness.load_scene(file)
+    assert standstill(scene, run_scene(scene, ["analytic"]).runs.values()) is None
+    still = harness.load_scene(file, ["motion.x=none", "motion.y=none", "motion.z=none"])
+    assert standstill(still, run_scene(still, ["analytic"]).runs.values()) is None
+    assert motion_sized(still, 2.0) == ""

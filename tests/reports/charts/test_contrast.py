@@ -1,0 +1,85 @@
+"""Every text of the pages stands out from what is drawn under it, in the charts' stills and the pictures too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.pages.page import CONSERVATOR_NAME, write_report
+from tests.budgets_reports import CONTRAST
+from tests.reports import invented_study
+from tests.reports.invented_run import write_invented
+
+pytestmark = pytest.mark.browser
+
+WEAK_TEXT = """
+(least) => {
+  const numbers = (text) => (text.match(/[\\d.]+/g) || []).map(Number);
+  const parts = (text) => { const all = numbers(text); return all.length === 3 ? [...all, 1] : all; };
+  const linear = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+  const light = ([r, g, b]) => 0.2126 * linear(r / 255) + 0.7152 * linear(g / 255) + 0.0722 * linear(b / 255);
+  const over = (top, under) => [0, 1, 2].map((k) => top[3] * top[k] + (1 - top[3]) * under[k]);
+  const layer = (item) => {
+    const style = getComputedStyle(item), drawn = item instanceof SVGGeometryElement || item instanceof SVGTextElement;
+    const colour = parts(drawn ? style.fill : style.backgroundColor);
+    if (colour.length < 4 || style.fill.startsWith('url')) return null;
+    return [...colour.slice(0, 3), colour[3] * style.opacity * (drawn ? style.fillOpacity : 1)];
+  };
+  const ground = (item, x, y) => {
+    const under = document.elementsFromPoint(x, y).filter((at) => at !== item && !at.closest('header, text'));
+    return under.map(layer).filter(Boolean).reverse().reduce((colour, top) => over(top, colour), [255, 255, 255]);
+  };
+  const weak = [];
+  const walker = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const node = walker.currentNode, item = node.parentElement;
+    if (!node.textContent.trim() || item.closest('script, style, noscript, title, option, .hidden')) continue;
+    const range = document.createRange();
+    range.selectNodeContents(node);
+    if (!range.getBoundingClientRect().width) continue;
+    item.scrollIntoView({ block: 'center', inline: 'center', behavior: 'instant' });
+    const box = range.getClientRects()[0], x = box.left + box.width / 2, y = box.top + box.height / 2;
+    const under = ground(item, x, y), drawn = item.closest('svg');
+    const ink = drawn ? layer(item.closest('text')) : parts(getComputedStyle(item).color);
+    const [a, b] = [light(over(ink, under)), light(under)];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < least) weak.push([drawn ? 'drawn' : 'written', node.textContent.trim().slice(0, 30), ratio]);
+  }
+  return weak;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    base = tmp_path_factory.mktemp("pages")
+    found = {"run": write_report(write_invented(base / "run", disagree=True))}
+    found["table"] = write_report(invented_study.write_table_study(base / "table"))
+    found["map"] = write_report(invented_study.write_map_study(base / "map"))
+    return found | {f"plain {name}": path.with_name(CONSERVATOR_NAME) for name, path in found.items()}
+
+
+@pytest.fixture(scope="module")
+def page(browser: Any) -> Iterator[Any]:
+    """A page at a desk with its scripts off, so that the stills stay."""
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, java_script_enabled=False)
+    yield context.new_page()
+    context.close()
+
+
+@pytest.mark.parametrize("name", ["run", "table", "map", "plain run", "plain table", "plain map"])
+def test_text_stands_out_from_what_lies_under_it(page: Any, pages: dict[str, Path], name: str) -> None:
+    page.goto(pages[name].as_uri())
+    assert page.evaluate(WEAK_TEXT, CONTRAST) == []
+
+
+@pytest.mark.parametrize("name", ["run", "plain run"])
+def test_the_check_sees_pale_words_and_pale_grounds(page: Any, pages: dict[str, Path], name: str) -> None:
+    page.goto(pages[name].as_uri())
+    page.evaluate("document.querySelector('main h1').style.color = '#aaa'")
+    page.evaluate("document.querySelector('main svg text').style.fill = '#aaa'")
+    seen = page.evaluate(WEAK_TEXT, CONTRAST)
+    assert sorted(kind for kind, _, _ in seen) == ["drawn", "written"]

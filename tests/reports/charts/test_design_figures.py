@@ -1,0 +1,53 @@
+"""A design map marks where the pedestal would tip, and names the design that slides least of those that hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from reports.charts.design_figures import best_designs, design_figures
+from reports.text.study_rows import Condition
+
+MODEL = "analytic (own)"
+AXES = ("pedestal.width_m", "pedestal.height_m")
+
+
+def condition(width_m: float, height_m: float, *, slip_m: float, stands: bool = True) -> Condition:
+    run: dict[str, Any] = {
+        "outcome": "stands" if stands else "overturned_left",
+        "peak_slip_m": slip_m,
+        # A pedestal tips where it is taller than wide.
+        "validity": {"pedestal_tipping_margin_m": width_m - height_m, "pedestal_tipping_margin_at_impact_m": 1.0},
+    }
+    return Condition({AXES[0]: width_m, AXES[1]: height_m}, {MODEL: {"run": run}})
+
+
+DESIGNS = [
+    condition(0.4, 0.5, slip_m=0.001),
+    condition(0.8, 0.5, slip_m=0.03),
+    condition(0.8, 0.2, slip_m=0.02),
+    condition(0.4, 0.2, slip_m=0.01, stands=False),
+]
+
+
+def test_the_best_design_stands_and_does_not_tip() -> None:
+    (sentence,) = best_designs([MODEL], DESIGNS, AXES)
+    assert "in 2 of 4 designs" in sentence
+    assert "20 mm, at width [m] = 0.8 and height [m] = 0.2" in sentence
+
+
+def test_where_no_design_holds_that_is_said() -> None:
+    (sentence,) = best_designs([MODEL], [DESIGNS[0], DESIGNS[3]], AXES)
+    assert sentence.startswith("In none of 2 designs")
+
+
+def test_the_map_marks_the_places_that_tip() -> None:
+    ((_, figure),) = design_figures([MODEL], DESIGNS, AXES)
+    heat, marks = figure["data"]
+    assert heat["z"] == [[10.0, 20.0], [1.0, 30.0]]
+    assert (marks["x"], marks["y"]) == ([0.4], [0.5])
+
+
+def test_nothing_that_slides_makes_no_design_map() -> None:
+    still = [condition(0.4, 0.2, slip_m=0.0), condition(0.8, 0.2, slip_m=0.0)]
+    assert best_designs([MODEL], still, AXES) == []
+    assert design_figures([MODEL], still, AXES) == []

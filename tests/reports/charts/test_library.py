@@ -1,0 +1,50 @@
+"""The chart library on the pages is the wheel's own, with the kinds of chart that pages draw and without the rest."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+
+import pytest
+
+from reports.charts.library import chart_library, reduced, whole_library
+from reports.pages.assets import CHART_KINDS, chart_json
+from tests.budgets_reports import LIBRARY_SHARE
+
+
+@pytest.fixture(scope="module")
+def whole() -> str:
+    return whole_library()
+
+
+def test_it_is_a_fraction_of_the_wheels(whole: str) -> None:
+    kept = gzip.decompress(base64.b64decode(chart_library())).decode("utf-8")
+    assert len(kept) < LIBRARY_SHARE * len(whole)
+    assert kept == reduced(whole), "the same wheel always gives the same library"
+
+
+def test_it_holds_the_kinds_wanted_the_licence_and_no_maps(whole: str) -> None:
+    kept = reduced(whole)
+    for kind in CHART_KINDS:
+        assert f'moduleType:"trace",name:"{kind}"' in kept
+    for kind in ("scattermap", "mesh3d", "sankey"):
+        assert f'moduleType:"trace",name:"{kind}"' in whole
+        assert f'moduleType:"trace",name:"{kind}"' not in kept
+    assert kept.startswith("/**\n* plotly.js v")
+    assert "Licensed under the MIT license" in kept
+
+
+@pytest.mark.parametrize("text", ["", "window.Plotly={};", "var Plotly=(()=>{var a=b((c,d)=>{});return a();})();"])
+def test_a_bundle_of_another_shape_is_used_whole(text: str) -> None:
+    assert reduced(text) == text
+
+
+def test_a_bundle_without_a_wanted_kind_is_used_whole(whole: str) -> None:
+    renamed = whole.replace('moduleType:"trace",name:"heatmap"', 'moduleType:"trace",name:"heat"')
+    assert reduced(renamed) == renamed
+
+
+def test_a_kind_that_was_left_out_is_told_when_the_page_is_written() -> None:
+    assert "scatter" in chart_json({"data": [{"type": "scatter"}], "layout": {}})
+    with pytest.raises(LookupError, match="violin"):
+        chart_json({"data": [{"type": "violin"}], "layout": {}})

@@ -1,0 +1,64 @@
+"""A map tells computed places from those whose surroundings agree, and one picture holds the boundary of every model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from harness.studies import case_selection as asking
+from reports.charts.map_figures import CODES, map_figures
+from reports.text.study_rows import Condition
+
+SIZE = 17
+BOUNDARY = {"analytic": 8.5, "pybullet": 9.5}
+"""The statue overturns above this amplitude."""
+
+
+def outcome(engine: str, y: int) -> str:
+    return "overturned_right" if y > BOUNDARY[engine] else "stands"
+
+
+def explored() -> set[asking.Place]:
+    """The places that pybullet is asked on its way to the boundary."""
+    places: list[asking.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
+    known: dict[asking.Place, asking.Answer] = {}
+    while new := asking.refined(places, known, (0, 1)).keys() - known.keys():
+        known |= {place: asking.Answer(outcome("pybullet", place[1]), 0.0) for place in new}
+    return set(known)
+
+
+def condition(x: int, y: int, asked: set[asking.Place]) -> Condition:
+    answers: dict[str, dict[str, Any]] = {}
+    for engine in BOUNDARY:
+        run = {"outcome": outcome(engine, y), "peak_theta_rad": 0.1}
+        known = engine == "analytic" or (x, y) in asked
+        answers[f"{engine} (own)"] = {"engine": engine, "reason": asking.SAME_CELL, "run": run if known else None}
+    return Condition({"motion.x.frequency_hz": 1.0 + x, "motion.x.amplitude_g": float(y)}, answers)
+
+
+@pytest.fixture(scope="module")
+def figures() -> dict[str, dict[str, Any]]:
+    asked = explored()
+    found = [condition(x, y, asked) for x in range(SIZE) for y in range(SIZE)]
+    keys = ["motion.x.frequency_hz", "motion.x.amplitude_g"]
+    return dict(map_figures(["analytic (own)", "pybullet (own)"], found, keys))
+
+
+def test_places_that_were_not_computed_are_pale(figures: dict[str, dict[str, Any]]) -> None:
+    codes = figures["pybullet (own)"]["data"][0]["z"]
+    assert CODES[codes[16][0]] == "overturns"
+    assert CODES[codes[3][3]] == "around stands"
+    assert CODES[codes[9][3]] == "stands"
+    assert not any(
+        CODES[code].startswith("around") for row in figures["analytic (own)"]["data"][0]["z"] for code in row
+    )
+
+
+def test_one_picture_holds_the_boundary_of_every_model(figures: dict[str, dict[str, Any]]) -> None:
+    picture = next(figure for title, figure in figures.items() if "boundary of each model" in title)
+    assert [line["name"] for line in picture["data"]] == ["analytic (own)", "pybullet (own)"]
+    for line, least in zip(picture["data"], BOUNDARY.values(), strict=True):
+        heights = {y for x, y in zip(line["x"], line["y"], strict=True) if y is not None}
+        assert heights == {least}
+        assert sum(y is None for y in line["y"]) == SIZE

@@ -1,0 +1,68 @@
+"""The planar pose of pictures and replay is the model's."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from reports.drawing.kinematics import SOLID_COLUMNS, Section, posed_in_space_m
+from tests.budgets_reports import POSE_M
+
+OUTLINE = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])
+PAESTUM = Section(OUTLINE, 0.3585, 0.0682)
+
+
+@pytest.mark.parametrize(("theta", "corner"), [(0.3, 0.0682), (-0.3, -0.3585)])
+def test_the_pivot_stays_where_it_is(theta: float, corner: float) -> None:
+    posed = PAESTUM.posed_m([[corner, 0.0]], theta, 0.0)[0, 0]
+    assert posed == pytest.approx([corner, 0.0], abs=POSE_M)
+
+
+def test_positive_rotation_tips_to_the_right() -> None:
+    posed = PAESTUM.posed_m([[0.0682, 1.0]], 0.1, 0.0)[0, 0]
+    assert posed == pytest.approx([0.0682 + math.sin(0.1), math.cos(0.1)], abs=POSE_M)
+    other = PAESTUM.posed_m([[-0.3585, 1.0]], -0.1, 0.0)[0, 0]
+    assert other == pytest.approx([-0.3585 - math.sin(0.1), math.cos(0.1)], abs=POSE_M)
+
+
+def test_nothing_goes_below_the_support() -> None:
+    for theta in np.linspace(-1.5, 1.5, 61):
+        assert PAESTUM.posed_m(OUTLINE, theta, 0.0)[..., 1].min() >= -POSE_M
+
+
+def test_slip_moves_everything() -> None:
+    still, moved = PAESTUM.posed_m(OUTLINE, 0.2, 0.0), PAESTUM.posed_m(OUTLINE, 0.2, 0.03)
+    assert np.allclose(moved - still, [0.03, 0.0], atol=POSE_M, rtol=0.0)
+
+
+def test_the_papers_top_displacement() -> None:
+    """0.50 rad to the left displaces a top at 1.46 m by 0.70 m (paper, case study)."""
+    theta, slip = np.array([-0.5]), np.array([0.0])
+    tall = Section(np.array([[-0.3585, 0.0], [0.0682, 0.0], [-0.3585, 1.46]]), 0.3585, 0.0682)
+    assert abs(tall.top_displacement_m(theta, slip)[0]) == pytest.approx(0.70, abs=0.005)
+
+
+def test_overhang_is_measured_from_the_bases_edge() -> None:
+    still = PAESTUM.overhang_m(np.zeros(1), np.zeros(1), 1)
+    assert still == pytest.approx([0.0], abs=POSE_M)
+    leaning = PAESTUM.overhang_m(np.array([0.5]), np.zeros(1), 1)
+    assert leaning == pytest.approx([1.46 * math.sin(0.5)], abs=POSE_M)
+
+
+def test_a_planar_pose_in_space_is_the_planar_pose() -> None:
+    theta, slip, lift = 0.3, 0.02, 0.2
+    pose = dict.fromkeys(SOLID_COLUMNS, 0.0)
+    pose |= {"pitch_rad": theta, "corner_right_x_m": 0.0682 + slip, "corner_right_z_m": lift}
+    points = np.column_stack([OUTLINE[:, 0], [0.1, 0.2, -0.1, 0.3], OUTLINE[:, 1]])
+    posed = posed_in_space_m(points, 0.0682, pose)
+    flat = PAESTUM.posed_m(OUTLINE, theta, slip)[0]
+    assert np.allclose(posed[:, [0, 2]] - flat, np.array([0.0, lift]), atol=POSE_M, rtol=0.0)
+    assert np.array_equal(posed[:, 1], points[:, 1])
+
+
+def test_yaw_turns_about_the_right_corner() -> None:
+    pose = dict.fromkeys(SOLID_COLUMNS, 0.0) | {"yaw_rad": math.pi / 2.0, "corner_right_x_m": 0.0682}
+    posed = posed_in_space_m(np.array([[0.0682, 0.0, 0.0], [1.0682, 0.0, 0.5]]), 0.0682, pose)
+    assert np.allclose(posed, [[0.0682, 0.0, 0.0], [0.0682, 1.0, 0.5]], atol=POSE_M, rtol=0.0)

@@ -1,0 +1,64 @@
+"""The page of an assessment: its headline and colour follow from the probability, never from one run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.assess.assessment import assess
+from harness.model.run import to_plain, write_json
+from reports.pages.assess_page import assess_verdict
+from reports.pages.page import write_report
+from reports.text.chance import first_line, tone
+from tests.scenes_for_tests import paestum
+
+
+def answer(p: float, low: float, high: float) -> dict[str, Any]:
+    return {"probability_overturned": p, "low": low, "high": high, "level": 0.9, "engine_runs": 100, "undecided": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("p", "high", "colour"),
+    [
+        (0.0, 0.01, "agree"),
+        (0.05, 0.09, "agree"),
+        (0.05, 0.10, "differ"),
+        (0.051, 0.06, "differ"),
+        (0.5, 0.6, "failed"),
+    ],
+)
+def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: float, colour: str) -> None:
+    assert tone(answer(p, 0.0, high)) == colour
+
+
+def test_the_most_probable_fall_decides_the_colour() -> None:
+    record = {
+        "assessment": {"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
+        "difference_from_model": {"pymunk": {"value": -0.29, "low": -0.34, "high": -0.24, "level": 0.9}},
+    }
+    verdict = assess_verdict(record)
+    assert verdict.tone == "differ"
+    assert "falls in 1 % of what may be true" in verdict.headline
+    assert any("The model understates the danger" in point for point in verdict.points)
+
+
+def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200)
+    write_json(tmp_path / "result.json", to_plain(record))
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "of what may be true" in page
+    assert "assumed" in page
+    assert "By the strength of the shaking" in page
+
+
+@pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
+def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
+    record = {"assessment": {"analytic": answer(p, 0.0, high)}}
+    headline, tone_of_page = first_line(record, "All three models agree on the outcome: the statue stands", "agree")
+    assert tone_of_page == colour
+    assert headline.startswith("The statue falls in ")
+    assert headline.endswith("As given, once: all three models agree on the outcome: the statue stands")
+    assert first_line(record, "The models disagree", "failed")[1] == "failed"
+    assert first_line({}, "The statue stands", "agree") == ("The statue stands", "agree")

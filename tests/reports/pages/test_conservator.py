@@ -1,0 +1,208 @@
+"""The conservator's page follows from the scene, the histories and the rows, and says it without jargon."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reports.drawing.kinematics import section
+from reports.drawing.silhouette import silhouette_m
+from reports.pages.conservator import context, of_run
+from reports.pages.page import write_report
+from reports.source import read_record, run_source
+from reports.text.giving_way import (
+    Support,
+    bearing,
+    compass,
+    levels,
+    order_words,
+    support_of,
+    weakest_pushes,
+    weakest_words,
+)
+from reports.text.pedestal_effect import pedestal_effect
+from reports.text.study_rows import conditions
+from tests.budgets_reports import PUSH, SHADOW_SHARE
+from tests.reports.invented_run import write_invented
+from tests.reports.invented_study import write_map_study, write_table_study
+
+JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
+
+
+def spoken(told: dict[str, Any]) -> str:
+    words = [text for picture in told["pictures"] for text in (picture.heading, *picture.words)]
+    return " ".join([told["headline"], *told["points"], *words])
+
+
+def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
+    record = run_source(write_invented(tmp_path)).record
+    found = levels(record["scene"], support_of(record))
+    # Both as one body about the pedestal's right edge, 0.3 m from its own centroid and 0.1548 m from the statue's.
+    together = (250.0 * 0.3 + 707.0 * (0.3 - 0.14515)) / (250.0 * 0.1 + 707.0 * 0.974)
+    assert [level.push for level in found] == pytest.approx([0.0682 / 0.774, 0.2, together, 0.3585 / 0.774])
+    assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "pedestal_tips", "statue_tips"]
+    bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).record
+    assert {level.cause for level in levels(bare["scene"], support_of(bare))} == {"statue_tips"}
+    assert "nothing slides before it tips" in " ".join(order_words(bare["scene"], support_of(bare), None))
+
+
+@pytest.mark.parametrize(
+    ("floor", "statue", "words"),
+    [
+        (0.05, 1.0, "pedestal slides before the statue tips"),
+        (0.2, 1.0, "only in part"),
+        (0.6, 1.0, "no protection"),
+        (0.2, 0.06, "slides on its pedestal before anything else"),
+    ],
+)
+def test_the_pedestal_is_a_fuse_only_where_it_slides_first(
+    tmp_path: Path, floor: float, statue: float, words: str
+) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    assert words in " ".join(order_words(scene, Support((True,), (floor, floor), (statue, statue)), None))
+
+
+def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
+    scene = run_source(write_invented(tmp_path, pedestal=False)).scene
+    for friction, words in (
+        (0.05, "slides on its support before"),
+        (0.2, "tips before it slides"),
+        (0.6, "nothing slides"),
+    ):
+        assert words in " ".join(order_words(scene, Support((False,), None, (friction, friction)), None))
+
+
+def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
+    record = run_source(write_invented(tmp_path)).record
+    scene = {**record["scene"], "pedestal": {**record["scene"]["pedestal"], "height_m": 3.0}}
+    support = support_of(record)
+    assert levels(scene, support)[0].words == "the pedestal tips to the right"
+    assert "The pedestal itself tips, with the statue on it" in " ".join(order_words(scene, support, None))
+
+
+def test_frictions_that_differ_between_situations_are_told_one_by_one(tmp_path: Path) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    support = Support((True,), (0.05, 0.6), (1.0, 1.0))
+    text = " ".join(order_words(scene, support, None))
+    assert "Where the floor's friction is 5 %: the pedestal slides before the statue tips" in text
+    assert "Where the floor's friction is 60 %: the statue tips before its pedestal slides" in text
+    assert support.slips() == [(0.05, "the pedestal"), (0.6, "the pedestal")]
+
+
+def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None:
+    """In every direction, a push short of the area's edge keeps the force within the base, one beyond does not."""
+    scene = run_source(write_invented(tmp_path)).scene
+    safe = bearing(scene)
+    h, foot = 0.774, np.asarray(scene["statue"]["footprint_m"])[:, :2]
+    low, high = foot.min(axis=0), foot.max(axis=0)
+    for angle in np.linspace(0.0, 2.0 * np.pi, 17):
+        towards = np.array([np.cos(angle), np.sin(angle)])
+        edges = np.roll(safe, -1, axis=0) - safe
+        normals = np.column_stack([edges[:, 1], -edges[:, 0]])
+        gains = normals @ towards
+        limit = min(np.einsum("ij,ij->i", normals, safe)[gains > 1e-12] / gains[gains > 1e-12])
+        for factor, inside in ((0.999, True), (1.001, False)):
+            foot_point = factor * limit * towards * h
+            assert bool(np.all(foot_point >= low) and np.all(foot_point <= high)) is inside
+    least, azimuths = weakest_pushes(safe)
+    assert least == pytest.approx(0.0682 / h, abs=PUSH)
+    assert azimuths == pytest.approx([0.0])
+
+
+def test_directions_are_named_counter_clockwise_from_the_right() -> None:
+    assert [compass(angle) for angle in (0.0, 44.0, 90.0, 180.0, -90.0, 359.0)] == [
+        "right", "back right", "back", "left", "front", "right",
+    ]  # fmt: skip
+
+
+def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_it(tmp_path: Path) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    assert "weakest towards the right: there" in weakest_words(scene)
+    assert "scan" not in weakest_words(scene)
+    # Turned by 90 degrees counter-clockwise, the scan's own direction of -90 degrees came to lie to the right.
+    turned = {**scene, "toml": {"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}}}
+    text = weakest_words(turned)
+    assert "turned the scan by 90°" in text
+    assert "towards 270°, counted counter-clockwise from its first level axis" in text
+
+
+def test_sides_that_are_equally_weak_are_all_named(tmp_path: Path) -> None:
+    scene = run_source(write_invented(tmp_path)).scene
+    half = 0.1
+    square = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
+    angles = np.radians(np.arange(0.0, 360.0, 15.0))
+    circle = (half * np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])).tolist()
+    for feet, words in ((square, "front, right, back and left"), (circle, "as weak towards every side")):
+        assert words in weakest_words({**scene, "statue": {**scene["statue"], "footprint_m": feet}})
+
+
+def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path, disagree=True))
+    shape, text = section(source.scene), spoken(of_run(source))
+    tops = {
+        name: shape.top_displacement_m(item.theta_rad, item.slip_m)
+        for name, item in source.histories.items()
+        if name != "pybullet"
+    }
+    name = max(tops, key=lambda item: float(tops[item].max()))
+    k = int(np.argmax(tops[name]))
+    history = source.histories[name]
+    moved = shape.posed_m(shape.outline_m, history.theta_rad[k], history.slip_m[k])[0][:, 0].max()
+    assert f"{100 * (moved - shape.outline_m[:, 0].max()):.3g}\u00a0cm on the right" in text
+    assert "In pybullet it falls" in text
+    assert "the statue may fall: the models disagree" in text
+    assert "stays upright in analytic and pymunk" in text
+
+
+def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
+    text = spoken(of_run(run_source(write_invented(tmp_path))))
+    assert "At rest 70\u00a0cm are free between it and the wall" in text
+    assert re.search(r"at its farthest lean [\d.]+\u00a0cm remain", text)
+
+
+@pytest.mark.parametrize("write", [write_invented, write_table_study, write_map_study])
+def test_three_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
+    folder = write(tmp_path)
+    told = context(folder, read_record(folder))
+    assert 2 <= len(told["pictures"]) <= 3
+    text = spoken(told)
+    assert [word for word in JARGON if re.search(rf"(?<![a-z]){word}", text)] == []
+    page = write_report(folder)
+    plain = (folder / "conservator.html").read_text()
+    assert 'href="conservator.html"' in page.read_text()
+    assert 'href="report.html"' in plain
+    assert "<script" not in plain, "it needs no scripts"
+    assert plain.count('<svg class="plain"') + plain.count('<svg class="still"') == len(told["pictures"])
+
+
+def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
+    record = read_record(write_table_study(tmp_path))
+    found = pedestal_effect(record, *conditions(record["rows"]))
+    assert found is not None
+    told = "it overturns in 12 without the pedestal; with it 6 of these are prevented and 0 others caused"
+    assert told in found.sentence
+    figures = {name: figure for name, _, figure in found.charts}
+    assert figures["saved"]["data"][0]["text"] == ["6/6", "6/6", "0/6", "0/6", "0/6"]
+
+
+def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:
+    record = read_record(write_map_study(tmp_path))
+    assert pedestal_effect(record, *conditions(record["rows"])) is None
+
+
+def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path, mesh=True))
+    assert source.mesh is not None
+    outline, hull = silhouette_m(source.scene, source.mesh), section(source.scene).outline_m
+
+    def area(points: np.ndarray[Any, Any]) -> float:
+        x, y = points.T
+        return abs(0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+
+    assert area(outline) < 0.97 * area(hull), "a figure is not convex"
+    assert np.ptp(outline, axis=0) == pytest.approx(np.ptp(hull, axis=0), rel=SHADOW_SHARE)
+    assert silhouette_m(source.scene, None) == pytest.approx(hull)

@@ -1,0 +1,252 @@
+"""The page of a run shows what its record holds, and nothing else."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.comparison.verdict import Verdict as Difference
+from harness.model.errors import InputError
+from harness.model.run import write_json
+from reports.drawing.display_mesh import MOST_FACES
+from reports.pages.conservator import of_run
+from reports.pages.page import write_report
+from reports.source import read_record, run_source
+from reports.text.wording import run_verdict
+from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
+from tests.reports.invented_run import write_invented
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_invented(tmp_path_factory.mktemp("run"), disagree=True, mesh=True)
+
+
+@pytest.fixture(scope="module")
+def html(folder: Path) -> str:
+    return write_report(folder).read_text(encoding="utf-8")
+
+
+def without_data(html: str) -> str:
+    return re.sub(r"<script.*?</script>", "", html, flags=re.S)
+
+
+def figure_of(html: str) -> Any:
+    found = re.search(r'data-chart="histories">(.*?)</script>', html, re.S)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def numbers(packed: dict[str, str]) -> Any:
+    return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=packed["dtype"])
+
+
+def test_it_is_one_file_that_asks_for_nothing(html: str) -> None:
+    assert len(html.encode()) < PAGE_BYTES
+    shown = without_data(html)
+    assert set(re.findall(r'(?:src|href)="((?!#|data:)[^"]*)', shown)) == {"conservator.html"}, "the page beside it"
+    assert "url(http" not in shown
+    assert "@import" not in shown
+
+
+def test_the_verdict_comes_first(html: str) -> None:
+    shown = without_data(html)
+    places = [shown.index(f'id="{name}"') for name in ("verdict", "scene", "histories", "outcomes", "scores", "repeat")]
+    assert places == sorted(places)
+
+
+def test_names_from_the_record_are_text_and_not_markup(html: str) -> None:
+    assert "An invented &lt;statue&gt; &amp; its pedestal" in html
+    assert "<statue>" not in without_data(html)
+
+
+def test_every_model_warning_note_and_skip_is_there(folder: Path, html: str) -> None:
+    shown = without_data(html)
+    record = read_record(folder)
+    for name, run in record["runs"].items():
+        assert name in shown
+        for text in (*run["warnings"], *run["skipped"]):
+            assert text in shown
+    for text in (*record["notes"], *(step["reason"] for step in record["plan"])):
+        assert text in shown
+    for version in record["versions"].values():
+        assert version in shown
+
+
+def test_the_curves_are_the_recorded_histories(folder: Path, html: str) -> None:
+    traces = {item["name"]: item for item in figure_of(html)["data"] if item.get("yaxis") == "y" and item.get("name")}
+    for name, history in run_source(folder).histories.items():
+        t, theta = numbers(traces[name]["x"]), numbers(traces[name]["y"])
+        assert np.allclose(np.interp(t, history.t_s, history.theta_rad), theta, atol=1e-4, rtol=0.0)
+        assert theta.max() == pytest.approx(history.theta_rad.max(), abs=DRAWN_RAD)
+        assert theta.min() == pytest.approx(history.theta_rad.min(), abs=DRAWN_RAD)
+
+
+def test_the_horizon_is_shaded_from_the_least_reliable_time(folder: Path, html: str) -> None:
+    shapes = [item for item in figure_of(html)["layout"]["shapes"] if item["type"] == "rect"]
+    least = min(run["reliable_until_s"] for run in read_record(folder)["runs"].values())
+    assert [item["x0"] for item in shapes] == [least]
+
+
+def test_uncertainty_bands_have_the_recorded_width(html: str) -> None:
+    bands = [item for item in figure_of(html)["data"] if item.get("fill") == "toself"]
+    widths = []
+    for band in bands:
+        y = numbers(band["y"])
+        half = len(y) // 2
+        widths.append(float(np.max(y[:half] - y[half:][::-1])) / 2.0)
+    assert widths == pytest.approx([1e-10, 4e-4, 2e-3], abs=DRAWN_RAD)
+
+
+def test_the_replay_holds_the_mesh_and_every_models_motion(folder: Path, html: str) -> None:
+    found = re.search(r'id="replay-data">(.*?)</script>', html, re.S)
+    assert found is not None
+    payload = json.loads(gzip.decompress(base64.b64decode(found[1])))
+    assert payload["mesh"]["own"] is True
+    assert payload["mesh"]["faces"] <= MOST_FACES < payload["mesh"]["source_faces"]
+    assert numbers(payload["mesh"]["index"]).max() < len(numbers(payload["mesh"]["positions"])) // 3
+    for model in payload["models"]:
+        history = run_source(folder).histories[model["name"]]
+        theta = numbers(model["frames"]["theta_rad"])
+        assert model["end_s"] == history.t_s[-1]
+        assert theta[-1] == pytest.approx(history.theta_rad[-1], abs=DRAWN_RAD)
+        assert theta[100] == pytest.approx(np.interp(0.5, history.t_s, history.theta_rad), abs=DRAWN_RAD)
+
+
+def test_writing_again_gives_the_same_page(folder: Path, html: str) -> None:
+    assert write_report(folder).read_text(encoding="utf-8") == html
+
+
+def test_models_that_agree_and_differ_are_said_so(tmp_path: Path) -> None:
+    agree = run_verdict(run_source(write_invented(tmp_path / "agree")))
+    assert agree.tone == "agree"
+    assert agree.headline == "All three models agree on the outcome: the statue stands"
+    differ = run_verdict(run_source(write_invented(tmp_path / "differ", disagree=True)))
+    assert differ.tone == "differ"
+    assert "the statue stands (analytic, pymunk); the statue overturns to the right (pybullet)" in differ.headline
+
+
+def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    record = read_record(folder)
+    record["scores"]["analytic_vs_pybullet"]["verdict"] = Difference.MODEL
+    write_json(folder / "result.json", record)
+    verdict = run_verdict(run_source(folder))
+    assert verdict.tone == "differ"
+    assert verdict.headline.endswith("the statue stands; their motions differ")
+
+
+def changed(folder: Path, **runs: dict[str, Any]) -> Any:
+    """The source of a record with keys of its runs changed."""
+    record = read_record(folder)
+    for name, changes in runs.items():
+        record["runs"][name] |= changes
+    write_json(folder / "result.json", record)
+    return run_source(folder)
+
+
+def test_falls_to_different_sides_are_one_outcome(tmp_path: Path) -> None:
+    ends = {"analytic": "overturned_left", "pymunk": "overturned_left", "pybullet": "overturned_back"}
+    source = changed(write_invented(tmp_path), **{name: {"outcome": end} for name, end in ends.items()})
+    verdict = run_verdict(source)
+    assert verdict.tone == "agree"
+    assert verdict.headline.startswith("All three models agree that the statue overturns, to different sides: ")
+    assert (
+        "to the left (analytic, pymunk); towards the back (+y), across the rocking plane (pybullet)" in verdict.headline
+    )
+    told = of_run(source)
+    assert told["headline"] == "In this shaking the statue falls"
+    assert "and all say so; only the side differs: left in analytic and pymunk; back in pybullet." in told["points"][0]
+
+
+def test_models_that_did_not_get_the_same_motion_do_not_simply_agree(tmp_path: Path) -> None:
+    axes = {"analytic": ["x"], "pymunk": ["x"], "pybullet": ["x", "y"]}
+    source = changed(write_invented(tmp_path), **{name: {"motion_axes": given} for name, given in axes.items()})
+    said = "Not all models got the same motion: analytic and pymunk without that along y."
+    verdict = run_verdict(source)
+    assert verdict.headline == "All three models agree on the outcome: the statue stands, given unlike motions"
+    assert said in verdict.points
+    assert said in of_run(source)["points"]
+    same = changed(tmp_path, pybullet={"motion_axes": ["x"]})
+    assert "motion" not in run_verdict(same).headline
+
+
+def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    source = changed(folder, pymunk={"reliable_until_s": 6.0}, pybullet={"reliable_until_s": 4.6})
+    text = " ".join(run_verdict(source).points)
+    assert "the numerical error of pybullet is not bounded" in text
+    assert "horizon" not in text
+    assert "nobody can follow" not in " ".join(of_run(source)["points"])
+    record = read_record(folder)
+    write_json(folder / "result.json", record | {"horizons": {"analytic": {"intrinsic_s": 5.0}}})
+    source = run_source(folder)
+    assert "The horizon of prediction is 5" in " ".join(run_verdict(source).points)
+    assert "from second 5" in " ".join(of_run(source)["points"])
+
+
+def test_the_lean_is_the_histories_own(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    peaks = [float(np.abs(item.theta_rad).max()) for item in source.histories.values()]
+    text = " ".join(run_verdict(source).points)
+    assert f"Largest lean: {min(peaks):.4f}" in text
+
+
+def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path, pedestal=False)
+    html = write_report(folder).read_text(encoding="utf-8")
+    assert "slip u" not in json.dumps(figure_of(html))
+    assert "the statue stands on the floor" in without_data(html)
+
+
+def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    record = read_record(folder)
+    failed = dict(record["runs"]["pybullet"], outcome="unavailable", outcome_sentence="not here", message="no wheels")
+    record["runs"]["pybullet"] = failed | {"numerical_uncertainty_rad": None, "reliable_until_s": None}
+    record["histories"].remove("pybullet")
+    (folder / "history_pybullet.csv").unlink()
+    write_json(folder / "result.json", record)
+    verdict = run_verdict(run_source(folder))
+    assert "pybullet gave no answer: no wheels" in verdict.points
+    assert verdict.headline == "Both models agree on the outcome: the statue stands"
+    assert "pybullet" in write_report(folder).read_text(encoding="utf-8")
+
+
+def test_a_folder_without_a_record_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"result\.json"):
+        write_report(tmp_path)
+    assert not (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("{", "readable JSON"),
+        ("[]", "schema_version"),
+        ('{"schema_version": 99}', "99"),
+        ('{"schema_version": 1}', "kind"),
+    ],
+)
+def test_a_broken_record_is_refused(tmp_path: Path, text: str, match: str) -> None:
+    (tmp_path / "result.json").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=match):
+        write_report(tmp_path)
+
+
+def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    for path in folder.glob("history_*.csv"):
+        path.unlink()
+    write_json(folder / "result.json", read_record(folder) | {"histories": []})
+    html = without_data(write_report(folder).read_text(encoding="utf-8"))
+    assert "All three models agree on the outcome" in html
+    assert 'id="histories"' not in html
+    assert 'id="replay"' not in html

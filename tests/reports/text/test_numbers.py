@@ -1,0 +1,70 @@
+"""Numbers read as a person would write them."""
+
+from __future__ import annotations
+
+import pytest
+
+from reports.text.numbers import digits, heading, label, length, listed, plain, spread
+from reports.text.toml_text import toml_text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.087893, "0.0879"),
+        (-0.0878, "−0.0878"),
+        (1.0, "1.00"),
+        (707.0, "707"),
+        (12345.6, "12346"),
+        (2.5e-4, "2.5·10⁻⁴"),
+        (1e-10, "1·10⁻¹⁰"),
+        (2.123e7, "2.12·10⁷"),
+        (None, "–"),
+        (float("nan"), "–"),
+        (9.994, "9.99"),
+    ],
+)
+def test_digits(value: float | None, text: str) -> None:
+    assert digits(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value_m", "text"),
+    [(1.46, "1.46 m"), (0.7, "70 cm"), (0.3585, "35.9 cm"), (0.0682, "6.8 cm"), (0.0012, "1.2 mm"), (1e-9, "0 mm")],
+)
+def test_lengths(value_m: float, text: str) -> None:
+    assert length(value_m) == text.replace(" ", "\u00a0")
+
+
+def test_lists_and_ranges() -> None:
+    assert listed(["a"]) == "a"
+    assert listed(["a", "b", "c"]) == "a, b and c"
+    assert spread([0.2131, 0.2132], "rad") == "0.213\u00a0rad"
+    assert spread([0.213, 0.178], "rad") == "0.178 to 0.213\u00a0rad"
+
+
+def test_keys_become_headings() -> None:
+    assert label("peak_theta_rad") == "peak theta [rad]"
+    assert label("accel_m_s2") == "accel [m/s²]"
+    assert label("steps") == "steps"
+    assert heading("motion.x.amplitude_g") == "amplitude [g]"
+
+
+def test_any_value_of_a_record_fits_a_cell() -> None:
+    assert plain(True) == "yes"
+    assert plain([0.1] * 20).endswith("… (20)")
+    assert plain({"kind": "harmonic", "frequency_hz": 3.0}) == "kind harmonic, frequency 3\u00a0Hz"
+
+
+def test_toml_reads_back_as_given() -> None:
+    import tomllib
+
+    content = {
+        "title": 'a "quoted" \\ title',
+        "duration_s": 10.0,
+        "flag": True,
+        "motion": {"x": {"kind": "pulse", "values": [1.0, 2.5e-7]}, "odd key": {"count": 3}},
+        "empty": {},
+    }
+    assert tomllib.loads(toml_text(content)) == content
