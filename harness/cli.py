@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from harness.campaign.progress import Telling
+from harness.campaign.progress import ProgressMessages
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import json_text, printable, printable_lines
 
@@ -204,7 +204,7 @@ def compute(
         check_writing(out, scene, engines_asked)
     dimensions = {name: load(name).capabilities.dimensions for name in engines_asked}
     estimate = check_work(scene, dimensions, str(scene_file), accuracy, dt)
-    with Telling(quiet) as telling:
+    with ProgressMessages(quiet) as telling:
         if estimate:
             telling.say(estimate)
         return run_scene(
@@ -236,7 +236,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
     """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
-    from harness.model.options import SKIPS, Want
+    from harness.model.options import SKIPS, RunOptions
 
     off = set(no_skip or ())
     unknown = [name for name in off if name not in SKIPS and name != "all"]
@@ -244,7 +244,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
         near = get_close_matches(unknown[0], SKIPS, n=1)
         advice = f"did you mean {near[0]}?" if near else ""
         raise InputError(Mistake("--no-skip", "", f"all or one of {', '.join(SKIPS)}", repr(unknown[0]), advice))
-    return Want(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
+    return RunOptions(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
 
 
 def summary(result: Result) -> str:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness import cli as harness_cli
-from harness.campaign.progress import Telling
+from harness.campaign.progress import ProgressMessages
 from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
 from harness.model.terminal import printable
 from reports import cli_input
@@ -113,7 +113,7 @@ def assess(
     check_folder(folder, ("assess",))
     loaded = load_scene(scene, overrides or ())
     check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
-    with Telling(quiet or as_json) as telling:
+    with ProgressMessages(quiet or as_json) as telling:
         found = assessment.assess(
             loaded,
             engine,
@@ -220,7 +220,7 @@ def bench(
     from harness.bench.bench_run import run as measure
 
     folder = out or OUT / "bench"
-    with Telling(quiet or as_json) as telling:
+    with ProgressMessages(quiet or as_json) as telling:
         found = measure(folder, quick, telling.engine, _names(parts))
     _say(found, "\n".join(found["sentences"]), folder, as_json, quiet)
 
@@ -233,7 +233,7 @@ def stress(
     from harness.bench import stress as stresses
 
     folder = out or OUT / "stress"
-    with Telling(quiet or as_json) as telling:
+    with ProgressMessages(quiet or as_json) as telling:
         found = stresses.run(folder, quick, telling.engine, _names(parts))
     _say(found, "\n".join(stresses.sentences(found)), folder, as_json, quiet)
     raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)

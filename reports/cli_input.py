@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from harness.campaign.progress import Telling
+from harness.campaign.progress import ProgressMessages
 from harness.cli import Json, Quiet, say
 from harness.model.terminal import json_text, printable
 
@@ -220,7 +220,7 @@ def gif(
     from reports.export.animation import write_gif
     from reports.source import telling_damage
 
-    with Telling(quiet or as_json) as telling, telling_damage(folder):
+    with ProgressMessages(quiet or as_json) as telling, telling_damage(folder):
         telling.now("drawing the frames")
         written = str(write_gif(folder, out, model))
     say([written], written, as_json, quiet)

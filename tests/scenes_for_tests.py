@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.excitation import Excitation, Harmonic, Rest
-from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
+from analytic.excitation import Excitation, Harmonic, ZeroExcitation
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
 
 GRAVITY_M_S2 = 9.81
 
@@ -69,7 +69,7 @@ def paestum(
     output_dt_s: float = 0.001,
 ) -> Scene:
     """The surveyed statue under a horizontal harmonic motion; `mu` is one coefficient or (static, kinetic)."""
-    motion = Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz) if amplitude_g else Rest()
+    motion = Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz) if amplitude_g else ZeroExcitation()
     return scene(
         PAESTUM,
         motion,
@@ -108,7 +108,7 @@ def scene(
         statue=statue,
         pedestal=pedestal,
         contact=Contact(static, kinetic, mu_statue, restitution),
-        shake=Shake(x=motion_x or Rest(), z=motion_z or Rest()),
+        base_excitation=BaseExcitation(x=motion_x or ZeroExcitation(), z=motion_z or ZeroExcitation()),
         wall=wall,
         initial=Initial(theta_rad, theta_rate_rad_s),
         output_dt_s=output_dt_s,

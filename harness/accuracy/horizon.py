@@ -9,11 +9,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History
 from harness.model.history_pair import first_beyond_s, pair
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -82,7 +82,7 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
     leaning = scene.but(initial=replace(start, theta_rad=start.theta_rad + side * size))
     thrown = scene.but(initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s + size * p))
-    if scene.shake.still:
+    if scene.base_excitation.still:
         return leaning, thrown
     return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)
 
@@ -91,10 +91,14 @@ def shaken(scene: Scene, factor: float) -> Scene:
     """The scene with all its motion multiplied by a factor."""
 
     def scaled(item: Excitation) -> Excitation:
-        return item if isinstance(item, Rest) else item.scaled(factor)
+        return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
 
-    shake = scene.shake
-    return scene.but(shake=replace(shake, x=scaled(shake.x), y=scaled(shake.y), z=scaled(shake.z)))
+    base_excitation = scene.base_excitation
+    return scene.but(
+        base_excitation=replace(
+            base_excitation, x=scaled(base_excitation.x), y=scaled(base_excitation.y), z=scaled(base_excitation.z)
+        )
+    )
 
 
 def horizon(
@@ -163,12 +167,12 @@ def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
 
 def horizon_of(engine: Engine, scene: Scene, settings: Settings, **options: Any) -> Horizon:
     """The horizon of an engine with its settings (see `horizon`)."""
-    want = Want(history=True)
+    want = RunOptions(history=True)
     return horizon(scene, lambda each: engine.simulate(each, settings, want), **options)
 
 
 def horizon_beside(engine: Engine, scene: Scene, run: Run) -> Horizon:
     """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
     if engine.capabilities.certifies:
-        return horizon_of(engine, scene, engine.ladder(scene)[-1])
+        return horizon_of(engine, scene, engine.refinement_levels(scene)[-1])
     return horizon_of(engine, scene, engine.settings_for_dt(scene, float(run.settings["dt_s"])))

@@ -17,7 +17,7 @@ from typing import Final
 from harness.accuracy.sensitivity import PARTED, response
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, layer_left_s, plain_share, spread, target_of
 from harness.engines.base import FINER, Engine, Settings
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -39,15 +39,15 @@ RESPONSES: Final = 2
 """So many times a climb goes on because a small change of the motion moves more than the target; then finer steps gain little."""
 
 
-def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: Want) -> Run:
+def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: RunOptions) -> Run:
     """Compute a scene to a target accuracy of the rotation, rad, at the least cost that the engine's own spread allows.
 
     The slip has the target of `spread.target_of`. The run states both uncertainties and until when they hold; where the
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
     if engine.capabilities.certifies:
-        return engine.simulate(scene, _first_rung(engine.ladder(scene), accuracy_rad, 1.0)[0], want)
-    climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.ladder(scene), want)
+        return engine.simulate(scene, _first_rung(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], want)
+    climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), want)
     for settings in climb.order():
         if climb.ends_with(settings):
             break
@@ -64,8 +64,8 @@ class _Climb:
     engine: Engine
     scene: Scene
     target: Error
-    ladder: tuple[Settings, ...]
-    want: Want
+    refinement_levels: tuple[Settings, ...]
+    want: RunOptions
     whole: list[tuple[Settings, Run]] = field(default_factory=list)
     spreads: list[Spread] = field(default_factory=list)
     answer: Spread | None = None
@@ -77,23 +77,28 @@ class _Climb:
 
         How far the last two runs were apart says how much finer the next must be.
         """
-        ladder = self.ladder
-        index = _first_rung(ladder, self.target.rotation_rad, START_SHARE)[1]
-        while index < len(ladder):
-            yield ladder[index]
-            finest = ladder[index].dt_s
-            for probe in self.engine.probes(self.scene, ladder[index]):
+        refinement_levels = self.refinement_levels
+        index = _first_rung(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        while index < len(refinement_levels):
+            yield refinement_levels[index]
+            finest = refinement_levels[index].dt_s
+            for probe in self.engine.verification_settings(self.scene, refinement_levels[index]):
                 yield probe
                 finest = min(finest, probe.dt_s)
             # Two runs with one step would agree on an error that is the step's.
-            finer = [i for i in range(index + 1, len(ladder)) if ladder[i].dt_s < CLIMB_SHARE * finest]
+            finer = [
+                i for i in range(index + 1, len(refinement_levels)) if refinement_levels[i].dt_s < CLIMB_SHARE * finest
+            ]
             wanted = finest / _factor(self.spreads, self.target)
-            index = next((i for i in finer if ladder[i].dt_s <= wanted), finer[-1] if finer else len(ladder))
+            index = next(
+                (i for i in finer if refinement_levels[i].dt_s <= wanted),
+                finer[-1] if finer else len(refinement_levels),
+            )
 
     def ends_with(self, settings: Settings) -> bool:
         """Run with these settings; whether no further run is worth its cost."""
         before = self.whole[-1][1] if self.whole else None
-        check = _Check(before, self.spreads, settings.dt_s, self.ladder[-1].dt_s, self.target)
+        check = _Check(before, self.spreads, settings.dt_s, self.refinement_levels[-1].dt_s, self.target)
         run = self.engine.simulate(self.scene, settings, replace(self.want, history=True, stop=check))
         self._count(run)
         self.answer = None
@@ -110,7 +115,7 @@ class _Climb:
             return self._responds_little(run.end_s)
         if _fallen(runs, self.spreads, needed):
             return self._responds_little(run.no_return_time_s or 0.0)
-        return _hopeless(self.spreads, run.end_s, self.ladder[-1].dt_s, self.target)
+        return _hopeless(self.spreads, run.end_s, self.refinement_levels[-1].dt_s, self.target)
 
     @property
     def agreements(self) -> int:
@@ -153,7 +158,7 @@ class _Climb:
         found = self._response(until_s) if known else None
         work = {**best.work, "runs": len(self.costs), "steps_of_all_runs": sum(steps for steps, _ in self.costs)}
         best = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
-        if not self.want.history and self.want.may_skip("no_history"):
+        if not self.want.history and self.want.allows("no_history"):
             best = replace(best, history=None)
         if not known:
             return best
@@ -204,11 +209,11 @@ class _Check:
         return self.stopped
 
 
-def _first_rung(ladder: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
-    for index, settings in enumerate(ladder):
+def _first_rung(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+    for index, settings in enumerate(refinement_levels):
         if settings.expected_error_rad <= share * accuracy_rad:
             return settings, index
-    return ladder[-1], len(ladder) - 1
+    return refinement_levels[-1], len(refinement_levels) - 1
 
 
 def _factor(spreads: Sequence[Spread], target: Error) -> float:

@@ -12,7 +12,7 @@ from typing import Final
 from harness.accuracy.horizon import shaken
 from harness.accuracy.spread import Error, Spread, spread
 from harness.engines.base import Engine, Settings
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -22,7 +22,7 @@ PARTED: Final = 4.0
 
 def stronger(scene: Scene, share: float) -> Scene:
     """The scene with all its motion, or without any its start, stronger by this share."""
-    if not scene.shake.still:
+    if not scene.base_excitation.still:
         return shaken(scene, 1.0 + share)
     start = scene.initial
     theta, rate = (1.0 + share) * start.theta_rad, (1.0 + share) * start.theta_rate_rad_s
@@ -44,7 +44,7 @@ def response(
             return False
         return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * target.rotation_rad
 
-    other = engine.simulate(stronger(scene, expected_error_rad), settings, Want(stop=parted))
+    other = engine.simulate(stronger(scene, expected_error_rad), settings, RunOptions(stop=parted))
     if other.outcome.failed or history is None:
         return None
     return spread(other, run, target, target), other

@@ -10,7 +10,7 @@ from harness import engines
 from harness.engines.base import Engine, EngineFailure
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -25,7 +25,7 @@ def simulate(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: Want | None = None,
+    want: RunOptions | None = None,
 ) -> Run:
     """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
 
@@ -33,13 +33,15 @@ def simulate(
     of range, or both given.
     """
     check_target(accuracy_rad, dt_s)
-    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, want or Want())
+    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, want or RunOptions())
 
 
-def simulate_with(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+def simulate_with(
+    engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions
+) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
     run = _computed(engine, scene, accuracy_rad, dt_s, want)
-    return replace(run, motion_axes=scene.shake.axes(engine.capabilities.dimensions))
+    return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))
 
 
 def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
@@ -52,7 +54,7 @@ def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
         raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
 
 
-def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
     reason = engine.missing()
     if reason is not None:
         return failed(engine.name, Outcome.UNAVAILABLE, reason)

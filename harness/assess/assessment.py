@@ -17,7 +17,7 @@ from harness.comparison.statistics.distributions import wilson
 from harness.engines.base import EngineFailure
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.records.description import describe
 
@@ -177,10 +177,10 @@ def overturns(task: tuple[int, str, Scene]) -> bool | None:
     """Whether one engine's statue overturns in one scene within its duration; None where the run failed."""
     _, name, scene = task
     engine = engines.load(name)
-    levels = engine.ladder(scene)
+    levels = engine.refinement_levels(scene)
     settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
     try:
-        outcome = engine.simulate(scene, settings, Want(history=False)).outcome
+        outcome = engine.simulate(scene, settings, RunOptions(history=False)).outcome
     except EngineFailure:
         return None
     return None if outcome.failed else outcome.overturned

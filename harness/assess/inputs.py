@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Harmonic, Rest
+from analytic.excitation import Harmonic, ZeroExcitation
 from harness.model.scene import Scene, Uncertain
 
 Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
     if scene.uncertainty:
         return tuple(scene.uncertainty)
     assumed = [] if scene.pedestal is None else [_lognormal("contact.floor", scene.contact.floor_static, FRICTION_COV)]
-    axes = {"x": scene.shake.x, "y": scene.shake.y, "z": scene.shake.z}
-    if not all(isinstance(item, Rest) for item in axes.values()):
+    axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
+    if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
         assumed.append(_lognormal("motion.scale", 1.0, STRENGTH_COV))
     for axis, item in axes.items():
         if isinstance(item, Harmonic):

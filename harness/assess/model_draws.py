@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Harmonic, Rest
+from analytic.excitation import Harmonic, ZeroExcitation
 from harness.assess.inputs import row
 from harness.assess.variation import file_scale, varied
 from harness.engines import analytic as twoblock
@@ -77,8 +77,8 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     options.pop("statue_friction", None)
     found = ensemble(
         twoblock.block_of(scene),
-        scene.shake.x,
-        scene.shake.z,
+        scene.base_excitation.x,
+        scene.base_excitation.z,
         sweep=sweep or {"mass_kg": [scene.statue.mass_kg]},
         **options,
     )
@@ -91,7 +91,7 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
 
 def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
     """Columns of the compiled sweep for one key; None where it has none."""
-    contact, shake = scene.contact, scene.shake
+    contact, base_excitation = scene.contact, scene.base_excitation
     if key in SWEPT:
         return {SWEPT[key]: values} if scene.statue.solid is None or not key.startswith("statue.") else None
     if key == "contact.floor":
@@ -99,9 +99,9 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
         return {"floor_static": contact.floor_static * factor, "floor_kinetic": contact.floor_kinetic * factor}
     if key == "motion.scale":
         factor = values / file_scale(scene)
-        return {"scale": factor} | ({} if isinstance(shake.z, Rest) else {"vertical_scale": factor})
-    if key == "motion.x.frequency_hz" and isinstance(shake.x, Harmonic):
+        return {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
+    if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}
-    if key == "motion.y.frequency_hz" and isinstance(shake.y, Harmonic):
+    if key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic):
         return {}
     return None

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
-from analytic.excitation import Excitation, Harmonic, Rest
+from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
@@ -35,7 +35,7 @@ def _direct(scene: Scene, key: str) -> bool:
         return True
     parts = key.split(".")
     if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
-        return isinstance(getattr(scene.shake, parts[1]), Harmonic)
+        return isinstance(getattr(scene.base_excitation, parts[1]), Harmonic)
     return False
 
 
@@ -44,12 +44,18 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
         kinetic = scene.contact.floor_kinetic * factor
         return scene.but(contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
-    shake = scene.shake
+    base_excitation = scene.base_excitation
     if key == "motion.scale":
         factor = value / file_scale(scene)
-        return scene.but(shake=replace(shake, **{axis: _scaled(getattr(shake, axis), factor) for axis in AXES}))
+        return scene.but(
+            base_excitation=replace(
+                base_excitation, **{axis: _scaled(getattr(base_excitation, axis), factor) for axis in AXES}
+            )
+        )
     axis = key.split(".")[1]
-    return scene.but(shake=replace(shake, **{axis: replace(getattr(shake, axis), frequency_hz=value)}))
+    return scene.but(
+        base_excitation=replace(base_excitation, **{axis: replace(getattr(base_excitation, axis), frequency_hz=value)})
+    )
 
 
 def file_scale(scene: Scene) -> float:
@@ -59,7 +65,7 @@ def file_scale(scene: Scene) -> float:
 
 
 def _scaled(item: Excitation, factor: float) -> Excitation:
-    return item if isinstance(item, Rest) else item.scaled(factor)
+    return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
 
 
 def _resolved_again(scene: Scene, values: Mapping[str, float]) -> Scene:

@@ -16,7 +16,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Block, Excitation, Friction, Harmonic, Pedestal, Record, Rest, ensemble, simulate
+from analytic import (
+    Block,
+    Excitation,
+    Friction,
+    Harmonic,
+    Pedestal,
+    SampledAcceleration,
+    ZeroExcitation,
+    ensemble,
+    simulate,
+)
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.kernel.entries import run
@@ -38,12 +48,12 @@ RECORD_STEP_S: Final = 0.01
 """Sampling of the record of 60 s."""
 
 
-def record_60s(peak_m_s2: float, seed: int) -> Record:
+def record_60s(peak_m_s2: float, seed: int) -> SampledAcceleration:
     """Smoothed noise under the envelope (t/8) exp(1 − t/8), 60 s, always the same."""
     t = np.arange(6001) * RECORD_STEP_S
     noise = np.convolve(np.random.default_rng(seed).normal(size=t.size), np.hanning(15), "same")
     shaped = noise * (t / 8.0) * np.exp(1.0 - t / 8.0)
-    return Record(t, peak_m_s2 / np.abs(shaped).max() * shaped)
+    return SampledAcceleration(t, peak_m_s2 / np.abs(shaped).max() * shaped)
 
 
 @dataclass(frozen=True)
@@ -115,7 +125,7 @@ def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: 
     """DOP853's run of a case, stopping at the kinks of its record or not."""
     model = Model.of(case.block, case.pedestal, case.friction)
     motion, stops_s = case.motion, None
-    if isinstance(motion, Record):
+    if isinstance(motion, SampledAcceleration):
         # a float and two lists: numpy's own interpolation costs ten times the sum that it replaces
         stops_s = motion.t_s if stops else None
         a = [*motion.samples_m_s2.tolist(), 0.0, 0.0]
@@ -150,7 +160,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
             others, absent = taylor()
             quick, rows = [*quick, *others], [*rows, *absent]
         rows += take_turns(case.name, exact, quick, 40 * repeats)
-        on_record = isinstance(case.motion, Record)
+        on_record = isinstance(case.motion, SampledAcceleration)
         slow = [
             Entry("scipy DOP853", setting[0], partial(scipy_of, case, *setting), _told(*setting[1:]))
             for setting in (SCIPY_RECORD if on_record else SCIPY_HARMONIC)
@@ -188,7 +198,7 @@ def packed(case: Case, tolerance: float) -> Prepared:
     problem = Problem(
         case.block,
         case.motion,
-        Rest(),
+        ZeroExcitation(),
         case.duration_s,
         case.pedestal,
         case.friction.static,

@@ -12,9 +12,9 @@ from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness import engines
 from harness.engines.base import Settings
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 
 CASES: Final = ((0.334, 2.0), (0.334, 3.0), (0.429, 2.0), (0.429, 3.0))
 """Amplitude in g and frequency in Hz of the paper's cases that every setting is measured on."""
@@ -46,7 +46,7 @@ def paper_scene(
         statue=Statue(mass, 0.774, left, right, inertia, height, depth, section, footprint, tensor),
         pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
         contact=Contact(static, 0.15, 1.0, ratio),
-        shake=Shake(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
+        base_excitation=BaseExcitation(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
     )
 
 
@@ -62,14 +62,14 @@ def accuracy_rows(names: Sequence[str], steps_s: Sequence[float]) -> Iterator[di
     )
     for kind, pedestal, static, ratio in kinds:
         scenes = [paper_scene(a, f, pedestal=pedestal, static=static, ratio=ratio) for a, f in CASES]
-        exact = [model.simulate(scene, model.ladder(scene)[1], Want()) for scene in scenes]
+        exact = [model.simulate(scene, model.refinement_levels(scene)[1], RunOptions()) for scene in scenes]
         for name in names:
             engine = engines.load(name)
             if engine.missing() is not None:
                 yield {"engine": name, "kind": kind, "missing": engine.missing()}
                 continue
             for dt in steps_s:
-                runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt), Want()) for scene in scenes]
+                runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt), RunOptions()) for scene in scenes]
                 errors = [apart(a, b) for a, b in zip(runs, exact, strict=True)]
                 yield {
                     "engine": name,
@@ -109,7 +109,7 @@ def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]
             raise TypeError("pymunk's settings are wanted")
         own, bare = [], []
         for _ in range(BEST_OF):
-            own.append(engine.simulate(scene, settings, Want(skips=frozenset())).wall_s)
+            own.append(engine.simulate(scene, settings, RunOptions(skips=frozenset())).wall_s)
             bare.append(bare_loop(scene, replace(settings))[0])
         found[f"{kind}_bare_s"], found[f"{kind}_run_s"] = min(bare), min(own)
         found[f"{kind}_ratio"] = min(own) / min(bare)

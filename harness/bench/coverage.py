@@ -16,13 +16,13 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.constants import GRAVITY_M_S2
-from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 
 DURATION_S: Final = 3.0
 FINER: Final = 5.0
@@ -87,7 +87,7 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     kinetic = rng.uniform(0.08, 0.4)
     static = kinetic * rng.uniform(1.0, 1.4)
     limit = GRAVITY_M_S2 * min(left, right) / height
-    shake = Shake(x=_motion(rng, limit * rng.uniform(1.1, 4.0)), z=Rest())
+    base_excitation = BaseExcitation(x=_motion(rng, limit * rng.uniform(1.1, 4.0)), z=ZeroExcitation())
     return Scene(
         title=f"seed {seed}",
         duration_s=duration_s,
@@ -96,7 +96,7 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
         statue=statue,
         pedestal=pedestal,
         contact=Contact(static, kinetic, 2.0),
-        shake=shake,
+        base_excitation=base_excitation,
     )
 
 
@@ -124,7 +124,7 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     on_support = 2.0 if rng.random() < 0.5 else _log_uniform(rng, 0.3, 1.0)
     own_rad_s = math.sqrt(mass * GRAVITY_M_S2 * math.hypot(height, 0.5 * base) / (inertia + mass * height**2))
     peak = GRAVITY_M_S2 * min(left, right) / height * float(rng.uniform(1.05, 3.0))
-    shake = _wide_motion(rng, peak, own_rad_s * _log_uniform(rng, 1.0, 8.0) / (2.0 * math.pi))
+    base_excitation = _wide_motion(rng, peak, own_rad_s * _log_uniform(rng, 1.0, 8.0) / (2.0 * math.pi))
     return Scene(
         title=f"wide seed {seed}",
         duration_s=duration_s,
@@ -133,7 +133,7 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
         statue=statue,
         pedestal=pedestal,
         contact=Contact(static, kinetic, on_support),
-        shake=shake,
+        base_excitation=base_excitation,
     )
 
 
@@ -141,25 +141,25 @@ def _log_uniform(rng: np.random.Generator, least: float, most: float) -> float:
     return float(math.exp(rng.uniform(math.log(least), math.log(most))))
 
 
-def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> Shake:
+def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> BaseExcitation:
     """A harmonic, a pulse or a record of the given peak along x and main frequency; a record moves along y and z, too."""
     kind = int(rng.integers(3))
     if kind == 0:
-        return Shake(x=Harmonic(peak_m_s2, frequency_hz))
+        return BaseExcitation(x=Harmonic(peak_m_s2, frequency_hz))
     if kind == 1:
-        return Shake(x=Pulse("one_sine", peak_m_s2, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.3))))
+        return BaseExcitation(x=Pulse("one_sine", peak_m_s2, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.3))))
     axes = [_noise(rng, share * peak_m_s2, frequency_hz) for share in (1.0, *rng.uniform(0.2, 0.6, 2))]
     # More than half of gravity upwards and downwards is a question of flight, not of rocking.
     axes[2] = axes[2].scaled(min(1.0, 0.5 * GRAVITY_M_S2 / axes[2].peak_m_s2))
-    return Shake(*axes)
+    return BaseExcitation(*axes)
 
 
-def _noise(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> Record:
+def _noise(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> SampledAcceleration:
     """Smoothed noise between no motion at both ends of `DURATION_S`; its samples follow the frequency."""
     count = round(8.0 * frequency_hz * DURATION_S) + 9
     times = np.linspace(0.0, DURATION_S, count)
     smooth = np.convolve(rng.normal(size=count), np.hanning(7), mode="same") * np.sin(np.pi * times / DURATION_S)
-    return Record(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
+    return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
 
 
 def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
@@ -181,7 +181,7 @@ def _motion(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
     times = np.linspace(0.0, DURATION_S, 151)
     noise = rng.normal(size=times.size)
     smooth = np.convolve(noise, np.hanning(9), mode="same") * np.sin(np.pi * times / DURATION_S)
-    return Record(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
+    return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
 
 
 def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int]) -> Iterator[Row]:
@@ -195,10 +195,10 @@ def cases(engine: Engine, accuracy_rad: float, seeds: Sequence[int]) -> Iterator
     for seed in seeds:
         scene = random_scene(seed)
         begin = time.process_time()
-        run = run_to_accuracy(engine, scene, accuracy_rad, Want())
+        run = run_to_accuracy(engine, scene, accuracy_rad, RunOptions())
         cpu_s = time.process_time() - begin
         fine = engine.settings_for_dt(scene, float(run.settings["dt_s"]) / FINER)
-        truth = engine.simulate(scene, fine, Want(stop=_after(run.reliable_until_s or 0.0)))
+        truth = engine.simulate(scene, fine, RunOptions(stop=_after(run.reliable_until_s or 0.0)))
         if run.history is not None and truth.history is not None:
             yield Case(seed, scene, run, truth, cpu_s)
 

@@ -18,7 +18,7 @@ import numpy as np
 from harness import engines
 from harness.bench.contact_engines import paper_scene
 from harness.engines.base import Engine, Settings
-from harness.model.options import Want
+from harness.model.options import RunOptions
 
 RUNS: Final = (100, 1000)
 """Runs after which the resident memory is read."""
@@ -31,8 +31,8 @@ SETTLED: Final = 1.0 / 3.0
 """Share of a rest in which the contact's first penetration settles."""
 PLACES: Final = ("slip_m", "statue_y_m", "corner_right_x_m")
 TURNS: Final = ("theta_rad", "yaw_rad", "out_of_plane_rad", "pedestal_tilt_rad")
-NOTHING_SKIPPED: Final = Want(skips=frozenset())
-HALF: Final = Want(skips=frozenset({"base_only", "mirror"}))
+NOTHING_SKIPPED: Final = RunOptions(skips=frozenset())
+HALF: Final = RunOptions(skips=frozenset({"base_only", "mirror"}))
 """Half of a scene that is its own mirror image, where an engine computes that; every step of it."""
 
 
@@ -67,15 +67,15 @@ def creep(engine: Engine) -> Iterator[dict[str, Any]]:
     kinds = (HALF, NOTHING_SKIPPED) if "mirror" in engine.capabilities.skips else (NOTHING_SKIPPED,)
     for pedestal in (False, True):
         for want in kinds:
-            for rung in engine.ladder(paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15)):
+            for level in engine.refinement_levels(paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15)):
                 about = {"engine": engine.name, "pedestal": pedestal, "half": want is HALF}
-                yield {**about, **_rest(engine, rung, pedestal, want)}
+                yield {**about, **_rest(engine, level, pedestal, want)}
 
 
-def _rest(engine: Engine, rung: Settings, pedestal: bool, want: Want) -> dict[str, Any]:
-    long_s = min(REST_S, MOST_STEPS * rung.dt_s)
+def _rest(engine: Engine, level: Settings, pedestal: bool, want: RunOptions) -> dict[str, Any]:
+    long_s = min(REST_S, MOST_STEPS * level.dt_s)
     scene = paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15, duration_s=long_s)
-    history = engine.simulate(scene, rung, want).history
+    history = engine.simulate(scene, level, want).history
     if history is None:
         raise RuntimeError(f"{engine.name} kept no history")
     columns = history.columns()
@@ -83,8 +83,8 @@ def _rest(engine: Engine, rung: Settings, pedestal: bool, want: Want) -> dict[st
     factor = REST_S / ((1.0 - SETTLED) * long_s)
     found = {name: factor * float(np.ptp(columns[name][late])) for name in (*PLACES, *TURNS) if name in columns}
     return {
-        "dt_s": rung.dt_s,
-        "expected_error_rad": rung.expected_error_rad,
+        "dt_s": level.dt_s,
+        "expected_error_rad": level.expected_error_rad,
         "rested_s": long_s,
         "creep_m": max(value for name, value in found.items() if name in PLACES),
         "creep_rad": max(value for name, value in found.items() if name in TURNS),

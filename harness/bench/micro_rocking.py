@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from analytic.excitation import Excitation, Harmonic, Pulse, Record
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.bench.contact_engines import apart
 from harness.bench.coverage import random_scene
 from harness.engines.base import Engine
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Scene
 
 SEEDS: Final = (10129, 20399, 20809, 20844, 20866)
@@ -32,22 +32,22 @@ def rows(engine: Engine, seeds: Sequence[int] = SEEDS, steps_s: Sequence[float] 
     model = engines.load("analytic")
     for seed in seeds:
         scene = random_scene(seed)
-        exact = model.simulate(scene, model.ladder(scene)[1], Want())
+        exact = model.simulate(scene, model.refinement_levels(scene)[1], RunOptions())
         other = stronger(scene, 1.0 + STRONGER)
-        sensitive_rad = apart(model.simulate(other, model.ladder(other)[1], Want()), exact)[0]
-        runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt_s), Want()) for dt_s in steps_s]
+        sensitive_rad = apart(model.simulate(other, model.refinement_levels(other)[1], RunOptions()), exact)[0]
+        runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions()) for dt_s in steps_s]
         errors = {dt_s: apart(run, exact)[0] for dt_s, run in zip(steps_s, runs, strict=True)}
         yield {"seed": seed, "sensitive_rad": sensitive_rad, "error_rad": errors}
 
 
 def stronger(scene: Scene, factor: float) -> Scene:
     """The scene with its motion along x multiplied. Raises `TypeError` for a motion that has no amplitude."""
-    return replace(scene, shake=replace(scene.shake, x=_scaled(scene.shake.x, factor)))
+    return replace(scene, base_excitation=replace(scene.base_excitation, x=_scaled(scene.base_excitation.x, factor)))
 
 
 def _scaled(motion: Excitation, factor: float) -> Excitation:
-    if isinstance(motion, Record):
-        return Record(motion.t_s, motion.samples_m_s2 * factor)
+    if isinstance(motion, SampledAcceleration):
+        return SampledAcceleration(motion.t_s, motion.samples_m_s2 * factor)
     if isinstance(motion, Harmonic | Pulse):
         return replace(motion, amplitude_m_s2=motion.amplitude_m_s2 * factor)
     raise TypeError(f"a record, a harmonic or a pulse is wanted, not {type(motion).__name__}")

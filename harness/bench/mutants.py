@@ -22,7 +22,7 @@ from harness.accuracy.simulation import simulate
 from harness.bench.faults import expose
 from harness.input.scene_file import load_scene
 from harness.model.run import Run
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 
 DURATION_S: Final = 5.0
 
@@ -42,7 +42,9 @@ def random_scenes(count: int, seed: int = 0) -> Iterator[Scene]:
         contact = Contact(min(1.2 * kinetic, 0.6), kinetic, 2.0, None)
         needed = GRAVITY_M_S2 * min(left, right) / height
         motion = Harmonic(needed * float(stream.uniform(1.1, 2.5)), float(stream.uniform(1.0, 5.0)))
-        yield Scene(f"random {number}", DURATION_S, GRAVITY_M_S2, Form(), statue, pedestal, contact, Shake(x=motion))
+        yield Scene(
+            f"random {number}", DURATION_S, GRAVITY_M_S2, Form(), statue, pedestal, contact, BaseExcitation(x=motion)
+        )
 
 
 def _statue(mass_kg: float, height_m: float, left_m: float, right_m: float, inertia_kg_m2: float) -> Statue:

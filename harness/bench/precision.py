@@ -17,7 +17,7 @@ from harness.bench.standard_scenes import Standard, standard_set
 from harness.bench.timing import Cost, cost, costs
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -90,7 +90,9 @@ def died(name: str) -> list[Row]:
 
 def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[Row]:
     """All rows of one scene: each engine's ladder, its rivals, what the target takes."""
-    exact = engines.load("analytic").simulate(scene, engines.load("analytic").ladder(scene)[-1], Want())
+    exact = engines.load("analytic").simulate(
+        scene, engines.load("analytic").refinement_levels(scene)[-1], RunOptions()
+    )
     for name in names:
         engine = engines.load(name)
         if item.spatial and engine.capabilities.dimensions < 3:
@@ -113,9 +115,11 @@ def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, qui
     good = [(settings, run) for settings, run in found if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
     asked = None if judge is None or engine.capabilities.certifies else _asked(engine, scene)
-    works: list[Callable[[], object]] = [partial(engine.simulate, scene, settings, Want()) for settings, _ in good]
+    works: list[Callable[[], object]] = [
+        partial(engine.simulate, scene, settings, RunOptions()) for settings, _ in good
+    ]
     if isinstance(asked, Run):
-        works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, Want()))
+        works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
     spent = iter(costs(works, repeats=TURNS))
     for settings, run in found:
         label = _label(settings)
@@ -136,21 +140,21 @@ def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, qui
 def _computed(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str]]:
     """Each rung's run, whose error is taken, or why there is none."""
     found: list[tuple[Settings, Run | str]] = []
-    rungs = engine.ladder(scene)
-    for settings in rungs[:3] if quick else rungs:
+    levels = engine.refinement_levels(scene)
+    for settings in levels[:3] if quick else levels:
         before = found[-1][1] if found else None
         dear = isinstance(before, Run) and before.wall_s > DEAR_S
         told = f"not run: the rung before it took {DEAR_S:g} s or more"
         found.append((settings, told if dear else _run(engine, scene, settings)))
         if dear:
-            found += [(coming, told) for coming in rungs[len(found) :]]
+            found += [(coming, told) for coming in levels[len(found) :]]
             break
     return found
 
 
 def _run(engine: Engine, scene: Scene, settings: Settings) -> Run | str:
     try:
-        run = engine.simulate(scene, settings, Want())
+        run = engine.simulate(scene, settings, RunOptions())
     except EngineFailure as failure:
         return str(failure)
     return (run.message or run.outcome.sentence) if run.outcome.failed or run.history is None else run
@@ -159,7 +163,7 @@ def _run(engine: Engine, scene: Scene, settings: Settings) -> Run | str:
 def _asked(engine: Engine, scene: Scene) -> Run | str:
     """What the target accuracy gives, or why it gives nothing."""
     try:
-        return run_to_accuracy(engine, scene, TARGET_RAD, Want())
+        return run_to_accuracy(engine, scene, TARGET_RAD, RunOptions())
     except EngineFailure as failure:
         return str(failure)
 

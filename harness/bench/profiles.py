@@ -12,15 +12,15 @@ from typing import Final, final
 import numpy as np
 
 from analytic.constants import GRAVITY_M_S2
-from analytic.excitation import Excitation, Harmonic, Rest
+from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import engines
 from harness.bench.contact_engines import apart
 from harness.bench.paper_forms import table
 from harness.engines.analytic import block_of
 from harness.input.mesh_statue import statue_of
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Contact, Form, Initial, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Scene, Statue
 from meshes.solid import solid_from_mesh
 
 WIDTH_M: Final = 0.4
@@ -38,7 +38,7 @@ BASES: Final[Mapping[str, tuple[tuple[float, float], ...]]] = {
 """Base vertices (x, z) in m; the keeled one can rest on either of its two facets."""
 TILT_RAD: Final = 0.12
 MOTIONS: Final[Mapping[str, Excitation]] = {
-    "free from 0.12 rad": Rest(),
+    "free from 0.12 rad": ZeroExcitation(),
     "0.5 g, 2 Hz": Harmonic(0.5 * GRAVITY_M_S2, 2.0),
     "0.6 g, 2 Hz": Harmonic(0.6 * GRAVITY_M_S2, 2.0),
 }
@@ -77,9 +77,9 @@ def scene(body: Statue, motion: Excitation, duration_s: float = 1.0) -> Scene:
         statue=body,
         pedestal=None,
         contact=Contact(0.2, 0.2, 5.0),
-        shake=Shake(x=motion),
+        base_excitation=BaseExcitation(x=motion),
     )
-    if isinstance(motion, Rest):
+    if isinstance(motion, ZeroExcitation):
         return still.but(initial=Initial(TILT_RAD, 0.0))
     facets = block_of(still).facets_rad()
     return still.but(initial=Initial(float(facets[np.argmin(np.abs(facets))]), 0.0))
@@ -88,7 +88,7 @@ def scene(body: Statue, motion: Excitation, duration_s: float = 1.0) -> Scene:
 def model(each: Scene) -> Run:
     """The analytic run to which the others are compared."""
     engine = engines.load("analytic")
-    return engine.simulate(each, engine.ladder(each)[1], Want())
+    return engine.simulate(each, engine.refinement_levels(each)[1], RunOptions())
 
 
 def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S) -> Iterator[Row]:
@@ -99,7 +99,9 @@ def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S
         for name, motion in MOTIONS.items():
             each = scene(body, motion)
             exact = model(each)
-            found = [apart(engine.simulate(each, engine.settings_for_dt(each, dt), Want()), exact)[0] for dt in steps_s]
+            found = [
+                apart(engine.simulate(each, engine.settings_for_dt(each, dt), RunOptions()), exact)[0] for dt in steps_s
+            ]
             yield Row(base, name, len(exact.impact_times_s), exact.peak_theta_rad, tuple(found))
 
 

@@ -17,12 +17,12 @@ import numpy as np
 from harness.bench.pybullet_settings import CASES, scene_of
 from harness.bench.standard_scenes import resolved, standard_set
 from harness.engines import load
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
-HALF: Final = Want()
-WHOLE: Final = Want(skips=frozenset(SKIPS) - {"mirror"})
+HALF: Final = RunOptions()
+WHOLE: Final = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
 FINER: Final = 3.0
 """How many times finer than the finest rung's the step of a scan's reference is."""
 
@@ -52,17 +52,17 @@ def reference(scene: Scene, exact: bool) -> Run:
     """The analytic model's finest run, or one of pybullet's own with a finer step than any rung's."""
     if exact:
         engine = load("analytic")
-        return engine.simulate(scene, engine.ladder(scene)[-1], HALF)
+        return engine.simulate(scene, engine.refinement_levels(scene)[-1], HALF)
     engine = load("pybullet")
-    return engine.simulate(scene, engine.settings_for_dt(scene, engine.ladder(scene)[-1].dt_s / FINER), HALF)
+    return engine.simulate(scene, engine.settings_for_dt(scene, engine.refinement_levels(scene)[-1].dt_s / FINER), HALF)
 
 
 def errors_rad(scene: Scene, truth: Run) -> list[float]:
     """The larger error of half and whole of a scene on every rung, rad."""
     engine = load("pybullet")
     return [
-        max(error_rad(engine.simulate(scene, rung, want), truth) for want in (HALF, WHOLE))
-        for rung in engine.ladder(scene)
+        max(error_rad(engine.simulate(scene, level, want), truth) for want in (HALF, WHOLE))
+        for level in engine.refinement_levels(scene)
     ]
 
 
@@ -85,7 +85,7 @@ def main() -> None:
     for name, scene, exact in scenes():
         found, of = errors_rad(scene, reference(scene, exact)), kind(scene)
         largest[of] = [max(pair) for pair in zip(found, largest.get(of, found), strict=True)]
-        stated[of] = [rung.expected_error_rad for rung in load("pybullet").ladder(scene)]
+        stated[of] = [level.expected_error_rad for level in load("pybullet").refinement_levels(scene)]
         sys.stdout.write(line(name, found))
         sys.stdout.flush()
     for of, errors in largest.items():

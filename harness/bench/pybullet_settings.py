@@ -25,15 +25,15 @@ from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
 from harness.engines.pybullet.columns import trajectory
 from harness.engines.pybullet.loop import Watch, integrate
-from harness.engines.pybullet.march import March
+from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.stepper import Record, Stepper, reader
 from harness.engines.pybullet.world import World
 from harness.model.history import History
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import machine, versions
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
 
 Array = NDArray[np.float64]
 Build = Callable[[World, Scene, course.Setup], None]
@@ -73,7 +73,7 @@ def scene_of(
         statue=statue,
         pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
         contact=Contact(static, 0.15, 1.0, ratio),
-        shake=Shake(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
+        base_excitation=BaseExcitation(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
     )
 
 
@@ -127,28 +127,28 @@ def _box_moments(p: Pedestal) -> Array:
     return np.asarray(p.mass_kg / 12.0 * (np.sum(squares) - squares))
 
 
-def measure(scene: Scene, rung: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[Record, float]:
+def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[Record, float]:
     """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
     setup = course.prepare(scene).halved if half else course.prepare(scene)
-    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
-    touch = course.touch_of(scene, setup, rung) if rung.events else None
+    schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
+    touch = course.touch_of(scene, setup, level) if level.events else None
     watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, touch=touch)
-    with World(rung, mirrored=half) as world:
+    with World(level, mirrored=half) as world:
         build(world, scene, setup)
         start = time.process_time()
-        march = March(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
+        march = StepState(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
         record = integrate(scene, schedule, watch, march)
         spent = time.process_time() - start
     return record, 1e6 * spent / (len(record.t_s) - 1)
 
 
-def bare_us(scene: Scene, rung: BulletSettings, *, half: bool) -> float:
+def bare_us(scene: Scene, level: BulletSettings, *, half: bool) -> float:
     """Processor time per whole step, µs, of nothing but gravity, step and read-outs kept in a list, with the same bodies."""
     setup = course.prepare(scene).halved if half else course.prepare(scene)
-    schedule = Schedule(scene, rung.dt_s, 0, round(scene.duration_s / rung.dt_s))
+    schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
     rows = []
     set_gravity, step = pybullet.setGravity, pybullet.stepSimulation
-    with World(rung, mirrored=half) as world:
+    with World(level, mirrored=half) as world:
         _ours(world, scene, setup)
         read, client = reader(world), world.client
         pulls = schedule.coarse
@@ -163,7 +163,7 @@ def bare_us(scene: Scene, rung: BulletSettings, *, half: bool) -> float:
 def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, float]:
     """Largest error of rotation, rad, and of slip, m, and largest rotation out of the plane, rad."""
     engine = load("analytic")
-    reference = engine.simulate(scene, engine.ladder(scene)[-1], Want()).history
+    reference = engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions()).history
     if reference is None:
         raise RuntimeError("the analytic model gave no history")
     theta = np.interp(reference.t_s, path.t_s, path.theta_rad)
@@ -176,13 +176,13 @@ def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, floa
     )
 
 
-def row(name: str, rung: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> str:
+def row(name: str, level: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> str:
     """One line of a table: the four cases, the worst slip and lean across, the mean cost."""
     found, costs = [], []
     for amplitude, frequency in CASES:
         scene = scene_of(amplitude, frequency, pedestal=pedestal)
-        record, cost = measure(scene, rung, build, half=half)
-        found.append(errors(scene, trajectory(scene, record, np.eye(3), rung.dt_s)))
+        record, cost = measure(scene, level, build, half=half)
+        found.append(errors(scene, trajectory(scene, record, np.eye(3), level.dt_s)))
         costs.append(cost)
     return _line(name, found, costs)
 
@@ -236,14 +236,14 @@ def variations() -> Iterator[str]:
         yield row(name, replace(CHOSEN, **change))
 
 
-def rungs(pedestal: bool) -> Iterator[str]:
+def levels(pedestal: bool) -> Iterator[str]:
     """The ladder."""
-    ladder = load("pybullet").ladder(scene_of(0.429, 3.0, pedestal=pedestal))
-    for number, rung in enumerate(ladder, 1):
-        if isinstance(rung, BulletSettings):
-            name = f"rung {number}: {1e3 * rung.dt_s:g} ms, residual {rung.residual:g}"
-            yield row(name, rung, pedestal=pedestal)
-            yield row("half of it", rung, pedestal=pedestal, half=True)
+    refinement_levels = load("pybullet").refinement_levels(scene_of(0.429, 3.0, pedestal=pedestal))
+    for number, level in enumerate(refinement_levels, 1):
+        if isinstance(level, BulletSettings):
+            name = f"rung {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
+            yield row(name, level, pedestal=pedestal)
+            yield row("half of it", level, pedestal=pedestal, half=True)
 
 
 def conditions() -> Iterator[str]:
@@ -251,17 +251,17 @@ def conditions() -> Iterator[str]:
     engine = load("pybullet")
     kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
     for name, ratio in kinds:
-        for rung in engine.ladder(scene_of(*CASES[0]))[:5]:
+        for level in engine.refinement_levels(scene_of(*CASES[0]))[:5]:
             found, costs = [], []
             for amplitude, frequency in CASES:
                 scene = scene_of(amplitude, frequency, static=0.20, ratio=ratio)
                 start = time.process_time()
-                run = engine.simulate(scene, rung, Want(skips=frozenset({"base_only", "mirror"})))
+                run = engine.simulate(scene, level, RunOptions(skips=frozenset({"base_only", "mirror"})))
                 costs.append(1e6 * (time.process_time() - start) / run.steps)
                 if run.history is None:
                     raise RuntimeError("pybullet gave no history")
                 found.append(errors(scene, run.history))
-            yield _line(f"{name}; {1e3 * rung.dt_s:g} ms", found, costs)
+            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", found, costs)
 
 
 def overhead() -> Iterator[str]:
@@ -283,8 +283,8 @@ def page() -> str:
         head=HEAD,
         contacts="\n".join(contacts()),
         variations="\n".join(variations()),
-        on_pedestal="\n".join(rungs(True)),
-        on_floor="\n".join(rungs(False)),
+        on_pedestal="\n".join(levels(True)),
+        on_floor="\n".join(levels(False)),
         conditions="\n".join(conditions()),
         overhead="\n".join(overhead()),
     )

@@ -23,9 +23,9 @@ from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.input import paths
 from harness.input.mesh_statue import statue_of
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Shake
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene
 from harness.statics.collision_shape import shape_needed
 from meshes import Solid
 from meshes.bench_shapes import contact_row, shape_row, statues
@@ -76,7 +76,7 @@ def thrown(solid: Solid, edge_m: float) -> Scene:
         statue=statue,
         pedestal=Pedestal(PEDESTAL_KG, width, statue.depth_m + 2.0 * edge_m, PEDESTAL_M),
         contact=Contact(1.0, 1.0, 1.0),
-        shake=Shake(),
+        base_excitation=BaseExcitation(),
         initial=Initial(0.5 * slender, THROWN * math.sqrt(2.0 * climb / pivot)),
     )
 
@@ -94,7 +94,7 @@ def run_row(name: str, solid: Solid) -> str:
 
 def _run(scene: Scene, kind: Literal["hull", "parts"]) -> Run:
     engine = load("pybullet")
-    return engine.simulate(scene, replace(_rung(scene), full_shape=kind), Want())
+    return engine.simulate(scene, replace(_rung(scene), full_shape=kind), RunOptions())
 
 
 def _rung(scene: Scene) -> BulletSettings:

@@ -24,7 +24,7 @@ from harness.bench.tipping import tipping_scene
 from harness.campaign.parts import source
 from harness.comparison.comparator import compare
 from harness.comparison.verdict import Verdict
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.scene_run.scene_run import run_scene
@@ -77,9 +77,9 @@ def _finer(scene: Scene, run: Run, until_s: float) -> Run:
     """A much finer run of the same engine, up to a time; of one that certifies itself, its finest."""
     engine = engines.load(run.engine)
     if engine.capabilities.certifies:
-        return engine.simulate(scene, engine.ladder(scene)[-1], Want())
+        return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
     dt_s = max(float(run.settings["dt_s"]) / FINER, FINEST_S)
-    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), Want(stop=lambda t_s, _: t_s > until_s))
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions(stop=lambda t_s, _: t_s > until_s))
 
 
 def _held(run: Run, truth: Run) -> Row:

@@ -97,7 +97,9 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
     amplitudes = np.linspace(0.1, 0.5, runs) * scene.gravity_m_s2
 
     def work() -> None:
-        ensemble(block_of(scene), scene.shake.x, sweep={"amplitude_m_s2": amplitudes}, duration_s=10.0, threads=1)
+        ensemble(
+            block_of(scene), scene.base_excitation.x, sweep={"amplitude_m_s2": amplitudes}, duration_s=10.0, threads=1
+        )
 
     work()
     spent = cost(work, 3)

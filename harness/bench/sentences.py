@@ -28,22 +28,24 @@ def choice(rows: Sequence[Row], target_rad: float) -> list[dict[str, Any]]:
         if not taken:
             continue
         # By its place in the ladder: one rung may have other iterations on another scene.
-        rungs: dict[int, dict[str, Row]] = defaultdict(dict)
+        levels: dict[int, dict[str, Row]] = defaultdict(dict)
         passed: dict[str, int] = defaultdict(int)
         for row in mine:
             if row["group"] != "ladder" or row["scene"] not in taken:
                 continue
             if row["failed"] is None:
-                rungs[passed[row["scene"]]][row["scene"]] = row
+                levels[passed[row["scene"]]][row["scene"]] = row
             passed[row["scene"]] += 1
         meets = [
             sum(row["cpu_s"] for row in by_scene.values())
-            for by_scene in rungs.values()
+            for by_scene in levels.values()
             if set(by_scene) == set(taken) and all(row["error_rad"] <= target_rad for row in by_scene.values())
         ]
         hindsight = {}
         for scene, row in taken.items():
-            good = [by[scene]["cpu_s"] for by in rungs.values() if scene in by and by[scene]["error_rad"] <= target_rad]
+            good = [
+                by[scene]["cpu_s"] for by in levels.values() if scene in by and by[scene]["error_rad"] <= target_rad
+            ]
             if good:
                 hindsight[scene] = row["cpu_s"] / min(good)
         total = sum(row["cpu_s"] for row in taken.values())

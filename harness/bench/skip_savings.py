@@ -14,27 +14,27 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, outcome_scenes, rung, simulate
+from harness.bench.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, level, outcome_scenes, simulate
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
 from harness.bench.timing import cost
 from harness.campaign.parts import Row
 from harness.engines.base import Engine
 from harness.model.errors import InputError
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
 LEVERS: Final = {
-    "quiet_start": (Want(True, frozenset({"quiet_start"})), Want(True, frozenset())),
-    "quiet_end": (Want(True, frozenset({"quiet_end"})), Want(True, frozenset())),
-    "no_history": (Want(False, frozenset({"no_history"})), Want(True, frozenset())),
+    "quiet_start": (RunOptions(True, frozenset({"quiet_start"})), RunOptions(True, frozenset())),
+    "quiet_end": (RunOptions(True, frozenset({"quiet_end"})), RunOptions(True, frozenset())),
+    "no_history": (RunOptions(False, frozenset({"no_history"})), RunOptions(True, frozenset())),
     "energy_outcome": (
-        Want(False, frozenset({"no_history", "energy_outcome"})),
-        Want(False, frozenset({"no_history"})),
+        RunOptions(False, frozenset({"no_history", "energy_outcome"})),
+        RunOptions(False, frozenset({"no_history"})),
     ),
-    "stop_at_overturn": (Want(True, frozenset({"stop_at_overturn"})), Want(True, frozenset())),
-    "base_only": (Want(True, frozenset({"base_only"})), Want(True, frozenset())),
-    "mirror": (Want(True, frozenset({"base_only", "mirror"})), Want(True, frozenset({"base_only"}))),
+    "stop_at_overturn": (RunOptions(True, frozenset({"stop_at_overturn"})), RunOptions(True, frozenset())),
+    "base_only": (RunOptions(True, frozenset({"base_only"})), RunOptions(True, frozenset())),
+    "mirror": (RunOptions(True, frozenset({"base_only", "mirror"})), RunOptions(True, frozenset({"base_only"}))),
 }
 """What is asked with a skip alone and without it."""
 PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
@@ -121,13 +121,13 @@ def _measured(skip: str, engine: Engine, kind: str) -> Row:
     return row | {"own_rad": own}
 
 
-def own_error_rad(engine: Engine, scene: Scene, want: Want, run: Run) -> float:
+def own_error_rad(engine: Engine, scene: Scene, want: RunOptions, run: Run) -> float:
     """What the engine's own finer settings change in a run, rad; of a model that certifies, its stated uncertainty."""
     if engine.capabilities.certifies:
         return run.numerical_uncertainty_rad or 0.0
     return max(
         difference(run, engine.simulate(scene, probe, want))
-        for probe in engine.probes(scene, rung(engine, scene, RESOLVED_RAD))
+        for probe in engine.verification_settings(scene, level(engine, scene, RESOLVED_RAD))
     )
 
 

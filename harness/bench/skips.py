@@ -13,7 +13,7 @@ from harness.bench.timing import cost
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -32,8 +32,8 @@ SHARES: Final = {
 """Peak accelerations by engine, in units of the least g b/h: from nothing moves to overturning."""
 ENGINE_ACCURACY_RAD: Final = 1e-2
 """What an outcome needs: a rung coarse enough for a study, not a history."""
-ALL: Final = Want(history=False)
-NONE: Final = Want(history=True, skips=frozenset())
+ALL: Final = RunOptions(history=False)
+NONE: Final = RunOptions(history=True, skips=frozenset())
 REPEATS: Final = {"analytic": 3}
 """Repetitions of each run where one is short; one where it takes seconds."""
 
@@ -115,21 +115,21 @@ def decides_nothing(engine: Engine, scene: Scene, run: Run) -> bool:
     """Whether the engine's own finer settings, without any skip, end otherwise: then this rung decides nothing here."""
     if engine.capabilities.certifies:
         return False
-    probes = engine.probes(scene, rung(engine, scene))
-    return any(engine.simulate(scene, probe, NONE).outcome is not run.outcome for probe in probes)
+    verification_settings = engine.verification_settings(scene, level(engine, scene))
+    return any(engine.simulate(scene, probe, NONE).outcome is not run.outcome for probe in verification_settings)
 
 
-def rung(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RAD) -> Settings:
+def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RAD) -> Settings:
     """The coarsest settings of which such an error is expected; without it what an outcome needs."""
-    ladder = engine.ladder(scene)
-    return next((item for item in ladder if item.expected_error_rad <= expected_rad), ladder[-1])
+    refinement_levels = engine.refinement_levels(scene)
+    return next((item for item in refinement_levels if item.expected_error_rad <= expected_rad), refinement_levels[-1])
 
 
-def simulate(engine: Engine, scene: Scene, want: Want, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
+def simulate(engine: Engine, scene: Scene, want: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
     """One run of the outcome study: certified, or on the rung that an outcome needs."""
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
-    return engine.simulate(scene, rung(engine, scene, expected_rad), want)
+    return engine.simulate(scene, level(engine, scene, expected_rad), want)
 
 
 def _keep(kept: dict[bool, Run], engine: Engine, scene: Scene, skip: bool) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse
 from harness.bench.coverage import block
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene
 
 DURATION_S: Final = 2.0
 
@@ -49,5 +49,5 @@ def tipping_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
         statue=block(float(mass), left, right, float(height), float(inertia), depth),
         pedestal=pedestal,
         contact=Contact(static, static * float(rng.uniform(0.8, 1.0)), 2.0),
-        shake=Shake(x=motion),
+        base_excitation=BaseExcitation(x=motion),
     )

@@ -13,7 +13,7 @@ from harness.bench.coverage import FIRST_SEED, Case, cases, random_scene, row_of
 from harness.bench.precision import TARGET_RAD, error
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
-from harness.model.options import Want
+from harness.model.options import RunOptions
 
 SEEDS: Final = {"pybullet": 200, "pymunk": 200}
 """Seeded scenes by engine."""
@@ -42,23 +42,23 @@ def compute(task: str) -> list[Row]:
     found = []
     # What is loaded and compiled once is not the first scene's cost.
     first = random_scene(seeds[0])
-    engine.simulate(first, engine.ladder(first)[0], Want())
+    engine.simulate(first, engine.refinement_levels(first)[0], RunOptions())
     for case in cases(engine, TARGET_RAD, seeds):
         row = row_of(case, engine.name, TARGET_RAD)
         # Where the target is not met to the end, no rung is known to be enough.
-        rungs = list(_rungs(engine, case)) if row.met_whole else []
-        found.append(row.as_dict() | {"cpu_s": case.cpu_s, "rungs": rungs})
+        levels = list(_rungs(engine, case)) if row.met_whole else []
+        found.append(row.as_dict() | {"cpu_s": case.cpu_s, "rungs": levels})
     return found
 
 
 def _rungs(engine: Engine, case: Case) -> Iterator[Row]:
     """Each rung down to `FINEST_S` on a case's scene: its error and what it takes, timed once, after the run to the target."""
-    for settings in engine.ladder(case.scene):
+    for settings in engine.refinement_levels(case.scene):
         if settings.dt_s < FINEST_S:
             return
         begin = time.process_time()
         try:
-            run = engine.simulate(case.scene, settings, Want())
+            run = engine.simulate(case.scene, settings, RunOptions())
         except EngineFailure as failure:
             yield {"dt_s": settings.dt_s, "failed": str(failure)}
             continue
@@ -73,7 +73,7 @@ def choice_rows(rows: Sequence[Row]) -> list[Row]:
         if not row.get("rungs"):
             continue
         common = {"engine": row["engine"], "scene": f"seed {row['seed']}", "label": ""}
-        found += [{**common, "group": "ladder", **rung} for rung in row["rungs"]]
+        found += [{**common, "group": "ladder", **level} for level in row["rungs"]]
         asked = {"error_rad": row["error_rad"], "cpu_s": row["cpu_s"], "failed": None}
         found.append({**common, "group": "accuracy", **asked})
     return found

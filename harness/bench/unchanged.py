@@ -17,7 +17,7 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.coverage import random_scene
 from harness.bench.skip_savings import difference
 from harness.engines.base import Engine
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -48,9 +48,9 @@ def effects(engine: Engine, seeds: Sequence[int]) -> Iterator[Effect]:
     """Every skip of an engine on every seed's scene."""
     for seed in seeds:
         scene = random_scene(seed)
-        with_all = {history: _run(engine, scene, Want(history=history)) for history in (True, False)}
+        with_all = {history: _run(engine, scene, RunOptions(history=history)) for history in (True, False)}
         for skip in sorted(engine.capabilities.skips):
-            want = Want(history=skip not in OUTCOME_ONLY, skips=frozenset(SKIPS) - {skip})
+            want = RunOptions(history=skip not in OUTCOME_ONLY, skips=frozenset(SKIPS) - {skip})
             on, off = with_all[want.history], _run(engine, scene, want)
             apart, own = difference(on, off), None
             if apart > PARTED_RAD and not engine.capabilities.certifies:
@@ -58,7 +58,7 @@ def effects(engine: Engine, seeds: Sequence[int]) -> Iterator[Effect]:
             yield Effect(engine.name, skip, seed, apart, own, (on.outcome.value, off.outcome.value))
 
 
-def _run(engine: Engine, scene: Scene, want: Want, dt_s: float = STEP_S) -> Run:
+def _run(engine: Engine, scene: Scene, want: RunOptions, dt_s: float = STEP_S) -> Run:
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
     return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)

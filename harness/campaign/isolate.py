@@ -16,7 +16,7 @@ from harness.model.history import Outcome
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-    from harness.model.options import Want
+    from harness.model.options import RunOptions
     from harness.model.run import Run
     from harness.model.scene import Scene
 
@@ -95,7 +95,7 @@ def simulate_isolated(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: Want | None = None,
+    want: RunOptions | None = None,
     timeout_s: float = DEFAULT_TIMEOUT_S,
 ) -> Run:
     """`harness.simulate` in a process of its own; a crash or hang is a run whose outcome says so.
@@ -112,5 +112,7 @@ def simulate_isolated(
     return run
 
 
-def _simulate(scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, want: Want | None) -> Run:
+def _simulate(
+    scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, want: RunOptions | None
+) -> Run:
     return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)

@@ -14,7 +14,7 @@ SILENT_S: Final = 10.0
 """Off a terminal, where nothing can turn, a line comes at least this often."""
 
 
-class Telling:
+class ProgressMessages:
     """Says what is at work: a spinner with the time spent on a terminal, lines elsewhere, nothing when quiet."""
 
     def __init__(self, quiet: bool, silent_s: float = SILENT_S) -> None:
@@ -31,7 +31,7 @@ class Telling:
         self._now = ("reading", time.monotonic())
         self._said = time.monotonic()
 
-    def __enter__(self) -> Telling:
+    def __enter__(self) -> ProgressMessages:
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
         elif self._console.is_terminal:
@@ -97,7 +97,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
     )
     with ExitStack() as stack:
         bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
-        lines = Telling(quiet or console.is_terminal)
+        lines = ProgressMessages(quiet or console.is_terminal)
         stack.enter_context(lines)
         task = bar.add_task(title, total=None)
         said = -1

@@ -55,7 +55,7 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
     given: dict[str, Any] = {name: value for name, value in keywords(changed).items() if name not in UNUSED}
     found = ensemble(
         block,
-        changed.shake.x,
+        changed.base_excitation.x,
         sweep={
             "scale": factors[None, :],
             "centroid_height_m": statue.centroid_height_m * draws[0],

@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from analytic.excitation import Rest
+from analytic.excitation import ZeroExcitation
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
@@ -62,13 +62,22 @@ def turned(scene: Scene, azimuth_deg: float) -> Scene:
 
 def amplified(scene: Scene, factor: float) -> Scene:
     """The scene with all components of the motion scaled alike."""
-    shake = scene.shake
-    return scene.but(shake=replace(shake, x=shake.x.scaled(factor), y=shake.y.scaled(factor), z=shake.z.scaled(factor)))
+    base_excitation = scene.base_excitation
+    return scene.but(
+        base_excitation=replace(
+            base_excitation,
+            x=base_excitation.x.scaled(factor),
+            y=base_excitation.y.scaled(factor),
+            z=base_excitation.z.scaled(factor),
+        )
+    )
 
 
 def _along(scene: Scene, axes: str) -> Scene:
     """The scene shaken along these axes only."""
-    return scene.but(shake=replace(scene.shake, **{axis: Rest() for axis in "xyz" if axis not in axes}))
+    return scene.but(
+        base_excitation=replace(scene.base_excitation, **{axis: ZeroExcitation() for axis in "xyz" if axis not in axes})
+    )
 
 
 def _adjusted(**shares: Any) -> Callable[[Scene], Scene]:
@@ -124,7 +133,7 @@ def changed_scene(scene: Scene, condition: str, azimuth_deg: float) -> Scene:
 
 def without_meaning(scene: Scene) -> dict[str, str]:
     """The conditions that change nothing of this scene, each with the reason."""
-    y, z = (isinstance(item, Rest) for item in (scene.shake.y, scene.shake.z))
+    y, z = (isinstance(item, ZeroExcitation) for item in (scene.base_excitation.y, scene.base_excitation.z))
     flat = float(np.ptp(solid_of(scene).feet_m[:, 2])) < FLAT_M
     found = {}
     if z:

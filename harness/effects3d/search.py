@@ -12,7 +12,7 @@ import numpy as np
 from harness.accuracy.simulation import simulate
 from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import limit_of_rest_m_s2
@@ -130,13 +130,13 @@ def nearest_crossing(
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
     """One run; contact engines at the given step, the analytic model at its default accuracy."""
-    want = Want(history=history)
+    want = RunOptions(history=history)
     return simulate(scene, engine, want=want) if engine == "analytic" else simulate(scene, engine, dt_s=dt_s, want=want)
 
 
 def peak_g(scene: Scene) -> float:
     """Peak of the floor's acceleration along x as a share of gravity."""
-    return scene.shake.x.peak_m_s2 / scene.gravity_m_s2
+    return scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2
 
 
 def start_factor(scene: Scene) -> float:
@@ -147,11 +147,11 @@ def start_factor(scene: Scene) -> float:
     solid = solid_of(scene)
     reach = float(np.min(reach_m(solid.footprint_m, [0.0, 180.0])))
     limit = min(limit_of_rest_m_s2(scene), scene.gravity_m_s2 * reach / solid.centroid_height_m)
-    vertical = scene.shake.z.peak_m_s2 / scene.shake.x.peak_m_s2
-    across = math.hypot(1.0, scene.shake.y.peak_m_s2 / scene.shake.x.peak_m_s2)
+    vertical = scene.base_excitation.z.peak_m_s2 / scene.base_excitation.x.peak_m_s2
+    across = math.hypot(1.0, scene.base_excitation.y.peak_m_s2 / scene.base_excitation.x.peak_m_s2)
     # A vertical peak taken off gravity: limit (1 − f z/g) = f x.
-    factor = limit / (across * scene.shake.x.peak_m_s2)
-    return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.shake.x.peak_m_s2 / scene.gravity_m_s2)
+    factor = limit / (across * scene.base_excitation.x.peak_m_s2)
+    return BEGIN_SHARE * factor / (1.0 + factor * vertical * scene.base_excitation.x.peak_m_s2 / scene.gravity_m_s2)
 
 
 def find(

@@ -189,7 +189,7 @@ def run_effects(
 
 def _check(scene: Scene, path: Path) -> None:
     solid_of(scene)
-    if scene.shake.x.peak_m_s2 == 0.0:
+    if scene.base_excitation.x.peak_m_s2 == 0.0:
         raise InputError(Mistake(str(path), "motion.x", "a motion along x", "none"))
     if scene.pedestal is not None or scene.wall is not None:
         wanted = "a statue on the floor: pedestal and wall have a direction of their own"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 
 import numpy as np
 
-from analytic.excitation import Rest
+from analytic.excitation import ZeroExcitation
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
 from harness.model.scene import OVERTURN_RAD, Scene
 
@@ -52,7 +52,7 @@ class TwoBlock(Engine):
         """Always there."""
         return None
 
-    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
         """Three aimed errors; the step's length follows from them."""
         return tuple(TwoBlockSettings(0.0, accuracy, accuracy) for accuracy in ACCURACIES_RAD)
 
@@ -60,7 +60,7 @@ class TwoBlock(Engine):
         """The finest aimed error with steps no longer than dt_s."""
         return TwoBlockSettings(dt_s, ACCURACIES_RAD[-1], ACCURACIES_RAD[-1], dt_s)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """A hundredth of the aimed error, and short steps."""
         accuracy = _own(settings).accuracy_rad
         return (
@@ -68,25 +68,25 @@ class TwoBlock(Engine):
             TwoBlockSettings(PROBE_STEP_S, accuracy, accuracy, PROBE_STEP_S),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure when the model refuses the scene."""
         from analytic import AnalyticInputError, certify
 
         chosen = _own(settings)
-        keep = want.history or not want.may_skip("no_history")
+        keep = want.history or not want.allows("no_history")
         given: CommonKeywords = {
             **keywords(scene),
             "dt_s": scene.output_dt_s if keep else None,
-            "skip_start": want.may_skip("quiet_start"),
-            "skip_rest": want.may_skip("quiet_end"),
-            "skip_energy": want.may_skip("energy_outcome"),
+            "skip_start": want.allows("quiet_start"),
+            "skip_rest": want.allows("quiet_end"),
+            "skip_energy": want.allows("energy_outcome"),
         }
         start = time.perf_counter()
         try:
             certified = certify(
                 block_of(scene),
-                scene.shake.x,
-                scene.shake.z,
+                scene.base_excitation.x,
+                scene.base_excitation.z,
                 accuracy_rad=RELIABLE_RAD,
                 base_accuracy_rad=chosen.accuracy_rad,
                 step_cap_s=chosen.step_cap_s,
@@ -204,7 +204,7 @@ def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
 
 def _warnings(scene: Scene, certified: Certified) -> tuple[str, ...]:
     told = list(certified.warnings)
-    if not isinstance(scene.shake.y, Rest):
+    if not isinstance(scene.base_excitation.y, ZeroExcitation):
         told.append("The model is planar: the motion across the rocking plane is left out.")
     return tuple(told)
 

@@ -6,8 +6,9 @@ How to add an engine
    only, and inside functions, so that a run that does not ask for it does not pay for it.
 2. Declare `name`, `capabilities` and `order`; the shared tests are driven by them and check them: a flag that is not true
    fails.
-3. Implement `missing`, `ladder`, `settings_for_dt`, `probes` and `simulate`. A scene arrives resolved (plain numbers, arrays,
-   accelerations): no engine reads a file. Translate the simulator's exceptions into `EngineFailure` at this boundary.
+3. Implement `missing`, `refinement_levels`, `settings_for_dt`, `verification_settings` and `simulate`. A scene arrives
+   resolved (plain numbers, arrays, accelerations): no engine reads a file. Translate the simulator's exceptions into
+   `EngineFailure` at this boundary.
 4. Fill every field of `Run` that the engine can know. A scene that asks for what the engine cannot compute is refused by
    `EngineFailure` in one sentence; a form of the two-block model that it replaces by its own contact is said in `Run.warnings`.
 5. Add one line to the registry in `harness/engines/__init__.py`, and run `make test`.
@@ -19,7 +20,7 @@ from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Final
 
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -59,7 +60,7 @@ class Engine(ABC):
         """Why the engine cannot run here, in one sentence, or None when it can."""
 
     @abstractmethod
-    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
         """Settings for this scene from coarse and cheap to fine and dear."""
 
     @abstractmethod
@@ -67,9 +68,9 @@ class Engine(ABC):
         """Settings with the expert's own time step."""
 
     @abstractmethod
-    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """Variations of `settings` (half the step, other body order, more iterations) whose spread is the numerical error."""
 
     @abstractmethod
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

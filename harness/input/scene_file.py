@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
 from harness.input.motions.spec import Component
 from harness.input.tables import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Array, Contact, Form, Initial, Pedestal, Scene, Shake, Statue, Wall
+from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
 
 if TYPE_CHECKING:
     pass
@@ -52,7 +52,7 @@ def resolve(
     """
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    shake = _shake(model, path, mistakes, notes)
+    base_excitation = _shake(model, path, mistakes, notes)
     statue = None
     try:
         statue = _statue_once(model.statue, path, notes, statues)
@@ -71,7 +71,7 @@ def resolve(
         statue=statue,
         pedestal=pedestal,
         contact=_contact(model.contact),
-        shake=shake,
+        base_excitation=base_excitation,
         wall=None if model.wall is None else Wall(model.wall.side, model.wall.distance_m),
         initial=Initial(model.initial.theta_rad, model.initial.theta_rate_rad_s),
         table=model.table,
@@ -93,8 +93,8 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> Shake:
-    found: dict[str, Excitation] = {axis: Rest() for axis in ("x", "y", "z")}
+def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
+    found: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
     for axis in found:
         component: Component | None = getattr(model.motion, axis)
         if component is None:
@@ -113,7 +113,7 @@ def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[st
             notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)
-    return Shake(**found)
+    return BaseExcitation(**found)
 
 
 def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedestal | None:

@@ -21,7 +21,7 @@ SKIPS: Final[Mapping[str, str]] = {
 
 
 @dataclass(frozen=True)
-class Want:
+class RunOptions:
     """What is asked of a run: the history or only the outcome; which skips are on.
 
     `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
@@ -32,7 +32,7 @@ class Want:
     skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
     stop: Callable[[float, float], bool] | None = None
 
-    def may_skip(self, name: str) -> bool:
+    def allows(self, name: str) -> bool:
         """Whether the named skip is on; raises `KeyError` for an unknown one."""
         if name not in SKIPS:
             raise KeyError(name)
@@ -48,7 +48,7 @@ class Capabilities:
     `flies` compute what the two-block model only reports; `moving_table` can move the table instead of the frame;
     `forces` records contact forces; `edge_shape` says what of the statue meets a pedestal's edge where that is the same in
     every scene (empty: no contact at all, or chosen by `statics.collision_shape`); `skips` are those of `SKIPS` that it has, each
-    with its switch in `Want`.
+    with its switch in `RunOptions`.
     """
 
     dimensions: int

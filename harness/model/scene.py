@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 
 if TYPE_CHECKING:
     from meshes import Solid
@@ -91,12 +91,12 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Shake:
+class BaseExcitation:
     """Acceleration of the floor: x in the rocking plane, y across it, z up."""
 
-    x: Excitation = field(default_factory=Rest)
-    y: Excitation = field(default_factory=Rest)
-    z: Excitation = field(default_factory=Rest)
+    x: Excitation = field(default_factory=ZeroExcitation)
+    y: Excitation = field(default_factory=ZeroExcitation)
+    z: Excitation = field(default_factory=ZeroExcitation)
 
     @property
     def end_s(self) -> float:
@@ -106,7 +106,7 @@ class Shake:
     @property
     def still(self) -> bool:
         """Whether the floor never moves."""
-        return all(isinstance(item, Rest) for item in (self.x, self.y, self.z))
+        return all(isinstance(item, ZeroExcitation) for item in (self.x, self.y, self.z))
 
     def axes(self, dimensions: int = 3) -> tuple[str, ...]:
         """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""
@@ -158,7 +158,7 @@ class Scene:
     statue: Statue
     pedestal: Pedestal | None
     contact: Contact
-    shake: Shake
+    base_excitation: BaseExcitation
     wall: Wall | None = None
     initial: Initial = Initial()
     table: Literal["frame", "moving"] = "frame"
@@ -175,7 +175,7 @@ class Scene:
     @property
     def planar(self) -> bool:
         """Whether nothing in the scene leaves the rocking plane (no shaking across it, section symmetric about it)."""
-        return isinstance(self.shake.y, Rest) and self.statue.solid is None
+        return isinstance(self.base_excitation.y, ZeroExcitation) and self.statue.solid is None
 
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:

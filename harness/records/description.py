@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.run import to_plain
 from harness.model.scene import Scene
 from harness.statics.push import peak_within_m_s2, push_of
@@ -68,15 +68,15 @@ def motion_of(scene: Scene) -> dict[str, Any]:
     """
     t_s = np.linspace(0.0, scene.duration_s, MOTION_SAMPLES)
     found: dict[str, Any] = {"t_s": t_s}
-    for axis, item in (("x", scene.shake.x), ("y", scene.shake.y), ("z", scene.shake.z)):
-        if not isinstance(item, Rest):
+    for axis, item in (("x", scene.base_excitation.x), ("y", scene.base_excitation.y), ("z", scene.base_excitation.z)):
+        if not isinstance(item, ZeroExcitation):
             found[f"{axis}_m_s2"] = _extremes(item, t_s)
             found[f"{axis}_peak_m_s2"] = peak_within_m_s2(item, scene.duration_s)
             found[f"{axis}_is"] = repr(item) if not hasattr(item, "t_s") else f"record of {len(item.t_s)} samples"
-    level = (scene.shake.x, scene.shake.y)
-    if not all(isinstance(item, Rest) for item in level):
+    level = (scene.base_excitation.x, scene.base_excitation.y)
+    if not all(isinstance(item, ZeroExcitation) for item in level):
         found["push"] = push_of(scene).as_dict()
-    if not any(isinstance(item, Rest) for item in level):
+    if not any(isinstance(item, ZeroExcitation) for item in level):
         found["level_m_s2"] = _largest(level, t_s)
     plain: dict[str, Any] = to_plain(found)
     return plain

@@ -16,7 +16,7 @@ from harness.engines.base import EngineFailure
 from harness.input.paths import read_files
 from harness.model import run as record
 from harness.model.history import Outcome, history_file
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import SCHEMA_VERSION, Run
 from harness.model.scene import Scene
 from harness.records import description as describe
@@ -83,7 +83,7 @@ def run_scene(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: Want | None = None,
+    want: RunOptions | None = None,
     told: Callable[[str], None] = lambda text: None,
     iso: bool = False,
     horizon: bool = False,
@@ -100,7 +100,7 @@ def run_scene(
     from what the scene does not know. `stored` are runs of this very scene and target that are there already.
     """
     check_target(accuracy_rad, dt_s)
-    want = want or Want()
+    want = want or RunOptions()
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
     steps = plan(scene, loaded, want, engines.REGISTRY)
     start = time.perf_counter()
@@ -169,7 +169,7 @@ def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], is
     }
 
 
-def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
     from harness.campaign.isolate import simulate_isolated
 
     return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)

@@ -9,8 +9,8 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, Rest
-from harness.model.options import SKIPS, Capabilities, Want
+from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.options import SKIPS, Capabilities, RunOptions
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 from harness.statics.collision_shape import shape_needed
 from harness.statics.symmetry import asymmetry
@@ -50,7 +50,7 @@ class Step:
         return f"{'skip' if self.applies else 'keep'} {self.skip} ({self.engine}): {self.reason}"
 
 
-def plan(scene: Scene, engines: Sequence[Asked], want: Want, registered: Iterable[str] = ()) -> tuple[Step, ...]:
+def plan(scene: Scene, engines: Sequence[Asked], want: RunOptions, registered: Iterable[str] = ()) -> tuple[Step, ...]:
     """All decisions for a scene: each engine's own skips, then those of the harness.
 
     `registered` names all engines there are: those that are not among `engines` are not imported.
@@ -63,7 +63,7 @@ def _skips_of(engine: Asked) -> frozenset[str]:
     return engine.capabilities.skips
 
 
-def _decided(name: str, scene: Scene, engine: Asked, want: Want) -> Step:
+def _decided(name: str, scene: Scene, engine: Asked, want: RunOptions) -> Step:
     """One skip of one engine."""
     if name not in want.skips:
         return Step(name, engine.name, False, "switched off")
@@ -79,7 +79,7 @@ def limit_of_rest_m_s2(scene: Scene) -> float:
     """
     statue, gravity = scene.statue, scene.gravity_m_s2
     corner = min(statue.corner_left_m, statue.corner_right_m)
-    if not isinstance(scene.shake.y, Rest):
+    if not isinstance(scene.base_excitation.y, ZeroExcitation):
         corner = min(corner, margin_m(statue.footprint_m))
     uplift = gravity * corner / statue.centroid_height_m
     return min(uplift, _holding_friction(scene) * gravity)
@@ -101,14 +101,14 @@ def first_motion_s(scene: Scene) -> float:
     """
     if scene.initial.theta_rad != 0.0 or scene.initial.theta_rate_rad_s != 0.0:
         return 0.0
-    components = (scene.shake.x, scene.shake.y, scene.shake.z)
+    components = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
     times = _knots(components, scene.duration_s)
     if times is None:
         return 0.0
     polygon = resting_polygon_m(scene.statue)
     if polygon is None:
         return 0.0
-    if all(isinstance(item, Rest) for item in components):
+    if all(isinstance(item, ZeroExcitation) for item in components):
         return scene.duration_s
     x, y, z = (np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components)
     over = np.flatnonzero(_leaves_rest(scene, polygon, x, y, scene.gravity_m_s2 - np.abs(z)))
@@ -150,7 +150,7 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[An
     """All sample times of records, or None when a component is a formula (its extremes lie between knots)."""
     found = [np.zeros(1)]
     for item in components:
-        if isinstance(item, Rest):
+        if isinstance(item, ZeroExcitation):
             continue
         samples = getattr(item, "t_s", None)
         if samples is None:
@@ -159,30 +159,30 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[An
     return np.unique(np.clip(np.concatenate(found), 0.0, duration_s))
 
 
-def _quiet_start(scene: Scene, want: Want) -> Decision:
+def _quiet_start(scene: Scene, want: RunOptions) -> Decision:
     quiet = first_motion_s(scene)
     if quiet > 0.0:
         return True, f"nothing can move before {quiet:.4g} s"
     return False, "the motion is not quiet at its start, or the statue starts off rest"
 
 
-def _quiet_end(scene: Scene, want: Want) -> Decision:
-    end = scene.shake.end_s
+def _quiet_end(scene: Scene, want: RunOptions) -> Decision:
+    end = scene.base_excitation.end_s
     if end < scene.duration_s:
         return True, f"the floor is still after {end:.4g} s: the run ends once the statue is at rest"
     return False, "the floor moves until the end"
 
 
-def _energy(scene: Scene, want: Want) -> Decision:
+def _energy(scene: Scene, want: RunOptions) -> Decision:
     if want.history:
         return False, "histories are asked"
-    end = scene.shake.end_s
+    end = scene.base_excitation.end_s
     if end < scene.duration_s:
         return True, f"after {end:.4g} s the energy decides the outcome, where the pedestal is shown to hold"
     return False, "the floor moves until the end"
 
 
-def _base_only(scene: Scene, want: Want) -> Decision:
+def _base_only(scene: Scene, want: RunOptions) -> Decision:
     from meshes.decomposition import missing
 
     need = shape_needed(scene)
@@ -198,7 +198,7 @@ def _base_only(scene: Scene, want: Want) -> Decision:
     return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
 
 
-def _mirror(scene: Scene, want: Want) -> Decision:
+def _mirror(scene: Scene, want: RunOptions) -> Decision:
     if scene.table != "frame":
         return False, "the table moves, not the frame"
     reason = asymmetry(scene)
@@ -209,16 +209,16 @@ def _mirror(scene: Scene, want: Want) -> Decision:
     return True, f"the scene is its own mirror image across the rocking plane: {told}"
 
 
-def _no_history(scene: Scene, want: Want) -> Decision:
+def _no_history(scene: Scene, want: RunOptions) -> Decision:
     return (False, "histories are asked") if want.history else (True, "only the outcome is asked")
 
 
-def _stop(scene: Scene, want: Want) -> Decision:
+def _stop(scene: Scene, want: RunOptions) -> Decision:
     return True, f"a run ends at |θ| = {OVERTURN_RAD:g} rad"
 
 
 Decision = tuple[bool, str]
-DECISIONS: Final[Mapping[str, Callable[[Scene, Want], Decision]]] = {
+DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
     "quiet_start": _quiet_start,
     "quiet_end": _quiet_end,
     "energy_outcome": _energy,

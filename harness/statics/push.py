@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.scene import Scene
 from meshes.footprint import outward_sides
 
@@ -57,8 +57,8 @@ class Push:
 
 def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
     """The push of a scene's motion within its duration, that along x made larger by a factor."""
-    shake = scene.shake
-    parts = (shake.x, shake.y, shake.z)
+    base_excitation = scene.base_excitation
+    parts = (base_excitation.x, base_excitation.y, base_excitation.z)
     t_s = instants_s(parts, scene.duration_s)
     peak, shares = 0.0, dict.fromkeys(_limits(scene), 0.0)
     for _ in range(2):
@@ -77,7 +77,7 @@ def instants_s(parts: tuple[Excitation, ...], duration_s: float) -> Array:
     for item in parts:
         knots = np.asarray(getattr(item, "t_s", item.breaks_s(duration_s)), dtype=np.float64)
         times += [knots, np.nextafter(knots, -np.inf)]
-        if not isinstance(item, Rest) and not hasattr(item, "t_s"):
+        if not isinstance(item, ZeroExcitation) and not hasattr(item, "t_s"):
             times.append(np.linspace(0.0, duration_s, SAMPLES))
     joined = np.unique(np.concatenate(times))
     return joined[(joined >= 0.0) & (joined <= duration_s)]

@@ -11,9 +11,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from analytic.excitation import Rest
+from analytic.excitation import ZeroExcitation
 from harness.model.options import Capabilities
-from harness.model.scene import Contact, Form, Scene, Shake, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
 
 NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid", "uncertainty"})
 
@@ -39,7 +39,7 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
     Without a pedestal nothing slides on the floor; an engine's own contact knows neither the model's normal force nor, unless a
     ratio is imposed, its impact law; a planar engine sees neither the motion across the plane nor the body's third dimension.
     """
-    form, contact, shake, statue = scene.form, scene.contact, scene.shake, scene.statue
+    form, contact, base_excitation, statue = scene.form, scene.contact, scene.base_excitation, scene.statue
     if scene.pedestal is None:
         form, contact = Form(), Contact(0.0, 0.0, contact.statue, contact.restitution)
     if capabilities.own_impact:
@@ -49,9 +49,9 @@ def relevant(scene: Scene, capabilities: Capabilities) -> Scene:
     if not capabilities.statue_slips:
         contact = replace(contact, statue=1.0)
     if capabilities.dimensions == 2:
-        shake = Shake(shake.x, Rest(), shake.z)
+        base_excitation = BaseExcitation(base_excitation.x, ZeroExcitation(), base_excitation.z)
         statue = _planar(statue)
-    return scene.but(form=form, contact=contact, shake=shake, statue=statue)
+    return scene.but(form=form, contact=contact, base_excitation=base_excitation, statue=statue)
 
 
 def _planar(statue: Statue) -> Statue:

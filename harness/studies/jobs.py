@@ -15,7 +15,7 @@ from harness.campaign.batches import crashed
 from harness.campaign.executors import Crash
 from harness.engines.base import Engine
 from harness.model import run as record
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.studies.cache_key import scene_digest
@@ -54,7 +54,7 @@ def compute(batch: Sequence[Job]) -> Finished:
         marks = [time.perf_counter()]
         scene = job.base.scene(dict(job.setting))
         marks.append(time.perf_counter())
-        run = simulate(scene, job.engine, accuracy_rad=job.accuracy_rad, want=Want(history=job.histories))
+        run = simulate(scene, job.engine, accuracy_rad=job.accuracy_rad, want=RunOptions(history=job.histories))
         marks.append(time.perf_counter())
         failed += run.outcome.failed
         results.append(packed(job.key, run, job.histories))

@@ -14,7 +14,7 @@ from harness.campaign.batches import batches, crashed, run_batches
 from harness.campaign.executors import Crash, Pool
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.studies.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
@@ -121,5 +121,5 @@ def work(batch: Sequence[Job]) -> list[Run]:
 
 def _one(job: Job) -> Run:
     scene = scene_of(job.trial, job.variant, job.seed)
-    want = Want(history=job.history)
+    want = RunOptions(history=job.history)
     return simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, want=want)

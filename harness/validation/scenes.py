@@ -15,14 +15,14 @@ import numpy as np
 
 import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
 from harness.input.motions.spec import RecordSpec
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
-from harness.model.scene import Array, Contact, Form, Scene, Shake, Statue
+from harness.model.scene import Array, BaseExcitation, Contact, Form, Scene, Statue
 from harness.studies.cache_key import scene_digest
 from harness.validation.table import Trial
 
@@ -105,18 +105,18 @@ def _base_scene(trial: Trial) -> Scene:
     """The scene of a test before its body is turned: what its scene file says, or its mesh alone on the floor."""
     if trial.scene is not None:
         scene = load.load_scene(trial.scene)
-        shake = scene.shake if trial.motion is None else _shake(trial)
+        base_excitation = scene.base_excitation if trial.motion is None else _shake(trial)
     else:
-        shake = _shake(trial)
+        base_excitation = _shake(trial)
         statue = _turned(trial, 0.0, 0.0)
-        scene = Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), shake)
+        scene = Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), base_excitation)
     if trial.duration_s is not None:
         duration = trial.duration_s
-    elif trial.motion is not None and math.isfinite(shake.end_s):
-        duration = shake.end_s + RING_DOWN_S
+    elif trial.motion is not None and math.isfinite(base_excitation.end_s):
+        duration = base_excitation.end_s + RING_DOWN_S
     else:
         duration = scene.duration_s
-    return scene.but(shake=shake, duration_s=duration)
+    return scene.but(base_excitation=base_excitation, duration_s=duration)
 
 
 def _turned(trial: Trial, azimuth_deg: float, inwards_m: float) -> Statue:
@@ -169,15 +169,15 @@ def _solid(path: Path, unit: str, up: str, density_kg_m3: float) -> meshes.Solid
         raise InputError(Mistake(str(path), "", "a mesh that can be computed", str(error))) from error
 
 
-def _shake(trial: Trial) -> Shake:
+def _shake(trial: Trial) -> BaseExcitation:
     if trial.motion is None:
         raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
     x = _component(trial.motion, trial.column, trial.motion_unit, trial.sign, trial.scale)
     y, z = (
-        Rest() if column is None else _component(trial.motion, column, trial.motion_unit, sign, trial.scale)
+        ZeroExcitation() if column is None else _component(trial.motion, column, trial.motion_unit, sign, trial.scale)
         for column, sign in ((trial.column_y, trial.sign), (trial.column_z, 1))
     )
-    return Shake(x, y, z)
+    return BaseExcitation(x, y, z)
 
 
 @lru_cache(maxsize=256)
@@ -189,7 +189,7 @@ def _component(path: Path, column: str | None, unit: str | None, sign: int, scal
 
 def intensity(trial: Trial) -> Intensity:
     """Peaks of a test's motion along the rocking plane."""
-    motion = _base_scene(trial).shake.x
+    motion = _base_scene(trial).base_excitation.x
     return _intensity(motion, _base_scene(trial).duration_s)
 
 

@@ -99,9 +99,9 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     scene = load_scene(out)
     assert scene.statue.mass_kg == pytest.approx(707.0, rel=1e-6)
     assert scene.statue.corner_right_m == pytest.approx(0.0682, rel=1e-5)
-    assert scene.shake.x.peak_m_s2 == pytest.approx(3.0, rel=1e-3)
-    assert scene.shake.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
-    assert scene.shake.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
+    assert scene.base_excitation.x.peak_m_s2 == pytest.approx(3.0, rel=1e-3)
+    assert scene.base_excitation.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
+    assert scene.base_excitation.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
     assert scene.duration_s > 2.0 + 4.0
 
 

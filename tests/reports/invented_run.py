@@ -12,7 +12,7 @@ import numpy as np
 from analytic.excitation import Harmonic
 from harness.model.history import History, Outcome
 from harness.model.run import Pattern, Run
-from harness.model.scene import Contact, Form, Pedestal, Scene, Shake, Statue, Wall
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue, Wall
 from harness.scene_run.scene_run import Result, write_result
 
 MASS_KG = 707.0
@@ -48,7 +48,7 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
         statue=statue,
         pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
         contact=Contact(0.2, 0.15, 1.0),
-        shake=Shake(x=Harmonic(0.429 * 9.81, 3.0)),
+        base_excitation=BaseExcitation(x=Harmonic(0.429 * 9.81, 3.0)),
         wall=Wall("left", 0.70) if wall else None,
         given={"title": "invented", "duration_s": 10.0, "motion": {"x": {"kind": "harmonic", "frequency_hz": 3.0}}},
         notes=("the statue is invented",),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analytic.excitation import Rest
+from analytic.excitation import ZeroExcitation
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.scene import Scene
@@ -74,7 +74,7 @@ def test_the_scenes_are_varied(told: list[Told]) -> None:
     assert any(item.scene.contact.floor_static == 0.0 for item in told)
     assert any(item.scene.wall for item in told)
     assert any(abs(item.scene.initial.theta_rad) >= 0.5 for item in told)
-    assert sum(not isinstance(item.scene.shake.y, Rest) for item in told) >= 5
+    assert sum(not isinstance(item.scene.base_excitation.y, ZeroExcitation) for item in told) >= 5
     assert any("nothing moves" in note for item in told for note in item.source.record["notes"])
     assert any("no model asked moves" in note for item in told for note in item.source.record["notes"])
     assert {bool(item.scene.pedestal) for item in told} == {True, False}
@@ -89,8 +89,10 @@ def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
 
 def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
     for item in told:
-        shake = item.scene.shake
-        moves = not all(isinstance(part, Rest) for part in (shake.x, shake.y, shake.z))
+        base_excitation = item.scene.base_excitation
+        moves = not all(
+            isinstance(part, ZeroExcitation) for part in (base_excitation.x, base_excitation.y, base_excitation.z)
+        )
         assert ("In this shaking" in item.said["headline"]) is moves, item.seed
         lean = abs(math.degrees(item.scene.initial.theta_rad))
         assert (f"at a lean of {lean:.2g}°" in item.said["headline"]) is (lean > 0.0), item.seed
@@ -99,7 +101,10 @@ def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
 def pushes(scene: Scene) -> tuple[float, dict[str, float]]:
     """The strongest level push, and by cause its largest share of what moves a block: statics on a fine grid."""
     t_s = np.linspace(0.0, scene.duration_s, FINE)
-    x, y, z = (np.asarray(part.accel_m_s2(t_s)) for part in (scene.shake.x, scene.shake.y, scene.shake.z))
+    x, y, z = (
+        np.asarray(part.accel_m_s2(t_s))
+        for part in (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
+    )
     g, statue, size = scene.gravity_m_s2, scene.statue, np.hypot(x, y)
     weight = np.maximum(g + z, 1e-300)
     lever = statue.centroid_height_m / weight
@@ -131,7 +136,10 @@ def test_the_strongest_push_is_that_of_the_whole_motion_within_the_run(told: lis
         match = re.search(
             r"pushes with up to (\S+) % of the weight(.*)", item.words("gives way") + item.words("change?")
         )
-        level = not (isinstance(item.scene.shake.x, Rest) and isinstance(item.scene.shake.y, Rest))
+        level = not (
+            isinstance(item.scene.base_excitation.x, ZeroExcitation)
+            and isinstance(item.scene.base_excitation.y, ZeroExcitation)
+        )
         assert bool(match) is level, item.seed
         if match is None:
             continue

@@ -125,7 +125,7 @@ def store(path: Path) -> None:
 
 def title(path: Path) -> None:
     """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
-    from harness.campaign.progress import Telling, progress
+    from harness.campaign.progress import ProgressMessages, progress
     from harness.cli import summary
     from harness.input.scene_file import load_scene
     from harness.scene_run.scene_run import run_scene, write_result
@@ -134,7 +134,7 @@ def title(path: Path) -> None:
     with (
         redirect_stderr(StringIO()) as stream,
         progress(scene.title, quiet=False) as told,
-        Telling(quiet=False) as telling,
+        ProgressMessages(quiet=False) as telling,
     ):
         told(1, 2)
         telling.now(scene.title)

@@ -77,7 +77,7 @@ def beyond_plane_j(scene: Scene, run: Run) -> float:
 
 
 def _frequency_hz(scene: Scene) -> float:
-    return float(getattr(scene.shake.x, "frequency_hz", 0.0))
+    return float(getattr(scene.base_excitation.x, "frequency_hz", 0.0))
 
 
 def finite(scene: Scene, run: Run) -> Finding:

@@ -13,7 +13,7 @@ from harness.bench.stress.checks import Finding
 from harness.bench.stress.converged import converged, iterations
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -22,7 +22,7 @@ QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor 
 
 def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
     """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
-    want = Want(skips=frozenset(SKIPS) if skips else frozenset())
+    want = RunOptions(skips=frozenset(SKIPS) if skips else frozenset())
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
     return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
@@ -79,7 +79,7 @@ def row_of(hard: Hard) -> Row:
 def solution(scene: Scene) -> Run:
     """The analytic solution on its finest rung, with nothing left out."""
     engine = engines.load("analytic")
-    return engine.simulate(scene, engine.ladder(scene)[-1], Want(skips=frozenset()))
+    return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
 
 
 def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
@@ -92,7 +92,7 @@ def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> t
     """Whether every check holds with the same step and far more iterations, and what was found."""
     shorter = scene.but(duration_s=hard.converged_s)
     settings = converged(engine.settings_for_dt(shorter, hard.dt_s))
-    run = engine.simulate(shorter, settings, Want(skips=frozenset()))
+    run = engine.simulate(shorter, settings, RunOptions(skips=frozenset()))
     findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
     bad = [item for item in findings if not item.holds]
     told = "; ".join(item.sentence for item in bad or findings if item.name != "finite")

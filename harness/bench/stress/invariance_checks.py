@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from analytic.constants import GRAVITY_M_S2
-from analytic.excitation import Record
+from analytic.excitation import SampledAcceleration
 from harness import engines
 from harness.bench.precision import error
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
@@ -22,9 +22,9 @@ from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Scene, Shake
+from harness.model.scene import BaseExcitation, Scene
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
@@ -48,7 +48,7 @@ FAR_STEP_S: Final = 0.01
 HULLS: Final = (8, 1000, 10_000)
 HULL_RAD: Final = 1e-3
 """What more vertices on the same two corners may change of the peak, over the peak."""
-SAME: Final = Want(skips=frozenset())
+SAME: Final = RunOptions(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
 
 
@@ -74,7 +74,9 @@ def _here(names: tuple[str, ...]) -> list[Engine]:
 
 
 def _settings(engine: Engine, scene: Scene, step_s: float = STEP_S) -> Settings:
-    return engine.ladder(scene)[-1] if engine.capabilities.certifies else engine.settings_for_dt(scene, step_s)
+    return (
+        engine.refinement_levels(scene)[-1] if engine.capabilities.certifies else engine.settings_for_dt(scene, step_s)
+    )
 
 
 def _run(engine: Engine, scene: Scene, step_s: float = STEP_S) -> Run:
@@ -179,9 +181,9 @@ def _far() -> Row:
     """Rocking and overturning a kilometre from where the table started."""
     t_s = np.arange(round((FAR_S + 2.0) / FAR_STEP_S) + 1) * FAR_STEP_S
     pulse = 0.3 * np.sin(4.0 * np.pi * (t_s - FAR_S)) * (t_s < FAR_S + 0.5)
-    away = Record(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
+    away = SampledAcceleration(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
     content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
-    scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(shake=Shake(x=away))
+    scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(base_excitation=BaseExcitation(x=away))
     truth, found = solution(scene), {}
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)

@@ -19,12 +19,12 @@ from harness.bench.stress.explained import Cell, explained
 from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
-NONE: Final = Want(skips=frozenset())
+NONE: Final = RunOptions(skips=frozenset())
 CONVERGED_S: Final = 2.5e-4
 """Step of the run with far more iterations, where no step is stable."""
 
@@ -89,8 +89,8 @@ def died(task: str) -> list[Row]:
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
     if engine.capabilities.certifies:
-        for settings in engine.ladder(scene):
-            run = engine.simulate(scene, settings, Want())
+        for settings in engine.refinement_levels(scene):
+            run = engine.simulate(scene, settings, RunOptions())
             label = f"aimed at {settings.expected_error_rad:g} rad"
             yield _judged(Cell(engine.name, label, row.name, "", ""), scene, run, exact, row)
         return

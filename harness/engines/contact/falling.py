@@ -162,7 +162,7 @@ def _cannot_return(scene: Scene, motion: Trajectory, body: _Body, up: Array, *, 
     With more energy it does not come back either when it moves outwards, the floor is still and no hill ahead is higher than
     the one it passed: caught before such a hill it has less than the hill needs. Contacts only take energy.
     """
-    still = scene.shake.end_s <= motion.t_s[-1]
+    still = scene.base_excitation.end_s <= motion.t_s[-1]
     hill, pose = body.hill_m(up[-1]), up[-1]
     weight = scene.statue.mass_kg * scene.gravity_m_s2
     if _kinetic_j(scene.statue, motion) + weight * _over_support_m(scene, motion) < weight * hill:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -24,8 +24,8 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
     Each row is the exact mean over its step [edges_s[i], edges_s[i+1]] (from the motion's velocity), so that a step's impulse
     is exact also where the acceleration jumps inside it.
     """
-    shake = scene.shake
-    means = [_mean_accel(item, edges_s) for item in (shake.x, shake.y, shake.z)]
+    base_excitation = scene.base_excitation
+    means = [_mean_accel(item, edges_s) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
     gravity = -np.column_stack(means)
     gravity[:, 2] -= scene.gravity_m_s2
     return gravity
@@ -35,8 +35,8 @@ def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, flo
     """The same for one step, m/s²."""
     edges, length_s = np.array([start_s, end_s]), end_s - start_s
     mean = [0.0, 0.0, 0.0]
-    for axis, item in enumerate((scene.shake.x, scene.shake.y, scene.shake.z)):
-        if not isinstance(item, Rest):
+    for axis, item in enumerate((scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)):
+        if not isinstance(item, ZeroExcitation):
             before, after = item.velocity_m_s(edges)
             mean[axis] = float(after - before) / length_s
     return -mean[0], -mean[1], -mean[2] - scene.gravity_m_s2
@@ -44,12 +44,12 @@ def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, flo
 
 def greatest_pull_m_s2(scene: Scene) -> float:
     """A bound on what weight and table together can do, m/s²."""
-    shake = scene.shake
-    return scene.gravity_m_s2 + shake.x.peak_m_s2 + shake.y.peak_m_s2 + shake.z.peak_m_s2
+    base_excitation = scene.base_excitation
+    return scene.gravity_m_s2 + base_excitation.x.peak_m_s2 + base_excitation.y.peak_m_s2 + base_excitation.z.peak_m_s2
 
 
 def _mean_accel(item: Excitation, edges_s: Array) -> Array:
-    if isinstance(item, Rest):
+    if isinstance(item, ZeroExcitation):
         return np.zeros(edges_s.size - 1)
     velocity = np.asarray(item.velocity_m_s(edges_s), dtype=np.float64)
     mean: Array = np.diff(velocity) / np.diff(edges_s)
@@ -58,13 +58,17 @@ def _mean_accel(item: Excitation, edges_s: Array) -> Array:
 
 def table_displacement(scene: Scene, t_s: Array) -> Array:
     """Displacement of a moving table (x, y, z) at the given times, shape (n, 3), m; zero before t = 0."""
-    shake = scene.shake
+    base_excitation = scene.base_excitation
     later = np.maximum(t_s, 0.0)
-    return np.column_stack([np.asarray(item.displacement_m(later)) for item in (shake.x, shake.y, shake.z)])
+    return np.column_stack(
+        [np.asarray(item.displacement_m(later)) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
+    )
 
 
 def table_velocity(scene: Scene, t_s: Array) -> Array:
     """Velocity of a moving table (x, y, z) at the given times, shape (n, 3), m/s; zero before t = 0."""
-    shake = scene.shake
+    base_excitation = scene.base_excitation
     later = np.maximum(t_s, 0.0)
-    return np.column_stack([np.asarray(item.velocity_m_s(later)) for item in (shake.x, shake.y, shake.z)])
+    return np.column_stack(
+        [np.asarray(item.velocity_m_s(later)) for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
+    )

@@ -23,7 +23,7 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
 from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
 from harness.engines.mujoco.samples import trajectory
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Scene
 
@@ -63,21 +63,21 @@ class Mujoco3D(Engine):
         """Why MuJoCo cannot run here, or None."""
         return None if util.find_spec("mujoco") else "mujoco is not installed: pip install 'rockcheck[mujoco]'"
 
-    def ladder(self, scene: Scene) -> tuple[MujocoSettings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[MujocoSettings, ...]:
         """Steps of 1 ms to 0.05 ms."""
         return tuple(MujocoSettings(dt, error) for dt, error in RUNGS)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
         """The nearest rung's stiffness with the given step."""
-        dt, error = min(RUNGS, key=lambda rung: abs(math.log(rung[0] / dt_s)))
+        dt, error = min(RUNGS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return MujocoSettings(dt_s, error * dt_s / dt)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
         """Half the step, and so half the contact's time constant."""
         own = _own(settings)
         return (replace(own, dt_s=0.5 * own.dt_s, expected_error_rad=0.5 * own.expected_error_rad),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
         return _simulated(self.name, scene, _own(settings), want, repeats=True)
 
@@ -97,24 +97,24 @@ class PlainMujoco3D(Engine):
         """Why MuJoCo cannot run here, or None."""
         return Mujoco3D().missing()
 
-    def ladder(self, scene: Scene) -> tuple[MujocoSettings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[MujocoSettings, ...]:
         """Steps of 1 ms to 0.05 ms."""
-        return Mujoco3D().ladder(scene)
+        return Mujoco3D().refinement_levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
         """The nearest rung's stiffness with the given step."""
         return Mujoco3D().settings_for_dt(scene, dt_s)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
         """Half the step, and so half the contact's time constant."""
-        return Mujoco3D().probes(scene, settings)
+        return Mujoco3D().verification_settings(scene, settings)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
         return _simulated(self.name, scene, _own(settings), want, repeats=False)
 
 
-def _simulated(name: str, scene: Scene, own: MujocoSettings, want: Want, *, repeats: bool) -> Run:
+def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *, repeats: bool) -> Run:
     """Compute the scene; `repeats` says whether a step in which the pedestal breaks loose is computed again."""
     import mujoco
 
@@ -139,7 +139,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: Want, *, repe
         wall_s=0.0,
         resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
         stuck_below_m_s=1e-4,
-        with_history=want.history or not want.may_skip("no_history"),
+        with_history=want.history or not want.allows("no_history"),
         work=work,
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
@@ -185,7 +185,7 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
 
 
 def _march(
-    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: Want, *, repeats: bool
+    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: RunOptions, *, repeats: bool
 ) -> tuple[Array, dict[str, int]]:
     """All steps: rows of positions and velocities, shape (n + 1, nq + nv)."""
     data = mujoco.MjData(model)
@@ -210,9 +210,9 @@ def _march(
     return rows, {"steps_repeated": repeated}
 
 
-def _may_end(own: MujocoSettings, want: Want, steps: int, axis: tuple[float, float, float]) -> bool:
+def _may_end(own: MujocoSettings, want: RunOptions, steps: int, axis: tuple[float, float, float]) -> bool:
     """Whether the statue has overturned, or nobody asks further."""
-    if want.may_skip("stop_at_overturn") and fallen(*axis):
+    if want.allows("stop_at_overturn") and fallen(*axis):
         return True
     return want.stop is not None and want.stop(steps * own.dt_s, math.atan2(axis[0], axis[2]))
 

@@ -15,12 +15,12 @@ from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pybullet.settings import BulletSettings
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.course import Course, Setup
+    from harness.engines.pybullet.course import RunPhases, Setup
 
 Array = NDArray[np.float64]
 
@@ -72,48 +72,50 @@ class Bullet3D(Engine):
             return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
         return None
 
-    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
         """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
         return _rungs(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer rung's settings with the expert's step."""
-        ladder = _rungs(scene)
-        rung = next((item for item in ladder if item.dt_s <= dt_s * (1.0 + 1e-9)), ladder[-1])
-        return replace(rung, dt_s=dt_s, expected_error_rad=rung.expected_error_rad * dt_s / rung.dt_s)
+        refinement_levels = _rungs(scene)
+        level = next((item for item in refinement_levels if item.dt_s <= dt_s * (1.0 + 1e-9)), refinement_levels[-1])
+        return replace(level, dt_s=dt_s, expected_error_rad=level.expected_error_rad * dt_s / level.dt_s)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """Less than half the step, with the equations of each step solved more tightly; where they are solved to the end (a
         residual of 0), with the bodies in the other order too: before that the order changes how far the sweeps get, not what
         they seek. It is expected to err by what the finest rung does that is no finer.
         """
-        rung = _own(settings)
-        other = rung.reversed_bodies != (rung.residual == 0.0)
-        tighter = replace(rung, residual=TIGHTER * rung.residual, iterations=2 * rung.iterations, reversed_bodies=other)
-        probe = replace(tighter, dt_s=FINER * rung.dt_s)
+        level = _own(settings)
+        other = level.reversed_bodies != (level.residual == 0.0)
+        tighter = replace(
+            level, residual=TIGHTER * level.residual, iterations=2 * level.iterations, reversed_bodies=other
+        )
+        probe = replace(tighter, dt_s=FINER * level.dt_s)
         coarser = (item for item in _rungs(scene) if item.dt_s >= probe.dt_s and item.residual >= probe.residual)
-        expected = min((item.expected_error_rad for item in coarser), default=rung.expected_error_rad)
-        return (replace(probe, expected_error_rad=min(expected, rung.expected_error_rad)),)
+        expected = min((item.expected_error_rad for item in coarser), default=level.expected_error_rad)
+        return (replace(probe, expected_error_rad=min(expected, level.expected_error_rad)),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
 
-        rung = _own(settings)
+        level = _own(settings)
         begin = time.perf_counter()
         setup = course.prepare(scene)
-        found = course.run(scene, rung, setup, want)
-        path = trajectory(scene, found.record, setup.axes, rung.dt_s)
+        found = course.run(scene, level, setup, want)
+        path = trajectory(scene, found.record, setup.axes, level.dt_s)
         report = Report(
             engine=self.name,
-            settings=rung.as_dict(),
+            settings=level.as_dict(),
             steps=len(found.record.t_s) - 1,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
-            stuck_below_m_s=floor_friction(scene, rung.dt_s).stuck_below_m_s,
+            stuck_below_m_s=floor_friction(scene, level.dt_s).stuck_below_m_s,
             rested=found.record.rested,
-            with_history=want.history or not want.may_skip("no_history"),
+            with_history=want.history or not want.allows("no_history"),
             validity=_validity(path.extra, setup, found),
             work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
             skipped=found.skipped,
@@ -138,7 +140,7 @@ def _own(settings: Settings) -> BulletSettings:
     return settings
 
 
-def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[str, Any]:
+def _validity(extra: Mapping[str, Array], setup: Setup, found: RunPhases) -> dict[str, Any]:
     """What three dimensions add to the limits of the planar model."""
     return {
         "out_of_plane_rad": float(np.max(np.abs(extra["out_of_plane_rad"]))),
@@ -154,7 +156,7 @@ def _validity(extra: Mapping[str, Array], setup: Setup, found: Course) -> dict[s
     }
 
 
-def _warnings(scene: Scene, setup: Setup, found: Course, extra: Mapping[str, Array]) -> tuple[str, ...]:
+def _warnings(scene: Scene, setup: Setup, found: RunPhases, extra: Mapping[str, Array]) -> tuple[str, ...]:
     said = []
     if found.full is not None and found.full.warning is not None:
         said.append(found.full.warning)

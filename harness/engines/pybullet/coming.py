@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.engines.pybullet.march import March
+from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.stepper import Row
-from harness.engines.pybullet.touch import Touch
+from harness.engines.pybullet.touch import ContactGaps
 
 SWINGS: Final = 0.25
 """A foot that closes at less than this share of the base's width times the rate of turning comes down from another cause (a
 contact lost for a step): its speed says nothing of how the statue turns, and is taken as it is."""
 
 
-class Coming:
+class ContactTimeEstimate:
     """Called, tells the time, s, until a foot is down if its speed goes on changing as in the last step; infinite if never.
 
     Where velocities are not older than places, the foot comes with its present one.
     """
 
-    def __init__(self, march: March, touch: Touch, foot: int) -> None:
+    def __init__(self, march: StepState, touch: ContactGaps, foot: int) -> None:
         """Begin with what the last two samples show, unless an impact or a halt lies between them."""
         self.march, self.touch, self.foot = march, touch, foot
         self.gained_m_s2 = 0.0

@@ -14,13 +14,13 @@ from harness.engines.pybullet import feet, loop, mirror, pose
 from harness.engines.pybullet.edge import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.loop import MOST_FREE, Watch
-from harness.engines.pybullet.march import March
+from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.stepper import Record, Row, Stepper, reader
-from harness.engines.pybullet.touch import Touch
+from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
 
@@ -57,7 +57,7 @@ class Setup:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class RunPhases:
     """Samples of a whole run; `full_from_s` is when the full shape `full` took over from its feet, both None if it never did.
 
     `mirrored` says that half of a scene that is its own mirror image was computed, up to there.
@@ -83,33 +83,33 @@ def prepare(scene: Scene) -> Setup:
     return Setup(axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start)
 
 
-def run(scene: Scene, rung: BulletSettings, setup: Setup, want: Want) -> Course:
+def run(scene: Scene, level: BulletSettings, setup: Setup, want: RunOptions) -> RunPhases:
     """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
-    count = step_count(scene.duration_s, rung.dt_s)
-    quiet_s = quiet_start_s(scene, setup) if want.may_skip("quiet_start") else 0.0
-    first = min(int(quiet_s / rung.dt_s), count - 1)
-    schedule = Schedule(scene, rung.dt_s, first, count)
+    count = step_count(scene.duration_s, level.dt_s)
+    quiet_s = quiet_start_s(scene, setup) if want.allows("quiet_start") else 0.0
+    first = min(int(quiet_s / level.dt_s), count - 1)
+    schedule = Schedule(scene, level.dt_s, first, count)
     full = None
-    if scene.pedestal is not None and not want.may_skip("base_only"):
-        full = full_shape(scene, rung.full_shape)
+    if scene.pedestal is not None and not want.allows("base_only"):
+        full = full_shape(scene, level.full_shape)
     whole = setup
-    if want.may_skip("mirror") and mirror.halves(scene):
+    if want.allows("mirror") and mirror.halves(scene):
         whole = setup.flat
         setup = whole if full is not None else setup.halved
     crossing = None if full is None else _crossing(scene, setup, _first_row(scene, setup))
-    watch = _watch(scene, rung, setup, want, crossing)
-    record = _part(scene, rung, setup, schedule, watch, full=full, crossing=crossing)
+    watch = _watch(scene, level, setup, want, crossing)
+    record = _part(scene, level, setup, schedule, watch, full=full, crossing=crossing)
     full_from = None if full is None else 0.0
-    while watch.halt is not None and round(record.t_s[-1] / rung.dt_s) < count and watch.halt(record.last):
+    while watch.halt is not None and round(record.t_s[-1] / level.dt_s) < count and watch.halt(record.last):
         # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
         # world with the full shape, and with these feet.
         full_from = record.t_s[-1] if full_from is None else full_from
-        full, crossing = full or full_shape(scene, rung.full_shape), _crossing(scene, whole, record.last)
-        watch = _watch(scene, rung, whole, want, crossing)
-        rest_of = _part(scene, rung, whole, schedule, watch, full=full, crossing=crossing, done=record)
+        full, crossing = full or full_shape(scene, level.full_shape), _crossing(scene, whole, record.last)
+        watch = _watch(scene, level, whole, want, crossing)
+        rest_of = _part(scene, level, whole, schedule, watch, full=full, crossing=crossing, done=record)
         record = _joined(record, rest_of)
-    said = _skipped(scene, first * rung.dt_s, full_from, record.rested, in_plane=setup.in_plane)
-    return Course(record, said, full_from, full, setup.mirrored)
+    said = _skipped(scene, first * level.dt_s, full_from, record.rested, in_plane=setup.in_plane)
+    return RunPhases(record, said, full_from, full, setup.mirrored)
 
 
 def _crossing(scene: Scene, setup: Setup, row: Row) -> Crossing | None:
@@ -125,38 +125,38 @@ def _first_row(scene: Scene, setup: Setup) -> Row:
     return (*start.place_m, *start.turn, *start.velocity_m_s, *start.rate_rad_s, *centre, *UPRIGHT, *STILL, *STILL)
 
 
-def _watch(scene: Scene, rung: BulletSettings, setup: Setup, want: Want, crossing: Crossing | None) -> Watch:
+def _watch(scene: Scene, level: BulletSettings, setup: Setup, want: RunOptions, crossing: Crossing | None) -> Watch:
     """What the loop looks at; with `crossing` in a world of full shapes."""
-    end_s = scene.shake.end_s
-    may_rest = want.may_skip("quiet_end") and end_s < scene.duration_s
+    end_s = scene.base_excitation.end_s
+    may_rest = want.allows("quiet_end") and end_s < scene.duration_s
     edges = None
     if scene.pedestal is not None:
         p = scene.pedestal
         half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-        edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * rung.dt_s, greatest_pull_m_s2(scene))
+        edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
     return Watch(
         axis=_vector(setup.axes[2]),
         rest=_vector(setup.rest.rotation[:, 2]),
-        quiet_from=math.ceil(end_s / rung.dt_s) if may_rest else None,
+        quiet_from=math.ceil(end_s / level.dt_s) if may_rest else None,
         impose=scene.contact.restitution is not None,
         halt=edges if crossing is None else crossing,
         stop=want.stop,
-        touch=touch_of(scene, setup, rung, edges=crossing is not None) if rung.events else None,
+        touch=touch_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
     )
 
 
-def touch_of(scene: Scene, setup: Setup, rung: BulletSettings, *, edges: bool = False) -> Touch:
+def touch_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = False) -> ContactGaps:
     """What finds the impacts of the base; with `edges` a foot beside the pedestal's top meets nothing there."""
     p = scene.pedestal
     half = None if p is None else 0.5 * p.height_m
     within = (0.5 * p.width_m, 0.5 * p.depth_m) if edges and p is not None else None
-    return Touch(scene, setup.feet_m, half, rung.dt_s, within)
+    return ContactGaps(scene, setup.feet_m, half, level.dt_s, within)
 
 
 def _part(
     scene: Scene,
-    rung: BulletSettings,
+    level: BulletSettings,
     setup: Setup,
     schedule: Schedule,
     watch: Watch,
@@ -175,15 +175,15 @@ def _part(
         wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     bodies = None if full is None else full.turned(centroid, setup.axes)
-    with World(rung, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
+    with World(level, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
         whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
         world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
         stepper = Stepper(world, scene, schedule)
         if done is None:
-            march = March(stepper, reader(world)(), schedule.first, schedule.first * rung.dt_s, even=True)
+            march = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
         else:
             stepper.restore(done.last)
-            march = March(stepper, done.last, round(done.t_s[-1] / rung.dt_s), done.kick_s[-1], even=False)
+            march = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
         return loop.integrate(scene, schedule, watch, march)
 
 

@@ -11,12 +11,12 @@ from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import fallen
 from harness.engines.pybullet import imposing
 from harness.engines.pybullet import micro_rocking as rattle
-from harness.engines.pybullet.coming import Coming
-from harness.engines.pybullet.march import March
+from harness.engines.pybullet.coming import ContactTimeEstimate
+from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.meeting import meet
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.stepper import ALONE, Record, Row, axis_of
-from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, Touch
+from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, ContactGaps
 from harness.model.scene import Scene
 
 AHEAD: Final = 1.5
@@ -65,11 +65,11 @@ class Watch:
     impose: bool
     halt: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
-    touch: Touch | None = None
+    touch: ContactGaps | None = None
     edges: Callable[[Row], bool] | None = None
 
 
-def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: March) -> Record:
+def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: StepState) -> Record:
     """Run `march` to the schedule's end, an overturn, rest, or a halt."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
@@ -123,7 +123,7 @@ def tips(row: Row, step_s: float) -> bool:
     return tilt + step_s * math.hypot(row[23], row[24]) > max(TIPPED_RAD, TIPPED_RAD_S2 * step_s * step_s)
 
 
-def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
+def _touched(march: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -> int:
     """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
     stepper, step_s = march.stepper, march.step_s
     if march.swing is not None and _followed(march, touch, march.swing):
@@ -134,18 +134,18 @@ def _touched(march: March, scene: Scene, touch: Touch, watch: Watch) -> int:
     # Its velocity is of half a step ago: it may come sooner than at that.
     if coming == math.inf or march.t_s + min(coming, soonest) > march.next_s:
         return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-    _meet(march, touch, Coming(march, touch, foot))
+    _meet(march, touch, ContactTimeEstimate(march, touch, foot))
     return 0
 
 
-def _meet(march: March, touch: Touch, coming: Coming) -> None:
+def _meet(march: StepState, touch: ContactGaps, coming: ContactTimeEstimate) -> None:
     """A foot that comes down, and the swing that begins with its impact."""
     meet(march, touch, coming, march.impact, coming.speeds)
     if march.jolted:
         march.swing = rattle.after_impact(march, touch)
 
 
-def _followed(march: March, touch: Touch, swing: rattle.Swing) -> bool:
+def _followed(march: StepState, touch: ContactGaps, swing: rattle.Swing) -> bool:
     """Whether a part of a short swing, or its impact, was made; if not it is no short one any more."""
     due = rattle.follow(march, swing)
     if due is None:
@@ -155,7 +155,7 @@ def _followed(march: March, touch: Touch, swing: rattle.Swing) -> bool:
     return due is not None
 
 
-def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: float) -> int:
+def _imposed(march: StepState, scene: Scene, touch: ContactGaps, watch: Watch, soonest: float) -> int:
     """The same where impacts are prescribed: one is imposed when the statue passes upright."""
     step_s = march.step_s
     # Right after an impact the statue is upright, to the last digit or not.
@@ -173,13 +173,13 @@ def _imposed(march: March, scene: Scene, touch: Touch, watch: Watch, soonest: fl
     return 0
 
 
-def _upright(march: March, watch: Watch) -> float:
+def _upright(march: StepState, watch: Watch) -> float:
     """Time, s, until the statue passes upright; infinite when it does not come down."""
     lean, rate = axis_of(march.row, watch.axis)[0] - watch.rest[0], march.row[11]
     return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
 
 
-def _halted(march: March, pull: float, kinetic: float) -> int:
+def _halted(march: StepState, pull: float, kinetic: float) -> int:
     """Number of whole steps in which the pedestal cannot come to a halt; 0 when it was about to and its halt has been met.
 
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².

@@ -31,7 +31,7 @@ PAST_HALT: Final = 0.01
 """Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
 
 
-class March:
+class StepState:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from harness.engines.pybullet.march import SHORTEST, TOGETHER, March
-from harness.engines.pybullet.touch import Touch
+from harness.engines.pybullet.march import SHORTEST, TOGETHER, StepState
+from harness.engines.pybullet.touch import ContactGaps
 
 FAR: Final = 0.06
 """An event further ahead than this, in steps, is approached by steps with the velocity of their middle."""
@@ -22,8 +22,8 @@ SHORT: Final = 0.9
 
 
 def meet(
-    march: March,
-    touch: Touch,
+    march: StepState,
+    touch: ContactGaps,
     until: Callable[[], float],
     act: Callable[[], None],
     speeds: Callable[[], tuple[float, float]] | None = None,

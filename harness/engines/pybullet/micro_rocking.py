@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from harness.engines.pybullet.coming import Coming
-from harness.engines.pybullet.march import March
-from harness.engines.pybullet.touch import NEAR_M, Touch
+from harness.engines.pybullet.coming import ContactTimeEstimate
+from harness.engines.pybullet.march import StepState
+from harness.engines.pybullet.touch import NEAR_M, ContactGaps
 
 SHORT_STEPS: Final = 8.0
 """A swing expected to be shorter than so many steps is followed in parts of its own."""
@@ -29,14 +29,14 @@ TAIL_PARTS: Final = 0.4
 class Swing:
     """A swing since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known yet."""
 
-    coming: Coming
+    coming: ContactTimeEstimate
     start_s: float
     part_s: float
     known: bool = False
     parts: int = 0
 
 
-def after_impact(march: March, touch: Touch) -> Swing | None:
+def after_impact(march: StepState, touch: ContactGaps) -> Swing | None:
     """The swing that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
     stepper, step_s = march.stepper, march.step_s
     heights = touch.heights(march.row, stepper.table_place[2], stepper.table_rate[2])
@@ -45,10 +45,14 @@ def after_impact(march: March, touch: Touch) -> Swing | None:
     soonest_s = -2.0 * closing / float(touch.bounds[foot])
     if abs(gap) > NEAR_M or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
         return None
-    return Swing(Coming(march, touch, foot), march.t_s, min(max(soonest_s, LEAST_FIRST * step_s), MOST_FIRST * step_s))
+    return Swing(
+        ContactTimeEstimate(march, touch, foot),
+        march.t_s,
+        min(max(soonest_s, LEAST_FIRST * step_s), MOST_FIRST * step_s),
+    )
 
 
-def follow(march: March, swing: Swing) -> bool | None:
+def follow(march: StepState, swing: Swing) -> bool | None:
     """Make the next part of a swing. True, with none made, where its impact is due within it; None where it is no short one."""
     step_s, back_s = march.step_s, 0.0
     if swing.parts > 0:

@@ -22,7 +22,7 @@ from harness.engines.contact.friction import FloorFriction, floor_friction, foll
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
 from harness.engines.pybullet.settings import BulletSettings
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -81,7 +81,7 @@ class PlainBullet3D(Engine):
 
         return Bullet3D().missing()
 
-    def ladder(self, scene: Scene) -> tuple[BulletSettings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
         """Steps of 2 ms to 0.0625 ms."""
         return tuple(_settings(scene, *level) for level in LEVELS)
 
@@ -90,13 +90,13 @@ class PlainBullet3D(Engine):
         dt, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return _settings(scene, dt_s, error * dt_s / dt)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
         own = _own(settings)
         finer = _settings(scene, FINER * own.dt_s, FINER * own.expected_error_rad)
         return (replace(finer, reversed_bodies=not own.reversed_bodies),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
@@ -114,7 +114,7 @@ class PlainBullet3D(Engine):
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
-            with_history=want.history or not want.may_skip("no_history"),
+            with_history=want.history or not want.allows("no_history"),
             validity={
                 "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
                 "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
@@ -149,7 +149,7 @@ def _refuse(scene: Scene) -> None:
         raise EngineFailure(f"pybullet:plain does not compute {' nor '.join(refused)}: leave it out, or ask pybullet")
 
 
-def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: Want) -> tuple[Record, str | None]:
+def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOptions) -> tuple[Record, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
@@ -159,7 +159,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: Want)
 
     def ended(t_s: float, row: tuple[float, ...]) -> bool:
         x, y, z = axis_of(row, axis)
-        if want.may_skip("stop_at_overturn") and fallen(x, y, z):
+        if want.allows("stop_at_overturn") and fallen(x, y, z):
             return True
         return want.stop is not None and want.stop(t_s, math.atan2(x, z))
 
@@ -167,7 +167,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: Want)
     if p is None:
         return _stepped(scene, settings, setup, None, _Course(friction, False, ended, None)), None
     half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-    if want.may_skip("base_only"):
+    if want.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
         record = _stepped(scene, settings, setup, None, _Course(friction, friction.switches, ended, edge))
         if not edge(record.last):

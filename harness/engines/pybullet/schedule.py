@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, Rest
+from analytic.excitation import Excitation, ZeroExcitation
 from harness.engines.contact import frame
 from harness.model.scene import Scene
 
@@ -64,9 +64,9 @@ class Schedule:
     @cached_property
     def _parts(self) -> list[tuple[int, Excitation]]:
         """The axes along which the frame is accelerated, with their motions."""
-        shake = self.scene.shake
-        found = [] if self.moving else list(enumerate((shake.x, shake.y, shake.z)))
-        return [(axis, part) for axis, part in found if not isinstance(part, Rest)]
+        base_excitation = self.scene.base_excitation
+        found = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
+        return [(axis, part) for axis, part in found if not isinstance(part, ZeroExcitation)]
 
     def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step and its mean velocity in it."""

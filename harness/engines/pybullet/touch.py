@@ -37,7 +37,7 @@ FEW: Final = 12
 """Up to so many feet plain numbers are quicker than arrays."""
 
 
-class Touch:
+class ContactGaps:
     """Asked with a row: the time, s, until the first foot comes down at its present velocity, and the soonest that any could.
 
     `feet_m` (k, 3) about the centroid in the statue's principal frame; `half_m` half the pedestal's height, None on the floor.

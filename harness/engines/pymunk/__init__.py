@@ -14,7 +14,7 @@ from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pymunk.samples import trajectory
 from harness.engines.pymunk.world import MunkSettings
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
@@ -75,16 +75,16 @@ class Munk2D(Engine):
             return f"pymunk cannot be imported: {error}"
         return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
 
-    def ladder(self, scene: Scene) -> tuple[MunkSettings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 4 ms to 0.02 ms; iterations grow because a finer step needs them to show."""
-        return tuple(_settings(scene, *rung) for rung in RUNGS)
+        return tuple(_settings(scene, *level) for level in RUNGS)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
         """The nearest rung's iterations with the given step."""
-        dt, iterations, error = min(RUNGS, key=lambda rung: abs(math.log(rung[0] / dt_s)))
+        dt, iterations, error = min(RUNGS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return _settings(scene, dt_s, iterations, error * dt_s / dt)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order and the iterations of that step."""
         own = _own(settings)
         iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
@@ -102,11 +102,11 @@ class Munk2D(Engine):
             ),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.pymunk import drive as driving
         from harness.engines.pymunk import loop, plain_spells, world
-        from harness.engines.pymunk.standing import Standing
+        from harness.engines.pymunk.standing import SupportVertex
 
         own = _own(settings)
         begin = time.perf_counter()
@@ -115,7 +115,7 @@ class Munk2D(Engine):
             grid = loop.grid_of(scene, own.dt_s)
             first, skipped = _first_step(scene, own, want, len(grid.gravity))
             drive = driving.start(scene, own, built, first * own.dt_s)
-            standing = Standing(drive)
+            standing = SupportVertex(drive)
             rested = loop.run(drive, standing, grid, first, want)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
@@ -131,7 +131,7 @@ class Munk2D(Engine):
             resolution_rad=loop.resolution_rad(scene, own),
             stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
             rested=rested,
-            with_history=want.history or not want.may_skip("no_history"),
+            with_history=want.history or not want.allows("no_history"),
             validity=plain_spells.plain_spells(drive, standing),
             work=drive.work,
             skipped=skipped,
@@ -161,8 +161,8 @@ def _own(settings: Settings) -> MunkSettings:
     return settings
 
 
-def _first_step(scene: Scene, settings: MunkSettings, want: Want, total: int) -> tuple[int, tuple[str, ...]]:
-    quiet = first_motion_s(scene) if want.may_skip("quiet_start") else 0.0
+def _first_step(scene: Scene, settings: MunkSettings, want: RunOptions, total: int) -> tuple[int, tuple[str, ...]]:
+    quiet = first_motion_s(scene) if want.allows("quiet_start") else 0.0
     first = min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
     if first == 0:
         return 0, ()

@@ -26,7 +26,7 @@ Pair = tuple[float, float]
 
 
 @dataclass(eq=False)
-class Drive:
+class RunState:
     """State of one run in progress: clocks of velocities (`t_s`) and of positions (`place_s`), friction state, records.
 
     All steps from `whole_from` on were whole. A recorded state's velocities are those of its `times_s`, its positions earlier by
@@ -74,16 +74,16 @@ class Drive:
         return self.scene.table == "moving"
 
 
-def start(scene: Scene, settings: MunkSettings, world: World, t_s: float) -> Drive:
+def start(scene: Scene, settings: MunkSettings, world: World, t_s: float) -> RunState:
     """A run about to begin at `t_s`, everything still at its initial state."""
-    drive = Drive(scene, settings, world, floor_friction(scene, settings.dt_s), t_s, t_s - 0.5 * settings.dt_s)
+    drive = RunState(scene, settings, world, floor_friction(scene, settings.dt_s), t_s, t_s - 0.5 * settings.dt_s)
     if t_s > 0.0:
         record(drive, 0.0)
     record(drive, t_s)
     return drive
 
 
-def record(drive: Drive, t_s: float, lag_s: float | None = None) -> None:
+def record(drive: RunState, t_s: float, lag_s: float | None = None) -> None:
     """Append the present state as that of `t_s`, its positions half a step (or `lag_s`) earlier."""
     recorder = drive.world.recorder
     native.each_body(native.space_of(drive.world.space), recorder.each, recorder.target)
@@ -91,7 +91,7 @@ def record(drive: Drive, t_s: float, lag_s: float | None = None) -> None:
     drive.lags_s.append(0.5 * drive.settings.dt_s if lag_s is None else lag_s)
 
 
-def advance(drive: Drive, move_s: float, kick_s: float, *, hard: bool = False) -> None:
+def advance(drive: RunState, move_s: float, kick_s: float, *, hard: bool = False) -> None:
     """One engine step that moves positions by `move_s` and velocities by `kick_s`; `hard` with an impact's iterations."""
     space, dt = native.space_of(drive.world.space), drive.settings.dt_s
     back = move_s - dt
@@ -120,7 +120,7 @@ def shift(body: Any, time_s: float) -> None:
     native.set_angle(body, native.get_angle(body) + native.get_spin(body) * time_s)
 
 
-def _place_table(drive: Drive, velocity_s: float, place_s: float) -> None:
+def _place_table(drive: RunState, velocity_s: float, place_s: float) -> None:
     """Give the table its exact velocity, and the place from which the step's own move takes it where it should be."""
     velocity = frame.table_velocity(drive.scene, np.array([velocity_s]))[0]
     place = frame.table_displacement(drive.scene, np.array([place_s]))[0]
@@ -129,7 +129,7 @@ def _place_table(drive: Drive, velocity_s: float, place_s: float) -> None:
     native.set_place(floor, (float(place[0] - velocity[0] * dt), float(place[2] - velocity[2] * dt)))
 
 
-def slip_rate(drive: Drive) -> float:
+def slip_rate(drive: RunState) -> float:
     """Velocity of the pedestal over the floor."""
     pedestal = drive.world.pedestal
     if pedestal is None:
@@ -138,7 +138,7 @@ def slip_rate(drive: Drive) -> float:
     return rate - float(native.get_velocity(native.body_of(drive.world.floor)).x) if drive.moving else rate
 
 
-def step_with_friction(drive: Drive, gravity: Pair) -> None:
+def step_with_friction(drive: RunState, gravity: Pair) -> None:
     """One engine step with the coefficient that the sliding state asks for (harness/engines/contact/friction.py)."""
     world, friction = drive.world, drive.friction
     space, dt = native.space_of(world.space), drive.settings.dt_s
@@ -166,13 +166,13 @@ def step_with_friction(drive: Drive, gravity: Pair) -> None:
         drive.work["steps_repeated"] += 1
 
 
-def broke_loose(drive: Drive, velocities: Sequence[Pair], gravity: Pair) -> bool:
+def broke_loose(drive: RunState, velocities: Sequence[Pair], gravity: Pair) -> bool:
     """Whether the floor's friction reached its static limit in the step just made from these `velocities` (statue, pedestal)."""
     after = [native.get_velocity(body) for body in drive.world.movers]
     return _at_limit(drive, velocities, [(item.x, item.y) for item in after], gravity, stuck=True)
 
 
-def release_share(drive: Drive, gravity: Sequence[Pair]) -> float:
+def release_share(drive: RunState, gravity: Sequence[Pair]) -> float:
     """Share of the coming step after which static friction gives way, from the two whole steps before it under these gravities.
 
     The floor's friction over its limit is a straight line through the two; 0 where it does not grow, as after an event. Less
@@ -189,10 +189,10 @@ def release_share(drive: Drive, gravity: Sequence[Pair]) -> float:
     return min(max((1.0 - used[1]) / grown - 0.5, -0.5), 1.0) if grown > 0.0 else 0.0
 
 
-def slid(drive: Drive, gravity: Pair, owed_m_s: Pair) -> bool:
+def slid(drive: RunState, gravity: Pair, owed_m_s: Pair) -> bool:
     """Whether the pedestal slid in the step recorded last: its friction was at the limit. A solver's remainder is no slip.
 
-    `owed_m_s`: what was taken from the statue's velocity before that step (`Standing.hold`).
+    `owed_m_s`: what was taken from the statue's velocity before that step (`SupportVertex.hold`).
     """
     if drive.stuck and drive.friction.switches:
         return False
@@ -200,12 +200,12 @@ def slid(drive: Drive, gravity: Pair, owed_m_s: Pair) -> bool:
     return bool(before) and _at_limit(drive, before, after, gravity, stuck=drive.stuck)
 
 
-def _at_limit(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair, *, stuck: bool) -> bool:
+def _at_limit(drive: RunState, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair, *, stuck: bool) -> bool:
     """Whether the balance of momentum of both bodies over one step puts the floor's friction at its limit."""
     return drive.friction.at_limit(*_impulses(drive, before, after, gravity), stuck=stuck)
 
 
-def _impulses(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair) -> Pair:
+def _impulses(drive: RunState, before: Sequence[Pair], after: Sequence[Pair], gravity: Pair) -> Pair:
     """The floor's impulses of friction and of normal force over one step, N s, from the balance of momentum."""
     dt, friction, normal = drive.settings.dt_s, 0.0, 0.0
     for mass, (x0, z0), (x1, z1) in zip(drive.masses_kg, before, after, strict=True):
@@ -214,7 +214,7 @@ def _impulses(drive: Drive, before: Sequence[Pair], after: Sequence[Pair], gravi
     return friction, normal
 
 
-def recorded_velocities(drive: Drive, back: int = 0) -> list[Pair]:
+def recorded_velocities(drive: RunState, back: int = 0) -> list[Pair]:
     """Velocities of statue and pedestal in the state recorded last (`back` 1: before it), empty where there is none."""
     world = drive.world
     row = world.recorder.last(back)
@@ -227,7 +227,7 @@ def less(velocities: Sequence[Pair], owed_m_s: Pair) -> list[Pair]:
     return [(x - owed_m_s[0], z - owed_m_s[1]) for x, z in velocities[:1]] + list(velocities[1:])
 
 
-def set_stuck(drive: Drive, *, stuck: bool, static_share: float = 0.0) -> None:
+def set_stuck(drive: RunState, *, stuck: bool, static_share: float = 0.0) -> None:
     """Enter a sliding state: the floor's coefficient follows it, for a step stuck for a share of it the mean of both."""
     static, kinetic = drive.friction.static, drive.friction.kinetic
     coefficient = static if stuck else max(kinetic + static_share * (static - kinetic), 0.0)
@@ -235,7 +235,7 @@ def set_stuck(drive: Drive, *, stuck: bool, static_share: float = 0.0) -> None:
     drive.stuck = stuck
 
 
-def restore_recorded(drive: Drive) -> None:
+def restore_recorded(drive: RunState) -> None:
     """Put the bodies back into the state recorded last."""
     world = drive.world
     row = world.recorder.last()

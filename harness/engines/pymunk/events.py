@@ -12,8 +12,8 @@ from typing import Final
 
 from harness.engines.contact.impact import impact
 from harness.engines.pymunk import native
-from harness.engines.pymunk.drive import Drive, advance, record, set_stuck, shift, slip_rate
-from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, Standing
+from harness.engines.pymunk.drive import RunState, advance, record, set_stuck, shift, slip_rate
+from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, SupportVertex
 
 MOST_SHARE: Final = 1.5
 """Longest part, in steps, of those that follow an impact."""
@@ -21,7 +21,7 @@ PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
 
-def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> bool:
+def split_impact(drive: RunState, standing: SupportVertex, facet: int, end_s: float) -> bool:
     """Pass an impact on a facet that lies within the coming steps: four engine steps for three, ending at `end_s`.
 
     Each part acts with its contacts as they are in its middle. Returns whether the corner was found where it was expected; if
@@ -54,12 +54,12 @@ def split_impact(drive: Drive, standing: Standing, facet: int, end_s: float) -> 
     return found
 
 
-def incoming_vertex(standing: Standing, facet: int) -> int:
+def incoming_vertex(standing: SupportVertex, facet: int) -> int:
     """The vertex that comes down on a facet: to the left the facet's left end, which is the later one."""
     return facet + 1 if native.get_spin(standing.statue) > 0.0 else facet
 
 
-def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_s: float) -> None:
+def approach(drive: RunState, standing: SupportVertex, facet: int, ahead_s: float, part_s: float) -> None:
     """Velocities to the impact on a facet `ahead_s` after the places, which are half of `part_s` behind; places half the way."""
     incoming = incoming_vertex(standing, facet)
     move = 0.5 * ahead_s + 0.25 * part_s
@@ -74,7 +74,7 @@ def approach(drive: Drive, standing: Standing, facet: int, ahead_s: float, part_
         standing.keep(contact_s, 0.0, turned=True)
 
 
-def end(drive: Drive, standing: Standing, end_s: float) -> None:
+def end(drive: RunState, standing: SupportVertex, end_s: float) -> None:
     """End on a whole step: positions half a step behind velocities, and these the tangents there."""
     place_s = end_s - 0.5 * drive.settings.dt_s
     angle_rad = native.get_angle(standing.statue) + native.get_spin(standing.statue) * (place_s - drive.place_s)
@@ -85,7 +85,7 @@ def end(drive: Drive, standing: Standing, end_s: float) -> None:
     record(drive, end_s)
 
 
-def turn_on(drive: Drive, standing: Standing, vertex: int, angle_rad: float) -> None:
+def turn_on(drive: RunState, standing: SupportVertex, vertex: int, angle_rad: float) -> None:
     """Give the statue's centroid the velocity that it has at `angle_rad`, turning on `vertex`; spin and support keep theirs.
 
     Nothing is turned where the statue does not stand on that vertex: of two facets that are passed in one step the first has
@@ -100,7 +100,7 @@ def turn_on(drive: Drive, standing: Standing, vertex: int, angle_rad: float) -> 
     native.set_velocity(body, (carried.x + spin * arm_z, carried.y - spin * arm_x))
 
 
-def _time_level(drive: Drive, standing: Standing, facet: int) -> float:
+def _time_level(drive: RunState, standing: SupportVertex, facet: int) -> float:
     """Time, s, in which positions bring a facet down; velocities, half a step ahead, go on changing as in the last step."""
     dt, left = drive.settings.dt_s, standing.left_rad(facet)
     spin = native.get_spin(standing.statue)
@@ -111,13 +111,13 @@ def _time_level(drive: Drive, standing: Standing, facet: int) -> float:
     return found if LEAST_AHEAD * dt <= found <= MOST_AHEAD * dt else plain_s
 
 
-def time_to_contact(standing: Standing, vertex: int) -> float:
+def time_to_contact(standing: SupportVertex, vertex: int) -> float:
     """Time, s, in which a vertex reaches the depth at which contacts are kept, at present velocities."""
     gap, opening = standing.gap(vertex)
     return -(gap + standing.depth_at(native.get_spin(standing.statue))) / opening if opening < 0.0 else math.inf
 
 
-def impact_alone(drive: Drive, move_s: float) -> None:
+def impact_alone(drive: RunState, move_s: float) -> None:
     """The impact alone: positions at contact, no gravity; by the engine, or by the prescribed ratio."""
     if drive.scene.contact.restitution is None:
         advance(drive, move_s, 0.0, hard=True)
@@ -149,7 +149,7 @@ def impact_alone(drive: Drive, move_s: float) -> None:
         set_stuck(drive, stuck=abs(after.slip_rate_m_s) <= drive.friction.stuck_below_m_s)
 
 
-def split_halt(drive: Drive, standing: Standing, share: float, end_s: float) -> None:
+def split_halt(drive: RunState, standing: SupportVertex, share: float, end_s: float) -> None:
     """End a step where the pedestal halts, and make the rest of it.
 
     A statue at rest meets the halt with both ends of its base, which takes the solver many times longer than one vertex.

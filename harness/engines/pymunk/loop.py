@@ -14,10 +14,10 @@ from harness.engines.contact import frame
 from harness.engines.pymunk import drive as driving
 from harness.engines.pymunk import events, native, uplift
 from harness.engines.pymunk import micro_rocking as rattle
-from harness.engines.pymunk.drive import Drive
-from harness.engines.pymunk.standing import FAR, Standing
+from harness.engines.pymunk.drive import RunState
+from harness.engines.pymunk.standing import FAR, SupportVertex
 from harness.engines.pymunk.world import MunkSettings
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import OVERTURN_RAD, Scene
 
 Array = NDArray[np.float64]
@@ -67,10 +67,10 @@ def _pairs(rows: Array) -> list[Pair]:
     return list(zip(rows[:, 0].tolist(), rows[:, 2].tolist(), strict=True))
 
 
-def run(drive: Drive, standing: Standing, grid: Grid, first: int, want: Want) -> bool:
+def run(drive: RunState, standing: SupportVertex, grid: Grid, first: int, want: RunOptions) -> bool:
     """Compute from step `first` to the end; returns whether the run was ended early at rest."""
     total, k = len(grid.gravity), first
-    quiet_after = drive.scene.shake.end_s if want.may_skip("quiet_end") else math.inf
+    quiet_after = drive.scene.base_excitation.end_s if want.allows("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
     drive.whole_from, split_from = first, first + LEAST_BETWEEN
     drive.spin_before_rad_s = native.get_spin(standing.statue)
@@ -94,7 +94,7 @@ def run(drive: Drive, standing: Standing, grid: Grid, first: int, want: Want) ->
             look = min(k + BLOCK_STEPS, total)
             drive.states.append(drive.world.recorder.take())
             if (
-                want.may_skip("stop_at_overturn")
+                want.allows("stop_at_overturn")
                 and abs(native.get_angle(native.body_of(drive.world.statue))) > OVERTURN_RAD
             ):
                 return False
@@ -107,7 +107,7 @@ def run(drive: Drive, standing: Standing, grid: Grid, first: int, want: Want) ->
     return False
 
 
-def _still(drive: Drive) -> bool:
+def _still(drive: RunState) -> bool:
     body = native.body_of(drive.world.statue)
     upright = abs(native.get_angle(body)) <= resolution_rad(drive.scene, drive.settings)
     still_rad_s = max(STILL_RAD_S, TREMBLE_RAD_S2 * drive.settings.dt_s)
@@ -120,7 +120,7 @@ def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
 
 
 def _plain_steps(
-    drive: Drive, standing: Standing, grid: Grid, k: int, stop: int, first_split: int
+    drive: RunState, standing: SupportVertex, grid: Grid, k: int, stop: int, first_split: int
 ) -> tuple[int, int, float]:
     """Whole steps from k until one must be split (for an impact from step `first_split` on), or `stop`.
 
@@ -202,7 +202,7 @@ def _plain_steps(
     return k, event, share
 
 
-def _switch(drive: Drive, standing: Standing, grid: Grid, k: int, rate: float) -> float:
+def _switch(drive: RunState, standing: SupportVertex, grid: Grid, k: int, rate: float) -> float:
     """Let the floor's coefficient follow the state after step k; returns the pedestal's rate.
 
     A step that seems to have broken loose is computed again: with many iterations first, because a solver's remainder is no

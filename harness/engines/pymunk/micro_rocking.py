@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from harness.engines.contact import frame
 from harness.engines.pymunk import events, native
-from harness.engines.pymunk.drive import Drive, advance, record, slip_rate
-from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, Standing
+from harness.engines.pymunk.drive import RunState, advance, record, slip_rate
+from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, SupportVertex
 
 Array = NDArray[np.float64]
 
@@ -26,8 +26,8 @@ SHORT_STEPS: Final = 8.0
 LEAST_STEPS: Final = 0.25
 """One shorter than this is left to whole steps, in which it dies out."""
 FAST: Final = 3.0
-"""Impacts at a rate above so many times `Standing.fast_rad_s` are met by whole steps: what the shape of a swing changes in their
-instant is little, and parts cost more."""
+"""Impacts at a rate above so many times `SupportVertex.fast_rad_s` are met by whole steps: what the shape of a swing changes in
+their instant is little, and parts cost more."""
 PARTS: Final = 5.0
 """Parts of a swing as it is expected from the forces at its beginning."""
 MOST_PARTS: Final = 20
@@ -42,7 +42,7 @@ LEAST_TAIL: Final = 0.5
 """Share of a step that the part which ends on a whole step takes at least."""
 
 
-def is_short(drive: Drive, standing: Standing, facet: int, t_s: float) -> bool | None:
+def is_short(drive: RunState, standing: SupportVertex, facet: int, t_s: float) -> bool | None:
     """Whether the impact to come on a facet belongs to a rattle; None where steps of this length can tell of none."""
     vertex = events.incoming_vertex(standing, facet)
     # A statue at rest tilts on a vertex that is still in contact.
@@ -55,7 +55,7 @@ def is_short(drive: Drive, standing: Standing, facet: int, t_s: float) -> bool |
     return not standing.steady or swing_s <= SHORT_STEPS * dt or abs(spin) <= FAST * standing.fast_rad_s
 
 
-def next_swing_s(drive: Drive, standing: Standing, vertex: int, t_s: float) -> float:
+def next_swing_s(drive: RunState, standing: SupportVertex, vertex: int, t_s: float) -> float:
     """Duration, s, of a swing about a vertex from `t_s` on at the statue's present rate, under the forces of the coming step.
 
     Infinite where these do not bring it back. A pedestal is taken to be held, if it halts within half of that swing, or to slide.
@@ -79,7 +79,7 @@ def next_swing_s(drive: Drive, standing: Standing, vertex: int, t_s: float) -> f
     return lasts_s(math.copysign(braked, rate))
 
 
-def rattle(drive: Drive, standing: Standing, facet: int, edges_s: Array) -> int:
+def rattle(drive: RunState, standing: SupportVertex, facet: int, edges_s: Array) -> int:
     """Pass the impact on a facet within the coming steps, and the short swings that follow; returns the whole step reached."""
     dt, depth_m, fast_rad_s = drive.settings.dt_s, standing.depth_m, standing.fast_rad_s
     spin = native.get_spin(standing.statue)
@@ -106,7 +106,7 @@ def rattle(drive: Drive, standing: Standing, facet: int, edges_s: Array) -> int:
     return _to_whole_step(drive, standing, edges_s)
 
 
-def _meet(drive: Drive, standing: Standing, facet: int, part_s: float, gained_rad_s: float) -> bool:
+def _meet(drive: RunState, standing: SupportVertex, facet: int, part_s: float, gained_rad_s: float) -> bool:
     """The last of the parts of a swing, all of this length, and its impact; whether it was met."""
     ahead = _back_s(standing, facet, part_s, gained_rad_s)
     incoming = events.incoming_vertex(standing, facet)
@@ -122,7 +122,7 @@ def _meet(drive: Drive, standing: Standing, facet: int, part_s: float, gained_ra
     return True
 
 
-def _swing(drive: Drive, standing: Standing, facet: int, part_s: float) -> tuple[bool, float]:
+def _swing(drive: RunState, standing: SupportVertex, facet: int, part_s: float) -> tuple[bool, float]:
     """Parts of a swing up to the one before it returns to the facet; whether it does, and the spin gained in the last."""
     move, gained = 0.5 * part_s, 0.0
     for _ in range(MOST_PARTS):
@@ -137,7 +137,7 @@ def _swing(drive: Drive, standing: Standing, facet: int, part_s: float) -> tuple
     return False, gained
 
 
-def _back_s(standing: Standing, facet: int, part_s: float, gained_rad_s: float) -> float:
+def _back_s(standing: SupportVertex, facet: int, part_s: float, gained_rad_s: float) -> float:
     """Time, s, from that of the places, half a part ago, to the statue's return to a facet, at the last part's acceleration."""
     spin, pull = native.get_spin(standing.statue), gained_rad_s / part_s
     # Places brought forward by half a part at the present velocity are those of its instant.
@@ -148,7 +148,7 @@ def _back_s(standing: Standing, facet: int, part_s: float, gained_rad_s: float) 
     return float(0.5 * part_s + (speed - spin) / pull)
 
 
-def _to_whole_step(drive: Drive, standing: Standing, edges_s: Array) -> int:
+def _to_whole_step(drive: RunState, standing: SupportVertex, edges_s: Array) -> int:
     """One part to the end of a whole step."""
     end = int(np.searchsorted(edges_s, drive.t_s + LEAST_TAIL * drive.settings.dt_s))
     part = float(edges_s[end]) - drive.t_s

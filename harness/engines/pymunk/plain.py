@@ -20,7 +20,7 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pymunk.samples import trajectory
 from harness.engines.pymunk.world import MunkSettings
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Scene
 
@@ -68,7 +68,7 @@ class PlainMunk2D(Engine):
             return f"pymunk cannot be imported: {error}"
         return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
 
-    def ladder(self, scene: Scene) -> tuple[MunkSettings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 2 ms to 0.025 ms."""
         return tuple(_settings(scene, *level) for level in LEVELS)
 
@@ -77,7 +77,7 @@ class PlainMunk2D(Engine):
         dt, iterations, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return _settings(scene, dt_s, iterations, error * dt_s / dt)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
         own = _own(settings)
         finer = self.settings_for_dt(scene, FINER * own.dt_s)
@@ -90,7 +90,7 @@ class PlainMunk2D(Engine):
             ),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
         own = _own(settings)
         _refuse(scene)
@@ -106,7 +106,7 @@ class PlainMunk2D(Engine):
             wall_s=0.0,
             resolution_rad=resolution,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
-            with_history=want.history or not want.may_skip("no_history"),
+            with_history=want.history or not want.allows("no_history"),
         )
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
@@ -136,7 +136,7 @@ def _refuse(scene: Scene) -> None:
         raise EngineFailure(f"pymunk:plain does not compute {' nor '.join(refused)}: leave it out, or ask pymunk")
 
 
-def _integrate(scene: Scene, settings: MunkSettings, want: Want) -> tuple[Trajectory, int, float]:
+def _integrate(scene: Scene, settings: MunkSettings, want: RunOptions) -> tuple[Trajectory, int, float]:
     """Trajectory, number of steps, and the rotation that the contact's slop can leave at rest."""
     from harness.engines.pymunk import loop, native, world
 
@@ -162,7 +162,7 @@ def _integrate(scene: Scene, settings: MunkSettings, want: Want) -> tuple[Trajec
         if steps % BLOCK_STEPS == 0:
             states.append(recorder.take())
             angle = native.get_angle(statue)
-            if want.may_skip("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
+            if want.allows("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
                 break
             if want.stop is not None and want.stop(steps * dt, -angle):
                 break

@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.pymunk.drive import Drive
-from harness.engines.pymunk.standing import HELD_SHARE, RISES, TIPPED_RAD, Standing
+from harness.engines.pymunk.drive import RunState
+from harness.engines.pymunk.standing import HELD_SHARE, RISES, TIPPED_RAD, SupportVertex
 from harness.model.scene import OVERTURN_RAD
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ REASONS: Final = {
 }
 
 
-def plain_spells(drive: Drive, standing: Standing) -> Mapping[str, Any]:
+def plain_spells(drive: RunState, standing: SupportVertex) -> Mapping[str, Any]:
     """`plain_from_s`, the first instant at which the steps were plain (None: never), `plain_for_s`, for how long altogether,
     and `plain_because`, the reasons in the order in which they came.
     """
@@ -59,7 +59,7 @@ def plain_spells(drive: Drive, standing: Standing) -> Mapping[str, Any]:
     }
 
 
-def _causes(drive: Drive, standing: Standing, states: Array) -> dict[str, Array]:
+def _causes(drive: RunState, standing: SupportVertex, states: Array) -> dict[str, Array]:
     """By reason, whether it held at each recorded state, shape (n,); `over`: whether the statue had overturned."""
     world, pedestal = drive.world, drive.scene.pedestal
     place_x, place_z, angle, rate_x, _, spin = states[:, world.statue_slice].T

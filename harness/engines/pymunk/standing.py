@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.pymunk import native
-from harness.engines.pymunk.drive import Drive
+from harness.engines.pymunk.drive import RunState
 from harness.engines.pymunk.world import MunkSettings
 from harness.model.scene import Scene
 from meshes.footprint import lower_chain
@@ -72,7 +72,7 @@ HELD_SHARE: Final = 1e-3
 """Share of its rate about the centroid below which a vertex is held by its support: the solver leaves 1e-9 of it."""
 
 
-class Standing:
+class SupportVertex:
     """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
@@ -82,7 +82,7 @@ class Standing:
     above; `gained_rad_s` what the spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
     """
 
-    def __init__(self, drive: Drive) -> None:
+    def __init__(self, drive: RunState) -> None:
         world, scene = drive.world, drive.scene
         self.statue, self.floor = native.body_of(world.statue), native.body_of(world.floor)
         self.pedestal = None if world.pedestal is None else native.body_of(world.pedestal)

@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import Final
 
 from harness.engines.pymunk import native
-from harness.engines.pymunk.drive import Drive, slip_rate
-from harness.engines.pymunk.standing import Standing
+from harness.engines.pymunk.drive import RunState, slip_rate
+from harness.engines.pymunk.standing import SupportVertex
 
 LOOK: Final = 64
 """Steps in which an uplift must have become a rotation that can end in an impact."""
@@ -25,7 +25,7 @@ OUTSIDE: Final = 0.75
 taken as a half."""
 
 
-def follow(drive: Drive, standing: Standing, whole: int) -> bool:
+def follow(drive: RunState, standing: SupportVertex, whole: int) -> bool:
     """Correct the statue's motion if it has just begun to rock, `whole` steps after the last event.
 
     Returns False where one more step must be seen first. A correction replaces the state recorded last, unless that was taken.
@@ -58,7 +58,7 @@ def follow(drive: Drive, standing: Standing, whole: int) -> bool:
     return True
 
 
-def _give(drive: Drive, standing: Standing, grows_rad_s: float, begun: float, since: int) -> None:
+def _give(drive: RunState, standing: SupportVertex, grows_rad_s: float, begun: float, since: int) -> None:
     """Add what the first two steps are owed, carried through the `since` whole steps after them.
 
     `grows_rad_s`: what the spin gains more in a step than in the one before; `begun`: t₀ from the first's beginning, in steps.
@@ -76,7 +76,7 @@ def _give(drive: Drive, standing: Standing, grows_rad_s: float, begun: float, si
     native.set_spin(body, native.get_spin(body) + spin)
 
 
-def _from_level(standing: Standing, angle_rad: float) -> float:
+def _from_level(standing: SupportVertex, angle_rad: float) -> float:
     """Rotation from the nearest facet's."""
     turned = angle_rad - standing.tilt()
     return min(abs(turned - level) for level in standing.level_rad)

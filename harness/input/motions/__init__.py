@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analytic.excitation import Excitation, Harmonic, Pulse, Rest
+from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
 from harness.input.motions import compatible, process, records
 from harness.input.motions.compatible import NoMatchError
 from harness.input.motions.floor import floor_motion, ring_down_s
@@ -71,7 +71,7 @@ def prepare(
 ) -> Prepared:
     """The excitation with its record of steps and warnings (as `build`)."""
     if isinstance(component, RestSpec):
-        return Prepared(Rest())
+        return Prepared(ZeroExcitation())
     if isinstance(component, HarmonicSpec):
         amplitude = component.amplitude_g * gravity_m_s2
         phase = math.radians(component.phase_deg)

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.excitation import Excitation, Record
+from analytic.excitation import Excitation, SampledAcceleration
 from harness.input.motions.oscillator import exact_step
 from harness.input.motions.series import Floats
 from harness.input.motions.spec import Oscillator
@@ -30,7 +30,7 @@ def ring_down_s(modes: Sequence[Oscillator]) -> float:
     return max(-math.log(RING_DOWN) * mode.period_s / (2.0 * math.pi * mode.damping) for mode in modes)
 
 
-def floor_motion(ground: Excitation, modes: Sequence[Oscillator], until_s: float) -> Record:
+def floor_motion(ground: Excitation, modes: Sequence[Oscillator], until_s: float) -> SampledAcceleration:
     """The floor's acceleration from 0 to `until_s`, sampled so finely that straight lines between samples hold.
 
     Exact at the samples for grounds of straight lines (records, rectangular pulses).
@@ -95,11 +95,11 @@ def _absolute(t_s: Floats, before: Floats, after: Floats, mode: Oscillator) -> F
     return result
 
 
-def _drawn(t_s: Floats, before: Floats, after: Floats) -> Record:
+def _drawn(t_s: Floats, before: Floats, after: Floats) -> SampledAcceleration:
     """A record through all nodes, its jumps drawn over _JUMP_S."""
     jumps = np.flatnonzero(np.abs(after - before) > 0.0)
     jumps = jumps[(jumps > 0) & (jumps < t_s.size - 1)]
     times = np.insert(t_s, jumps, t_s[jumps] - _JUMP_S)
     values = np.insert(after, jumps, before[jumps])
     values[-1] = before[-1]
-    return Record(times, values)
+    return SampledAcceleration(times, values)

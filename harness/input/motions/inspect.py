@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytic.excitation import Record
+from analytic.excitation import SampledAcceleration
 from harness.input import motions
 from harness.input.motions import components, oscillator
 from harness.input.motions.measures import Measures, measures
@@ -126,7 +126,7 @@ def inspect_component(
         component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
     )
     excitation = prepared.excitation
-    if isinstance(excitation, Record):
+    if isinstance(excitation, SampledAcceleration):
         steps = np.diff(excitation.t_s)
         dt_s = float(np.median(steps))
         if np.abs(steps - dt_s).max() <= 1e-6 * dt_s:

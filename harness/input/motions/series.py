@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Record
+from analytic.excitation import SampledAcceleration
 
 Floats = NDArray[np.float64]
 
@@ -34,9 +34,9 @@ class Series:
         """Other samples, with what was done to get them."""
         return replace(self, accel_m_s2=accel_m_s2, dt_s=self.dt_s if dt_s is None else dt_s, done=(*self.done, said))
 
-    def excitation(self) -> Record:
+    def excitation(self) -> SampledAcceleration:
         """The same motion for a solver."""
-        return Record(self.t_s, self.accel_m_s2)
+        return SampledAcceleration(self.t_s, self.accel_m_s2)
 
 
 def velocity_m_s(series: Series) -> Floats:

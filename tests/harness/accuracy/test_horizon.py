@@ -30,7 +30,7 @@ class Unstable:
     def __call__(self, each: Scene) -> Run:
         self.runs += 1
         t = np.linspace(0.0, 10.0, 10001)
-        strength = each.shake.x.peak_m_s2
+        strength = each.base_excitation.x.peak_m_s2
         theta = (each.initial.theta_rad + 1e-2 * (strength - 1.0)) * np.exp(GROWTH * t)
         if each.initial.theta_rate_rad_s > 1e-4:
             raise EngineFailure("thrown too hard")
@@ -84,8 +84,8 @@ def test_perturbations_touch_start_and_motion_by_their_size() -> None:
     lean, thrown, stronger, weaker = perturbed(SCENE, 1e-3)
     assert lean.initial.theta_rad == 1e-3
     assert thrown.initial.theta_rate_rad_s > 1e-3
-    assert stronger.shake.x.peak_m_s2 == pytest.approx(1.001)
-    assert weaker.shake.x.peak_m_s2 == pytest.approx(0.999)
+    assert stronger.base_excitation.x.peak_m_s2 == pytest.approx(1.001)
+    assert weaker.base_excitation.x.peak_m_s2 == pytest.approx(0.999)
     assert len(perturbed(scene(PAESTUM, theta_rad=-0.1), 1e-3)) == 2
     assert perturbed(scene(PAESTUM, theta_rad=-0.1), 1e-3)[0].initial.theta_rad == pytest.approx(-0.101)
 

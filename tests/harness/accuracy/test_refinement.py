@@ -14,7 +14,7 @@ from harness.bench.coverage import FIRST_SEED, coverage, random_scene, wide_scen
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
 from harness.model.history import History, Outcome
-from harness.model.options import Capabilities, Want
+from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
@@ -47,20 +47,24 @@ class Fake(Engine):
     def missing(self) -> str | None:
         return None
 
-    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
+    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
         return tuple(Settings(step, step) for step in self.steps_s)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         return Settings(dt_s, dt_s)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         return (Settings(0.5 * settings.dt_s, 0.5 * settings.expected_error_rad),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
         if self.blow:
             error = self.blow * settings.dt_s**2 * (TIMES > 0.3)
-        theta = TRUTH + error + self.gain * (scene.shake.x.peak_m_s2 / paestum().shake.x.peak_m_s2 - 1.0)
+        theta = (
+            TRUTH
+            + error
+            + self.gain * (scene.base_excitation.x.peak_m_s2 / paestum().base_excitation.x.peak_m_s2 - 1.0)
+        )
         end = Outcome.STANDS if self.no_return_s is None else Outcome.OVERTURNED_RIGHT
         outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else end
         asked = (k for k in range(0, TIMES.size, 10) if want.stop is not None and want.stop(TIMES[k], theta[k]))
@@ -90,7 +94,7 @@ def error_of(run: Run) -> float:
 
 @pytest.mark.parametrize("accuracy", [2e-2, 2e-3, 2e-4])
 def test_cheapest_rung_that_meets_the_target(accuracy: float) -> None:
-    run = run_to_accuracy(Fake(), paestum(), accuracy, Want())
+    run = run_to_accuracy(Fake(), paestum(), accuracy, RunOptions())
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= accuracy
     assert run.reliable_until_s == 1.0
@@ -99,7 +103,7 @@ def test_cheapest_rung_that_meets_the_target(accuracy: float) -> None:
 
 
 def test_a_growing_error_gives_a_horizon() -> None:
-    run = run_to_accuracy(Fake(growth=8.0), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Fake(growth=8.0), paestum(), 1e-3, RunOptions())
     assert run.numerical_uncertainty_rad is not None
     assert run.reliable_until_s is not None
     assert 0.0 < run.reliable_until_s < 0.9
@@ -110,13 +114,13 @@ def test_a_growing_error_gives_a_horizon() -> None:
 
 
 def test_a_hopeless_climb_is_not_climbed_to_the_top() -> None:
-    run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Fake(growth=300.0), paestum(), 1e-3, RunOptions())
     assert run.work["runs"] <= 5
 
 
 def test_an_error_that_one_event_makes_is_climbed_though_the_runs_part_at_the_same_instant() -> None:
     fake = Fake(blow=1e4, steps_s=(1e-3, 2.5e-4, 6e-5))
-    run = run_to_accuracy(fake, paestum(), 1e-3, Want())
+    run = run_to_accuracy(fake, paestum(), 1e-3, RunOptions())
     assert run.reliable_until_s == 1.0
     assert run.settings["dt_s"] <= 6e-5
     assert run.numerical_uncertainty_rad is not None
@@ -127,14 +131,14 @@ def test_two_runs_that_agree_by_chance_do_not_belie_the_comparison_before() -> N
     class Lucky(Fake):
         agreements: ClassVar[int] = 1
 
-        def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+        def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
             run = super().simulate(scene, settings, want)
             assert run.history is not None
             # Off by 4 mrad on the first rung, and by the same half a millirad on the next two.
             shift = 4e-3 if settings.dt_s > 9e-4 else 5e-4
             return replace(run, history=replace(run.history, theta_rad=TRUTH + shift))
 
-    run = run_to_accuracy(Lucky(steps_s=(1e-3, 2.5e-4)), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Lucky(steps_s=(1e-3, 2.5e-4)), paestum(), 1e-3, RunOptions())
     assert run.work["runs"] == 4
     assert run.numerical_uncertainty_rad is not None
     assert 5e-4 <= run.numerical_uncertainty_rad <= 1e-3
@@ -144,7 +148,7 @@ def test_two_runs_that_agree_by_chance_do_not_belie_the_comparison_before() -> N
 def test_a_slip_is_asked_to_the_accuracy_times_the_centroid_height(accuracy: float) -> None:
     scene = paestum()
     target_m = accuracy * scene.statue.centroid_height_m
-    run = run_to_accuracy(Fake(slide=8.0), scene, accuracy, Want())
+    run = run_to_accuracy(Fake(slide=8.0), scene, accuracy, RunOptions())
     assert run.history is not None
     assert run.slip_uncertainty_m is not None
     assert run.numerical_uncertainty_rad is not None
@@ -152,12 +156,12 @@ def test_a_slip_is_asked_to_the_accuracy_times_the_centroid_height(accuracy: flo
     error_m = float(np.max(np.abs(run.history.slip_m)))
     assert error_m <= run.slip_uncertainty_m <= target_m == target_of(scene, accuracy).slip_m
     # The slip errs by sixteen times as much as the rotation here: that makes the step, and the rotation is known better.
-    assert run.settings["dt_s"] < run_to_accuracy(Fake(), scene, accuracy, Want()).settings["dt_s"]
+    assert run.settings["dt_s"] < run_to_accuracy(Fake(), scene, accuracy, RunOptions()).settings["dt_s"]
     assert error_of(run) <= run.numerical_uncertainty_rad < accuracy
 
 
 def test_without_a_pedestal_no_slip_is_in_doubt() -> None:
-    run = run_to_accuracy(Fake(), paestum().but(pedestal=None), 1e-3, Want())
+    run = run_to_accuracy(Fake(), paestum().but(pedestal=None), 1e-3, RunOptions())
     assert run.slip_uncertainty_m == 0.0
 
 
@@ -166,7 +170,7 @@ class Chance(Fake):
 
     agreements: ClassVar[int] = 1
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         run = super().simulate(scene, settings, want)
         assert run.history is not None
         shift = run.history.theta_rad - TRUTH[: run.history.t_s.size]
@@ -178,17 +182,17 @@ class Chance(Fake):
 
 def test_two_runs_that_agree_by_chance_are_not_trusted_where_a_small_change_of_the_motion_moves_much() -> None:
     steps_s = (1e-3, 2.5e-4, 6e-5)
-    blind = run_to_accuracy(Chance(steps_s=steps_s), paestum(), 1e-3, Want())
+    blind = run_to_accuracy(Chance(steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert blind.numerical_uncertainty_rad is not None
     assert error_of(blind) > blind.numerical_uncertainty_rad, "nothing in these runs tells that they are off"
-    seen = run_to_accuracy(Chance(gain=4.0, steps_s=steps_s), paestum(), 1e-3, Want())
+    seen = run_to_accuracy(Chance(gain=4.0, steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert seen.numerical_uncertainty_rad is not None
     assert seen.settings["dt_s"] < 4e-4
     assert error_of(seen) <= seen.numerical_uncertainty_rad <= 1e-3
 
 
 def test_what_a_stronger_motion_moves_is_stated_at_least() -> None:
-    run = run_to_accuracy(Fake(gain=1.5), paestum(), 2e-3, Want())
+    run = run_to_accuracy(Fake(gain=1.5), paestum(), 2e-3, RunOptions())
     assert run.numerical_uncertainty_rad is not None
     assert run.numerical_uncertainty_rad >= 1.5 * run.settings["expected_error_rad"] * (1.0 - 1e-6)
 
@@ -197,15 +201,15 @@ def test_beyond_what_events_are_located_for_two_comparisons_must_hold() -> None:
     class Single(Fake):
         agreements: ClassVar[int] = 1
 
-    inside = run_to_accuracy(Single(), paestum(), 2e-3, Want())
-    left = run_to_accuracy(Single(left_s=0.4), paestum(), 2e-3, Want())
+    inside = run_to_accuracy(Single(), paestum(), 2e-3, RunOptions())
+    left = run_to_accuracy(Single(left_s=0.4), paestum(), 2e-3, RunOptions())
     assert left.work["runs"] > inside.work["runs"]
     assert left.reliable_until_s == 1.0
 
 
 def test_errors_of_plain_steps_may_fall_with_the_step_s_root() -> None:
     def answer(step_s: float, left_s: float | None) -> Run:
-        run = Fake(left_s=left_s).simulate(paestum(), Settings(step_s, step_s), Want())
+        run = Fake(left_s=left_s).simulate(paestum(), Settings(step_s, step_s), RunOptions())
         assert run.history is not None
         return replace(run, history=replace(run.history, theta_rad=TRUTH + 0.1 * np.sqrt(step_s)))
 
@@ -217,24 +221,24 @@ def test_errors_of_plain_steps_may_fall_with_the_step_s_root() -> None:
 
 
 def test_in_a_fall_nothing_is_stated_once_the_events_are_left() -> None:
-    run = run_to_accuracy(Fake(no_return_s=0.15, left_s=0.6), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Fake(no_return_s=0.15, left_s=0.6), paestum(), 1e-3, RunOptions())
     assert run.reliable_until_s == 0.6
     assert any("past the instant of no return" in warning for warning in run.warnings)
 
 
 def test_a_fall_is_not_climbed_for_its_own_path() -> None:
     steps_s = tuple(2e-4 / 4**k for k in range(8))  # fine enough to tell the whole path, at a price
-    settled = run_to_accuracy(Fake(growth=8.0, no_return_s=0.15, steps_s=steps_s), paestum(), 1e-3, Want())
+    settled = run_to_accuracy(Fake(growth=8.0, no_return_s=0.15, steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert settled.work["runs"] == 4
     assert settled.reliable_until_s is not None
     assert 0.15 <= settled.reliable_until_s < 0.5
     assert any("past the instant of no return" in warning for warning in settled.warnings)
-    late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, Want())
+    late = run_to_accuracy(Fake(growth=8.0, no_return_s=0.99, steps_s=steps_s), paestum(), 1e-3, RunOptions())
     assert late.work["runs"] > 6
 
 
 def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
-    run = run_to_accuracy(Fake(growth=60.0), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Fake(growth=60.0), paestum(), 1e-3, RunOptions())
     assert run.end_s == 1.0
     assert run.reliable_until_s is not None
     assert run.reliable_until_s < 0.2
@@ -244,20 +248,20 @@ def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
 
 
 def test_a_coarse_rung_that_diverges_is_climbed_over() -> None:
-    run = run_to_accuracy(Fake(diverges_above_s=7e-3), paestum(), 2e-2, Want())
+    run = run_to_accuracy(Fake(diverges_above_s=7e-3), paestum(), 2e-2, RunOptions())
     assert run.outcome is Outcome.STANDS
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad
 
 
 def test_all_diverging_is_said() -> None:
-    run = run_to_accuracy(Fake(diverges_above_s=0.0), paestum(), 1e-3, Want())
+    run = run_to_accuracy(Fake(diverges_above_s=0.0), paestum(), 1e-3, RunOptions())
     assert run.outcome is Outcome.DIVERGED
     assert run.numerical_uncertainty_rad is None
 
 
 def test_spread_sees_an_overturn_that_only_one_run_has() -> None:
-    stands = Fake().simulate(paestum(), Settings(1e-4, 1e-4), Want())
+    stands = Fake().simulate(paestum(), Settings(1e-4, 1e-4), RunOptions())
     assert stands.history is not None
     half = stands.history.t_s <= 0.5
     history = History(*(values[half] for values in list(stands.history.columns().values())[:5]))
@@ -268,14 +272,14 @@ def test_spread_sees_an_overturn_that_only_one_run_has() -> None:
 
 @pytest.mark.parametrize("ratio", [2.0, 2.2, 5.0])
 def test_the_further_apart_the_steps_the_more_of_the_difference_is_the_coarser_runs_error(ratio: float) -> None:
-    fine = Fake().simulate(paestum(), Settings(1e-4, 1e-4), Want())
-    coarse = Fake().simulate(paestum(), Settings(ratio * 1e-4, 1e-4), Want())
+    fine = Fake().simulate(paestum(), Settings(1e-4, 1e-4), RunOptions())
+    coarse = Fake().simulate(paestum(), Settings(ratio * 1e-4, 1e-4), RunOptions())
     assert spread(coarse, fine, Error(1.0, 1.0)).stated.rotation_rad == pytest.approx(SAFETY * error_of(fine), rel=0.02)
 
 
 def test_history_is_left_out_when_only_the_outcome_is_asked() -> None:
-    assert run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False)).history is None
-    kept = run_to_accuracy(Fake(), paestum(), 1e-3, Want(history=False, skips=frozenset()))
+    assert run_to_accuracy(Fake(), paestum(), 1e-3, RunOptions(history=False)).history is None
+    kept = run_to_accuracy(Fake(), paestum(), 1e-3, RunOptions(history=False, skips=frozenset()))
     assert kept.history is not None
 
 
@@ -294,7 +298,7 @@ def test_seeded_scenes_are_reproducible_and_various() -> None:
     assert a.statue.mass_kg == b.statue.mass_kg
     scenes = [random_scene(FIRST_SEED + i) for i in range(30)]
     assert {scene.pedestal is None for scene in scenes} == {True, False}
-    assert len({type(scene.shake.x) for scene in scenes}) == 3
+    assert len({type(scene.base_excitation.x) for scene in scenes}) == 3
 
 
 def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None:
@@ -311,4 +315,4 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
     assert max(below) > 2.0
     assert {s.contact.floor_static == s.contact.floor_kinetic for s in scenes} == {True, False}
     assert {s.planar for s in scenes} == {True, False}
-    assert len({type(s.shake.x) for s in scenes}) == 3
+    assert len({type(s.base_excitation.x) for s in scenes}) == 3

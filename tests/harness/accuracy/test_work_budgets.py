@@ -13,11 +13,11 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Engine
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Scene
 from tests import budgets_bench as budgets
 
-NONE = Want(skips=frozenset())
+NONE = RunOptions(skips=frozenset())
 STEP_S = 2.5e-4
 
 
@@ -29,7 +29,7 @@ def forced() -> Scene:
 
 def test_steps_of_the_analytic_model(forced: Scene) -> None:
     engine = engines.load("analytic")
-    run = engine.simulate(forced, engine.ladder(forced)[-1], NONE)
+    run = engine.simulate(forced, engine.refinement_levels(forced)[-1], NONE)
     assert 0 < run.steps <= budgets.ANALYTIC_STEPS
     assert 0 < run.work["taylor_coefficients"] <= budgets.ANALYTIC_TERMS
     assert run.work["events"] <= run.steps, "events without steps would be found by a search of their own"
@@ -54,11 +54,11 @@ def test_steps_of_a_contact_engine(forced: Scene, name: str, repeated: str) -> N
 def test_a_target_accuracy_takes_few_runs_steps_and_sweeps(name: str) -> None:
     engine = ready(name)
     scene = scene_of("easy", {"duration_s": 0.5, "statue": PAESTUM, "motion": harmonic(0.2, 3.0)})
-    run = run_to_accuracy(engine, scene, 1e-3, Want())
+    run = run_to_accuracy(engine, scene, 1e-3, RunOptions())
     assert 2 <= run.work["runs"] <= budgets.ACCURACY_RUNS
     assert run.steps <= run.work["steps_of_all_runs"] <= budgets.ACCURACY_STEPS
     assert run.work["steps_of_all_runs"] * run.settings["iterations"] <= budgets.SWEEPS[name]
-    finer = run_to_accuracy(engine, scene, 1e-5, Want())
+    finer = run_to_accuracy(engine, scene, 1e-5, RunOptions())
     assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer rung"
 
 
@@ -68,10 +68,10 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     longer = forced.but(duration_s=duration_s)
     sizes = {}
     for history in (False, True):
-        want = Want(history=history)
-        engine.simulate(longer, engine.ladder(longer)[0], want)
+        want = RunOptions(history=history)
+        engine.simulate(longer, engine.refinement_levels(longer)[0], want)
         tracemalloc.start()
-        engine.simulate(longer, engine.ladder(longer)[0], want)
+        engine.simulate(longer, engine.refinement_levels(longer)[0], want)
         sizes[history] = tracemalloc.get_traced_memory()[1] / 1024.0
         tracemalloc.stop()
     assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB[name]
@@ -91,8 +91,8 @@ HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotli
 NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
 """Those of them that a run of one engine needs."""
 RUN = """
-from harness.simulation import simulate
-from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+from harness.accuracy.simulation import simulate
+from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
 simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
 """
 
@@ -122,9 +122,9 @@ def test_a_run_imports_its_own_engine_only(name: str) -> None:
 def test_a_fallen_statue_is_not_integrated_and_changes_nothing() -> None:
     engine = engines.load("pymunk")
     scene = scene_of("falls", {"duration_s": 8.0, "statue": COLUMN, "motion": harmonic(0.6, 1.0)})
-    settings = engine.ladder(scene)[0]
-    on = engine.simulate(scene, settings, Want())
-    off = engine.simulate(scene, settings, Want(skips=frozenset(SKIPS) - {"stop_at_overturn"}))
+    settings = engine.refinement_levels(scene)[0]
+    on = engine.simulate(scene, settings, RunOptions())
+    off = engine.simulate(scene, settings, RunOptions(skips=frozenset(SKIPS) - {"stop_at_overturn"}))
     assert on.outcome is off.outcome
     assert on.outcome.overturned
     assert on.history is not None

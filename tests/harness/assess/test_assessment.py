@@ -13,7 +13,7 @@ from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene
 
@@ -36,7 +36,7 @@ def test_the_sweep_says_of_every_draw_what_a_single_run_says() -> None:
     swept, model = model_draws(on, draws), engines.load("analytic")
     for k in range(SINGLES):
         single = varied(on, row(draws, k))
-        outcome = model.simulate(single, model.ladder(single)[0], Want(history=False)).outcome
+        outcome = model.simulate(single, model.refinement_levels(single)[0], RunOptions(history=False)).outcome
         assert outcome.overturned == swept.overturned[k]
     assert 0 < np.count_nonzero(swept.overturned) < SINGLES, "the draws should be of both kinds"
 

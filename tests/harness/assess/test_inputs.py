@@ -96,12 +96,12 @@ def test_a_varied_scene_has_the_drawn_values(tmp_path: Path) -> None:
     other = varied(scene, {"contact.floor": 0.3, "motion.scale": 2.0, "statue.mass_kg": 700.0})
     assert other.contact.floor_static == pytest.approx(0.3)
     assert other.contact.floor_kinetic == pytest.approx(0.3 * scene.contact.floor_kinetic / scene.contact.floor_static)
-    assert other.shake.x.peak_m_s2 == pytest.approx(2.0 * scene.shake.x.peak_m_s2)
+    assert other.base_excitation.x.peak_m_s2 == pytest.approx(2.0 * scene.base_excitation.x.peak_m_s2)
     assert other.statue.mass_kg == 700.0
 
 
 def test_one_factor_scales_every_axis(tmp_path: Path) -> None:
     scene, twice = (load_scene(stated(tmp_path, ""), [f"motion.scale={factor}"]) for factor in (1.0, 2.0))
-    assert twice.shake.x.peak_m_s2 == 2.0 * scene.shake.x.peak_m_s2
+    assert twice.base_excitation.x.peak_m_s2 == 2.0 * scene.base_excitation.x.peak_m_s2
     back = varied(twice, {"motion.scale": 1.0})
-    assert back.shake.x.peak_m_s2 == pytest.approx(scene.shake.x.peak_m_s2, rel=budget.ROUNDING)
+    assert back.base_excitation.x.peak_m_s2 == pytest.approx(scene.base_excitation.x.peak_m_s2, rel=budget.ROUNDING)

@@ -18,7 +18,7 @@ from harness.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, 
 from harness.bench.timing import children_cpu_s, cost, costs, largest_child_mb
 from harness.engines.base import EngineFailure
 from harness.model.history import History
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
 
@@ -82,7 +82,7 @@ def test_sentences_follow_the_rows() -> None:
 
 def test_an_error_is_seen() -> None:
     engine = engines.load("analytic")
-    run = engine.simulate(FREE.scene(), engine.ladder(FREE.scene())[-1], Want())
+    run = engine.simulate(FREE.scene(), engine.refinement_levels(FREE.scene())[-1], RunOptions())
     h = run.history
     assert h is not None
     assert precision.error(run, run) == 0.0
@@ -178,7 +178,7 @@ def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     engine, scene = engines.load("pymunk"), FREE.scene()
     run = skips.simulate(engine, scene, skips.NONE, alone.RESOLVED_RAD)
-    (probe,) = engine.probes(scene, skips.rung(engine, scene, alone.RESOLVED_RAD))
+    (probe,) = engine.verification_settings(scene, skips.level(engine, scene, alone.RESOLVED_RAD))
     finer = engine.simulate(scene, probe, skips.NONE)
     assert alone.own_error_rad(engine, scene, skips.NONE, run) == alone.difference(run, finer) > 0.0
 
@@ -271,7 +271,7 @@ def test_pieces_of_work_are_timed_in_turns() -> None:
 def test_a_run_is_not_judged_by_itself() -> None:
     engine = engines.load("pymunk")
     scene = FREE.scene()
-    judge = engine.simulate(scene, engine.ladder(scene)[0], Want())
+    judge = engine.simulate(scene, engine.refinement_levels(scene)[0], RunOptions())
     row = precision._chosen(FREE, scene, "pymunk", judge, "own finest rung", judge, cost(lambda: None))
     assert row["error_rad"] is None
     assert "judged" in row["failed"]

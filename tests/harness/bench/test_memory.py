@@ -8,7 +8,7 @@ from harness import engines
 from harness.bench import memory
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
@@ -28,16 +28,16 @@ class Keeps(Engine):
     def missing(self) -> None:
         return None
 
-    def ladder(self, scene: Scene) -> tuple[Settings, ...]:
-        return self.own.ladder(scene)
+    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
+        return self.own.refinement_levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         return self.own.settings_for_dt(scene, dt_s)
 
-    def probes(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
-        return self.own.probes(scene, settings)
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
+        return self.own.verification_settings(scene, settings)
 
-    def simulate(self, scene: Scene, settings: Settings, want: Want) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         self.kept.append(bytearray(b"x" * 2**20))
         return self.own.simulate(scene, settings, want)
 

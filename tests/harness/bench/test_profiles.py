@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic import Rest
+from analytic import ZeroExcitation
 from harness import engines
 from harness.bench import profiles as bench
 from harness.bench.contact_engines import apart
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 
 MODEL_PAGE = Path(__file__).resolve().parents[3] / "docs" / "model.md"
@@ -43,7 +43,7 @@ def test_the_comparison_sees_a_vertex_that_stands_a_centimetre_elsewhere(base: s
 
 
 def test_the_comparison_sees_an_impact_that_keeps_five_percent_more() -> None:
-    each = bench.scene(bench.statue(bench.BASES["bulging"]), Rest())
+    each = bench.scene(bench.statue(bench.BASES["bulging"]), ZeroExcitation())
     exact = bench.model(each)
     ratio = 1.05 * float(np.mean(exact.validity["impact_ratios"]))
     livelier = bench.model(each.but(contact=replace(each.contact, restitution=min(ratio, 1.0))))
@@ -53,10 +53,10 @@ def test_the_comparison_sees_an_impact_that_keeps_five_percent_more() -> None:
 @pytest.mark.parametrize("side", [1, -1])
 def test_both_come_to_rest_on_the_same_inclined_facet(side: int) -> None:
     keel = [(-side * 0.2, 0.03), (0.0, 0.0), (side * 0.2, 0.012)][::side]
-    each = bench.scene(bench.statue(keel), Rest(), duration_s=8.0)
+    each = bench.scene(bench.statue(keel), ZeroExcitation(), duration_s=8.0)
     each = each.but(initial=replace(each.initial, theta_rad=-side * bench.TILT_RAD))
     engine = engines.load("pymunk")
-    runs = [bench.model(each), engine.simulate(each, engine.settings_for_dt(each, 5e-4), Want())]
+    runs = [bench.model(each), engine.simulate(each, engine.settings_for_dt(each, 5e-4), RunOptions())]
     ends = [float(run.history.theta_rad[-1]) for run in runs if run.history is not None]
     assert ends[0] == -side * math.atan2(0.03, 0.2), "the model rests exactly on the facet"
     assert ends[1] == pytest.approx(ends[0], abs=REST_ANGLE_RAD)

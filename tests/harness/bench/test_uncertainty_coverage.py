@@ -19,11 +19,11 @@ def test_coverage_counts_what_was_missed_and_what_died() -> None:
 
 def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> dict[str, Any]:
     """An invented row of coverage, met to the end at a cost, with two rungs of 1 and 4 ms of processor time."""
-    rungs = [
+    levels = [
         {"dt_s": dt_s, "failed": None, "error_rad": error_rad, "cpu_s": took}
         for dt_s, error_rad, took in ((2e-3, coarse_rad, 1e-3), (1e-3, fine_rad, 4e-3))
     ]
-    return {"engine": "pymunk", "seed": seed, "covered": True, "error_rad": 1e-5, "cpu_s": cpu_s, "rungs": rungs}
+    return {"engine": "pymunk", "seed": seed, "covered": True, "error_rad": 1e-5, "cpu_s": cpu_s, "rungs": levels}
 
 
 def test_seeded_scenes_that_meet_the_target_are_compared_with_their_rungs() -> None:
@@ -46,7 +46,7 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_rungs() -> N
 def test_the_rungs_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
     (row,) = cover.compute("pymunk: seeds 20703 to 20703")
     assert row["met_whole"]
-    assert [rung["dt_s"] for rung in row["rungs"]] == [4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4]
-    errors = [rung["error_rad"] for rung in row["rungs"]]
+    assert [level["dt_s"] for level in row["rungs"]] == [4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4]
+    errors = [level["error_rad"] for level in row["rungs"]]
     assert errors[0] > errors[-1] > 0.0
-    assert all(rung["cpu_s"] > 0.0 for rung in row["rungs"])
+    assert all(level["cpu_s"] > 0.0 for level in row["rungs"])

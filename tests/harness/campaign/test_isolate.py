@@ -12,7 +12,7 @@ import pytest
 from harness.campaign.isolate import Died, Hung, call, simulate_isolated
 from harness.engines.pymunk import Munk2D
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from tests.scenes_for_tests import paestum
 
 HANG_S = 3.0
@@ -69,7 +69,7 @@ def test_a_run_is_the_same_bit_for_bit_in_a_process_of_its_own() -> None:
     on = paestum(duration_s=0.5)
     other = simulate_isolated(on, "pymunk", dt_s=1e-3)
     here = Munk2D()
-    own = here.simulate(on, here.settings_for_dt(on, 1e-3), Want())
+    own = here.simulate(on, here.settings_for_dt(on, 1e-3), RunOptions())
     assert other.history is not None
     assert own.history is not None
     np.testing.assert_array_equal(other.history.theta_rad, own.history.theta_rad)

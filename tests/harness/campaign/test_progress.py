@@ -7,11 +7,11 @@ import threading
 import pytest
 
 from harness.campaign import progress as telling
-from harness.campaign.progress import Telling, progress
+from harness.campaign.progress import ProgressMessages, progress
 
 
 def test_a_long_wait_is_told_again_and_again(capsys: pytest.CaptureFixture[str]) -> None:
-    with Telling(quiet=False, silent_s=0.05) as telling:
+    with ProgressMessages(quiet=False, silent_s=0.05) as telling:
         telling.engine("pybullet")
         threading.Event().wait(0.4)
     told = capsys.readouterr().err.splitlines()
@@ -22,7 +22,7 @@ def test_a_long_wait_is_told_again_and_again(capsys: pytest.CaptureFixture[str])
 
 
 def test_quiet_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
-    with Telling(quiet=True, silent_s=0.02) as telling:
+    with ProgressMessages(quiet=True, silent_s=0.02) as telling:
         telling.now("drawing")
         threading.Event().wait(0.1)
     assert capsys.readouterr() == ("", "")
@@ -30,7 +30,7 @@ def test_quiet_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_study_is_never_long_silent(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Nothing finishes for a while: the line of what is done comes again, with the time since."""
-    monkeypatch.setattr(telling, "Telling", lambda quiet: Telling(quiet, silent_s=0.05))
+    monkeypatch.setattr(telling, "ProgressMessages", lambda quiet: ProgressMessages(quiet, silent_s=0.05))
     with progress("study", quiet=False) as told:
         told(0, 40)
         told(1, 40)

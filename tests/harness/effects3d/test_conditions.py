@@ -45,8 +45,8 @@ def test_every_condition_changes_one_thing(scene: Scene) -> None:
 
 
 def _peaks(scene: Scene) -> list[float]:
-    shake = scene.shake
-    return [item.peak_m_s2 / scene.gravity_m_s2 for item in (shake.x, shake.y, shake.z)]
+    base_excitation = scene.base_excitation
+    return [item.peak_m_s2 / scene.gravity_m_s2 for item in (base_excitation.x, base_excitation.y, base_excitation.z)]
 
 
 def test_ragged_base_and_no_products(scene: Scene) -> None:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import harness
-from analytic.excitation import Pulse, Record
+from analytic.excitation import Pulse, SampledAcceleration
 from harness.effects3d import BASELINE, changed_scene, departure, tilt_along, with_solid
 from harness.engines import load
-from harness.model.options import Want
-from harness.model.scene import Scene, Shake
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Scene
 from tests.budgets_meshes import SAME_PLANE_RAD
 
 needs_pybullet = pytest.mark.skipif(load("pybullet").missing() is not None, reason=str(load("pybullet").missing()))
@@ -36,12 +36,14 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
     histories = []
     for direction in (0.0, 37.0, 90.0):
         angle = np.deg2rad(direction)
-        shake = Shake(
+        base_excitation = BaseExcitation(
             x=Pulse("one_sine", amplitude * float(np.cos(angle)), 0.5),
             y=Pulse("one_sine", amplitude * float(np.sin(angle)), 0.5),
         )
         run = harness.simulate(
-            with_solid(block, solid.rotated(direction)).but(shake=shake, duration_s=1.0), "pybullet", dt_s=2.5e-4
+            with_solid(block, solid.rotated(direction)).but(base_excitation=base_excitation, duration_s=1.0),
+            "pybullet",
+            dt_s=2.5e-4,
         )
         assert run.history is not None
         histories.append(tilt_along(run.history.theta_rad, run.history.extra["out_of_plane_rad"], direction))
@@ -56,14 +58,14 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
     from harness.engines.pybullet import course
 
     t_s = np.linspace(0.0, 2.0, 201)
-    push = Shake(x=Record(t_s, -0.4 * 9.81 * t_s / 2.0))
+    push = BaseExcitation(x=SampledAcceleration(t_s, -0.4 * 9.81 * t_s / 2.0))
     straight, oblique = (
-        changed_scene(scene, BASELINE, azimuth).but(shake=push, contact=replace(scene.contact, statue=1.0))
+        changed_scene(scene, BASELINE, azimuth).but(base_excitation=push, contact=replace(scene.contact, statue=1.0))
         for azimuth in (0.0, 45.0)
     )
     assert course.quiet_start_s(straight, course.prepare(straight)) == pytest.approx(2.0 * 0.0881 / 0.4, abs=0.01)
     assert course.quiet_start_s(oblique, course.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
-    moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, want=Want(skips=frozenset()))
+    moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, want=RunOptions(skips=frozenset()))
     assert moved.history is not None
     first = moved.history.t_s[
         np.argmax(np.hypot(moved.history.theta_rad, moved.history.extra["out_of_plane_rad"]) > 1e-5)

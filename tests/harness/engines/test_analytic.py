@@ -8,27 +8,27 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic import Harmonic, Pulse, Record
+from analytic import Harmonic, Pulse, SampledAcceleration
 from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
 from harness.engines.base import EngineFailure, Settings
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Form, Scene, Shake, Wall
+from harness.model.scene import BaseExcitation, Form, Scene, Wall
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, scene
 
 ENGINE = TwoBlock()
-EVERYTHING = Want(skips=frozenset())
+EVERYTHING = RunOptions(skips=frozenset())
 
 
-def run(each: Scene, want: Want = EVERYTHING, settings: Settings | None = None) -> Run:
-    return ENGINE.simulate(each, settings or ENGINE.ladder(each)[1], want)
+def run(each: Scene, want: RunOptions = EVERYTHING, settings: Settings | None = None) -> Run:
+    return ENGINE.simulate(each, settings or ENGINE.refinement_levels(each)[1], want)
 
 
 def test_it_is_always_there_and_its_ladder_aims_finer_and_finer() -> None:
     assert ENGINE.missing() is None
     each = paestum()
-    errors = [rung.expected_error_rad for rung in ENGINE.ladder(each)]
+    errors = [level.expected_error_rad for level in ENGINE.refinement_levels(each)]
     assert tuple(errors) == ACCURACIES_RAD
     assert ENGINE.settings_for_dt(each, 0.005).dt_s == 0.005
 
@@ -37,7 +37,7 @@ def test_it_gives_what_the_library_gives() -> None:
     each = paestum(mu=(0.20, 0.15))
     ours = run(each)
     theirs = analytic.simulate(
-        block_of(each), each.shake.x, dt_s=each.output_dt_s, accuracy_rad=ACCURACIES_RAD[1], **keywords(each)
+        block_of(each), each.base_excitation.x, dt_s=each.output_dt_s, accuracy_rad=ACCURACIES_RAD[1], **keywords(each)
     )
     assert ours.history is not None
     assert np.array_equal(ours.history.theta_rad, theirs.theta_rad)
@@ -48,9 +48,9 @@ def test_it_gives_what_the_library_gives() -> None:
 
 def test_probes_are_finer_and_agree_within_what_is_stated() -> None:
     each = paestum(duration_s=0.8)
-    first = ENGINE.ladder(each)[1]
+    first = ENGINE.refinement_levels(each)[1]
     base = run(each, settings=first)
-    finer, shorter = (run(each, settings=probe) for probe in ENGINE.probes(each, first))
+    finer, shorter = (run(each, settings=probe) for probe in ENGINE.verification_settings(each, first))
     assert base.numerical_uncertainty_rad is not None
     for probe in (finer, shorter):
         assert probe.history is not None
@@ -61,7 +61,7 @@ def test_probes_are_finer_and_agree_within_what_is_stated() -> None:
 
 def test_an_outcome_keeps_no_history_and_is_the_same() -> None:
     each = paestum(0.429, 1.5, duration_s=3.0)
-    whole, short = run(each), run(each, Want(history=False))
+    whole, short = run(each), run(each, RunOptions(history=False))
     assert short.history is None
     assert short.outcome is whole.outcome
     assert short.overturn_time_s == pytest.approx(whole.overturn_time_s, abs=1e-9)
@@ -71,8 +71,8 @@ def test_an_outcome_keeps_no_history_and_is_the_same() -> None:
 def test_what_is_skipped_is_told_and_changes_nothing() -> None:
     t_s = np.arange(101) * 0.01
     accel_m_s2 = np.where(t_s > 0.5, 0.3 * GRAVITY_M_S2 * np.sin(20.0 * (t_s - 0.5)), 0.01)
-    each = paestum().but(shake=Shake(x=Record(t_s, accel_m_s2)))
-    lazy, eager = run(each, Want()), run(each)
+    each = paestum().but(base_excitation=BaseExcitation(x=SampledAcceleration(t_s, accel_m_s2)))
+    lazy, eager = run(each, RunOptions()), run(each)
     assert len(lazy.skipped) > len(eager.skipped)
     assert lazy.steps < eager.steps
     assert lazy.history is not None
@@ -81,9 +81,9 @@ def test_what_is_skipped_is_told_and_changes_nothing() -> None:
 
 
 def test_the_energy_decides_once_the_motion_is_over() -> None:
-    each = paestum(pedestal=False, duration_s=20.0).but(shake=Shake(x=Pulse("one_sine", 4.0, 0.4)))
-    asked, told = Want(history=False), "from the energy alone"
-    lazy, eager = run(each, asked), run(each, Want(history=False, skips=frozenset()))
+    each = paestum(pedestal=False, duration_s=20.0).but(base_excitation=BaseExcitation(x=Pulse("one_sine", 4.0, 0.4)))
+    asked, told = RunOptions(history=False), "from the energy alone"
+    lazy, eager = run(each, asked), run(each, RunOptions(history=False, skips=frozenset()))
     assert any(told in sentence for sentence in lazy.skipped)
     assert not any(told in sentence for sentence in eager.skipped)
     assert lazy.outcome is eager.outcome
@@ -93,16 +93,16 @@ def test_the_energy_decides_once_the_motion_is_over() -> None:
 def test_vertical_motion_reaches_the_run_and_can_lift_it_off() -> None:
     each = paestum(0.3, 2.0)
     plain = run(each)
-    shaken = run(each.but(shake=replace(each.shake, z=Harmonic(3.0, 5.0))))
+    shaken = run(each.but(base_excitation=replace(each.base_excitation, z=Harmonic(3.0, 5.0))))
     assert shaken.peak_theta_rad != plain.peak_theta_rad
-    flown = run(each.but(shake=replace(each.shake, z=Harmonic(1.2 * GRAVITY_M_S2, 2.0))))
+    flown = run(each.but(base_excitation=replace(each.base_excitation, z=Harmonic(1.2 * GRAVITY_M_S2, 2.0))))
     assert flown.outcome is Outcome.LIFT_OFF
     assert flown.end_s < each.duration_s
 
 
 def test_motion_across_the_plane_is_left_out_and_told() -> None:
     each = paestum()
-    across = run(each.but(shake=replace(each.shake, y=Harmonic(2.0, 2.0))))
+    across = run(each.but(base_excitation=replace(each.base_excitation, y=Harmonic(2.0, 2.0))))
     assert any("planar" in sentence for sentence in across.warnings)
     assert across.peak_theta_rad == run(each).peak_theta_rad
 

@@ -18,7 +18,7 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure
 from harness.model.history import Outcome
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run, to_plain
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
@@ -39,8 +39,8 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return found
 
 
-def run(engine: Engine, on: Scene, want: Want | None = None) -> Run:
-    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), want or Want())
+def run(engine: Engine, on: Scene, want: RunOptions | None = None) -> Run:
+    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), want or RunOptions())
 
 
 def test_name_is_that_of_the_registry(engine: Engine) -> None:
@@ -48,11 +48,11 @@ def test_name_is_that_of_the_registry(engine: Engine) -> None:
 
 
 def test_ladder_goes_from_coarse_to_fine(engine: Engine) -> None:
-    rungs = engine.ladder(paestum())
-    assert len(rungs) >= 2
-    assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(rungs))
-    assert all(a.dt_s >= b.dt_s for a, b in pairwise(rungs))
-    assert engine.probes(paestum(), rungs[0])
+    levels = engine.refinement_levels(paestum())
+    assert len(levels) >= 2
+    assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))
+    assert all(a.dt_s >= b.dt_s for a, b in pairwise(levels))
+    assert engine.verification_settings(paestum(), levels[0])
 
 
 def test_history_is_on_the_output_grid(engine: Engine) -> None:
@@ -91,15 +91,15 @@ def test_record_is_plain_and_labelled(engine: Engine) -> None:
 
 def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:
     on = paestum(0.429, 3.0, duration_s=0.3)
-    short = run(engine, on, Want(history=False))
+    short = run(engine, on, RunOptions(history=False))
     assert short.history is None
-    whole = run(engine, on, Want(history=False, skips=frozenset(SKIPS) - {"no_history"}))
+    whole = run(engine, on, RunOptions(history=False, skips=frozenset(SKIPS) - {"no_history"}))
     assert whole.outcome is short.outcome
 
 
 def test_a_stopped_run_is_the_beginning_of_the_whole_one(engine: Engine) -> None:
     on = paestum(0.429, 3.0, duration_s=1.5)
-    whole, stopped = run(engine, on).history, run(engine, on, Want(stop=lambda t_s, theta_rad: t_s > 0.3)).history
+    whole, stopped = run(engine, on).history, run(engine, on, RunOptions(stop=lambda t_s, theta_rad: t_s > 0.3)).history
     assert whole is not None
     assert stopped is not None
     assert engine.capabilities.certifies or stopped.duration_s < 1.0
@@ -120,7 +120,7 @@ def test_overturning_ends_the_run_and_is_told_by_its_side(engine: Engine) -> Non
 
 def test_accuracy_is_stated(engine: Engine) -> None:
     on = paestum(0.334, 3.0, pedestal=False, duration_s=0.5)
-    found = run_to_accuracy(engine, on, 2e-3, Want())
+    found = run_to_accuracy(engine, on, 2e-3, RunOptions())
     assert found.numerical_uncertainty_rad is not None
     assert found.numerical_uncertainty_rad <= 2e-3
     assert found.reliable_until_s is not None
@@ -148,7 +148,7 @@ def test_a_moving_table_where_declared(engine: Engine) -> None:
         pytest.skip(f"{engine.name} moves the frame only")
     on = paestum(0.429, 3.0, pedestal=False, duration_s=0.5)
     fine = engine.settings_for_dt(on, 2.5e-4)
-    a, b = (engine.simulate(item, fine, Want()).history for item in (on, on.but(table="moving")))
+    a, b = (engine.simulate(item, fine, RunOptions()).history for item in (on, on.but(table="moving")))
     assert a is not None
     assert b is not None
     assert np.max(np.abs(a.theta_rad - b.theta_rad)) <= budget.MOVING_TABLE_RAD

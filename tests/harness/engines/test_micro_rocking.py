@@ -8,7 +8,7 @@ from harness.bench.micro_rocking import rows
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 
@@ -26,7 +26,7 @@ def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(engine:
 @ENGINES
 def test_ever_shorter_swings_end_in_finite_work(engine: Engine) -> None:
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
-    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), Want(skips=frozenset()))
+    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions(skips=frozenset()))
     assert run.history is not None
     assert abs(run.history.theta_rad[-1]) <= budget.RATTLED_OUT_RAD
     assert run.steps <= budget.RATTLED_OUT_STEPS * 500

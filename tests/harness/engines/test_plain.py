@@ -10,7 +10,7 @@ import pytest
 
 from harness import engines
 from harness.engines.base import Engine
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum
@@ -53,9 +53,9 @@ def writes(engine: Engine, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> dic
         import pybullet
 
         calls = counted(monkeypatch, pybullet, BULLET_WRITES)
-    engine.simulate(scene.but(duration_s=0.6), engine.settings_for_dt(scene, 1e-3), Want())
+    engine.simulate(scene.but(duration_s=0.6), engine.settings_for_dt(scene, 1e-3), RunOptions())
     short = dict(calls)
-    engine.simulate(scene.but(duration_s=0.9), engine.settings_for_dt(scene, 1e-3), Want())
+    engine.simulate(scene.but(duration_s=0.9), engine.settings_for_dt(scene, 1e-3), RunOptions())
     return {name: count - 2 * short[name] for name, count in calls.items()}
 
 
@@ -73,8 +73,8 @@ def test_the_count_of_writes_sees_those_of_the_other_engines(name: str, monkeypa
 def test_where_one_coefficient_acts_it_converges_to_the_model(name: str) -> None:
     engine, model = ready(name), engines.load("analytic")
     scene = paestum(0.429, 3.0, mu=0.15, duration_s=1.0)
-    exact = model.simulate(scene, model.ladder(scene)[-1], Want()).history
-    history = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), Want()).history
+    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions()).history
+    history = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), RunOptions()).history
     assert exact is not None
     assert history is not None
     apart = np.abs(history.theta_rad - exact.at(history.t_s))
@@ -88,7 +88,7 @@ def test_the_coefficient_follows_the_sliding_pedestal(name: str) -> None:
     """A static coefficient that holds: no slip. One that does not: the pedestal slides with the kinetic one."""
     engine = ready(name)
     held, loose, static = (
-        engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), Want()).peak_slip_m
+        engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), RunOptions()).peak_slip_m
         for scene in (paestum(0.3, 2.0, mu=mu, duration_s=0.5) for mu in ((0.9, 0.1), (0.2, 0.1), (0.2, 0.2)))
     )
     assert held <= budget.PLAIN_SLIP_M

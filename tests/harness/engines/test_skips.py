@@ -15,7 +15,7 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Engine
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import plan
@@ -29,14 +29,14 @@ HARNESS_OWN = {"planar", "lazy_engines", "cached"}
 
 
 @dataclass(frozen=True)
-class Watching(Want):
+class Watching(RunOptions):
     """Notes which skips a run asks about."""
 
     asked: set[str] = field(default_factory=set)
 
-    def may_skip(self, name: str) -> bool:
+    def allows(self, name: str) -> bool:
         self.asked.add(name)
-        return super().may_skip(name)
+        return super().allows(name)
 
 
 def shaken(name: str) -> Scene:
@@ -60,14 +60,14 @@ RECORDED = {"quiet_start": (2.0, 3.0, 3.0), "quiet_end": (0.0, 0.5, 16.0)}
 
 def recorded(name: str) -> Scene:
     """A record at 2 Hz of which only a part can move the block."""
-    from analytic.excitation import Record
-    from harness.model.scene import Shake
+    from analytic.excitation import SampledAcceleration
+    from harness.model.scene import BaseExcitation
 
     begin, end, duration = RECORDED[name]
     t = np.arange(301) * 0.01
     accel = np.where((t >= begin) & (t < end), 0.28, 0.02) * 9.81 * np.sin(4.0 * np.pi * t)
     still = scene_of(name, {"duration_s": duration, "statue": COLUMN})
-    return replace(still, shake=Shake(x=Record(t, accel)))
+    return replace(still, base_excitation=BaseExcitation(x=SampledAcceleration(t, accel)))
 
 
 def ready(name: str) -> Engine:
@@ -77,10 +77,12 @@ def ready(name: str) -> Engine:
     return engine
 
 
-def run(engine: Engine, scene: Scene, want: Want) -> Run:
+def run(engine: Engine, scene: Scene, want: RunOptions) -> Run:
     # The coarsest rung that is expected to resolve what a skip may change: a coarser one differs by its own error.
-    settings = next((item for item in engine.ladder(scene) if item.expected_error_rad <= budgets.SKIP_RAD), None)
-    return engine.simulate(scene, settings or engine.ladder(scene)[-1], want)
+    settings = next(
+        (item for item in engine.refinement_levels(scene) if item.expected_error_rad <= budgets.SKIP_RAD), None
+    )
+    return engine.simulate(scene, settings or engine.refinement_levels(scene)[-1], want)
 
 
 def left_out(skip: str, on: Run, off: Run) -> bool:
@@ -98,8 +100,8 @@ def left_out(skip: str, on: Run, off: Run) -> bool:
 def test_a_skip_leaves_something_out_and_changes_nothing(name: str, skip: str) -> None:
     engine, scene = ready(name), shaken(skip)
     history = skip not in ("energy_outcome", "no_history")
-    on = run(engine, scene, Want(history=history))
-    off = run(engine, scene, Want(history=history, skips=frozenset(SKIPS) - {skip}))
+    on = run(engine, scene, RunOptions(history=history))
+    off = run(engine, scene, RunOptions(history=history, skips=frozenset(SKIPS) - {skip}))
     assert on.outcome is off.outcome
     allowed = budgets.SAME_RAD if engine.capabilities.certifies else budgets.SKIP_RAD
     assert abs(on.peak_theta_rad - off.peak_theta_rad) <= allowed
@@ -111,19 +113,19 @@ def test_an_engine_asks_about_the_skips_that_it_declares_and_no_others(name: str
     engine = ready(name)
     want = Watching(history=False)
     for scene in (shaken("no_history"), shaken("base_only").but(duration_s=0.1)):
-        engine.simulate(scene, engine.ladder(scene)[0], want)
+        engine.simulate(scene, engine.refinement_levels(scene)[0], want)
     assert want.asked == set(engine.capabilities.skips), "declare what is used in Capabilities.skips"
 
 
 def test_the_plan_lists_every_skip_that_there_is() -> None:
     loaded = [engines.load(name) for name in NAMES]
-    assert {step.skip for step in plan(shaken("no_history"), loaded, Want())} == set(SKIPS)
+    assert {step.skip for step in plan(shaken("no_history"), loaded, RunOptions())} == set(SKIPS)
     assert set().union(*(engine.capabilities.skips for engine in loaded)) == set(SKIPS) - HARNESS_OWN
 
 
 def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions() -> None:
     scene = shaken("energy_outcome").but(duration_s=1.5)
-    flat, solid = (run_to_accuracy(ready(name), scene, 1e-3, Want()) for name in ("pymunk", "pybullet"))
+    flat, solid = (run_to_accuracy(ready(name), scene, 1e-3, RunOptions()) for name in ("pymunk", "pybullet"))
     assert flat.outcome is solid.outcome
     assert flat.history is not None
     assert solid.history is not None
@@ -133,9 +135,9 @@ def test_a_planar_question_has_one_answer_in_the_plane_and_in_three_dimensions()
 
 def test_engines_that_are_not_imported_change_no_bit() -> None:
     code = """
-from harness.benchmark.scenes import COLUMN, harmonic, scene_of
+from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.engines import REGISTRY, load
-from harness.simulation import simulate
+from harness.accuracy.simulation import simulate
 {first}
 run = simulate(scene_of("short", {{"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "pymunk", dt_s=1e-3)
 print(run.steps, run.history.theta_rad.tobytes().hex())
@@ -154,7 +156,7 @@ print(run.steps, run.history.theta_rad.tobytes().hex())
 
 def test_a_stored_result_is_the_computed_one_bit_for_bit(tmp_path: Path) -> None:
     engine, scene = ready("pymunk"), shaken("no_history")
-    computed = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), Want())
+    computed = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
     with Store(tmp_path / "store.sqlite") as store:
         store.put([("key", computed)], histories=True)
         stored = store.run("key")

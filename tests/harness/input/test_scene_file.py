@@ -29,9 +29,9 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
 def test_an_amplitude_in_g_is_a_share_of_the_scenes_gravity(tmp_path: Path) -> None:
     motion = "[motion.x]\nkind = 'harmonic'\namplitude_g = 0.25\nfrequency_hz = 1.0\n"
     scene = load_scene(written(tmp_path, GOOD + motion))
-    assert scene.shake.x.peak_m_s2 == 0.25 * 9.81
+    assert scene.base_excitation.x.peak_m_s2 == 0.25 * 9.81
     weak = load_scene(written(tmp_path, GOOD + motion), ["gravity_m_s2=4.0"])
-    assert weak.shake.x.peak_m_s2 == 1.0
+    assert weak.base_excitation.x.peak_m_s2 == 1.0
 
 
 def test_the_papers_preset_is_its_two_choices(tmp_path: Path) -> None:

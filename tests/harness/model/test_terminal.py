@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from harness.campaign.progress import Telling, progress
+from harness.campaign.progress import ProgressMessages, progress
 from harness.cli import guarded, summary
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -32,7 +32,7 @@ def test_json_stays_json_and_carries_no_control() -> None:
 
 
 def test_what_is_told_at_work_takes_any_name(capsys: pytest.CaptureFixture[str]) -> None:
-    with Telling(quiet=False) as telling:
+    with ProgressMessages(quiet=False) as telling:
         telling.now(f"running {HOSTILE} [bold]b[/bold]")
     with progress(HOSTILE, quiet=False, size=HOSTILE) as told:
         told(0, 2)

@@ -17,7 +17,7 @@ from harness.comparison.verdict import Verdict
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.scene_run import confirmation as confirm
@@ -43,7 +43,7 @@ def test_a_process_of_its_own_changes_no_result() -> None:
 @pytest.mark.parametrize("across", [False, True])
 def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     scene = paestum(0.3, 2.0, pedestal=False, duration_s=0.3)
-    shaken = scene.but(shake=replace(scene.shake, y=Harmonic(2.0, 3.0))) if across else scene
+    shaken = scene.but(base_excitation=replace(scene.base_excitation, y=Harmonic(2.0, 3.0))) if across else scene
     result = run_scene(shaken, ["analytic", "pymunk", "pybullet"], dt_s=1e-3)
     given = {name: tuple(run.motion_axes or ()) for name, run in result.runs.items() if not run.outcome.failed}
     assert given.pop("pybullet", ("x", "y")) == (("x", "y") if across else ("x",))
@@ -106,7 +106,7 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     history = doubles.rocking()
     asked: list[tuple[str, float | None]] = []
 
-    def answer(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: Want) -> Run:
+    def answer(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
         asked.append((engine.name, accuracy_rad))
         wrong = engine.name == "pymunk" and accuracy_rad is None
         path = doubles.raised(history, off) if wrong else history

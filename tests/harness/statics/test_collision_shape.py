@@ -6,7 +6,7 @@ import pytest
 
 from harness import engines
 from harness.input.mesh_statue import statue_of
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Wall
 from harness.statics.collision_shape import HULL_EXCESS_LIMIT, shape_needed
 from harness.statics.plan import plan
@@ -30,7 +30,7 @@ def told(name: str, *, pedestal: bool, wall: bool = False, mesh: bool = True) ->
     scene = scene.but(
         statue=statue_of(togatus.build()) if mesh else scene.statue, wall=Wall("right", 0.05) if wall else None
     )
-    rows = [step for step in plan(scene, [engines.load(name)], Want()) if step.skip == "base_only"]
+    rows = [step for step in plan(scene, [engines.load(name)], RunOptions()) if step.skip == "base_only"]
     return rows[0].reason if rows else ""
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic.excitation import Harmonic, Record
+from analytic.excitation import Harmonic, SampledAcceleration
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.model.options import SKIPS, Want
-from harness.model.scene import Shake
+from harness.model.options import SKIPS, RunOptions
+from harness.model.scene import BaseExcitation
 from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, plan
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum
@@ -17,9 +17,9 @@ from tests.scenes_for_tests import paestum
 G = 9.81
 
 
-def rising() -> Record:
+def rising() -> SampledAcceleration:
     """A record that reaches 0.05 g at 2 s, 0.15 g at 4 s and 0.4 g at 6 s."""
-    return Record(np.array([0.0, 2.0, 4.0, 6.0, 8.0]), G * np.array([0.0, 0.05, 0.15, 0.4, 0.0]))
+    return SampledAcceleration(np.array([0.0, 2.0, 4.0, 6.0, 8.0]), G * np.array([0.0, 0.05, 0.15, 0.4, 0.0]))
 
 
 def test_the_limit_of_rest_is_the_least_of_uplift_and_slip() -> None:
@@ -34,29 +34,32 @@ def test_motion_across_the_plane_counts_by_the_nearest_edge() -> None:
     scene = paestum(0.3, 2.0, pedestal=False)
     narrow = scene.statue.footprint_m * [1.0, 0.01, 1.0]
     across = scene.but(
-        shake=Shake(y=rising()), statue=type(scene.statue)(**{**vars(scene.statue), "footprint_m": narrow})
+        base_excitation=BaseExcitation(y=rising()),
+        statue=type(scene.statue)(**{**vars(scene.statue), "footprint_m": narrow}),
     )
     assert limit_of_rest_m_s2(across) < limit_of_rest_m_s2(scene)
 
 
 def test_the_quiet_start_ends_at_the_last_sample_below_the_limit() -> None:
-    towards_left = paestum(0.3, 2.0, pedestal=False).but(shake=Shake(x=rising()), duration_s=8.0)
+    towards_left = paestum(0.3, 2.0, pedestal=False).but(base_excitation=BaseExcitation(x=rising()), duration_s=8.0)
     assert first_motion_s(towards_left) == 8.0  # there g b / h is 0.463 g: never reached
     assert simulate(towards_left, "analytic").peak_theta_rad == 0.0
-    scene = towards_left.but(shake=Shake(x=rising().scaled(-1.0)))
+    scene = towards_left.but(base_excitation=BaseExcitation(x=rising().scaled(-1.0)))
     assert first_motion_s(scene) == 2.0  # here it is 0.088 g: reached between 2 s and 4 s
     lifted = scene.but(
-        shake=Shake(x=rising().scaled(-1.0), z=Record(np.array([0.0, 2.0, 8.0]), G * np.array([0.0, -0.9, 0.0])))
+        base_excitation=BaseExcitation(
+            x=rising().scaled(-1.0), z=SampledAcceleration(np.array([0.0, 2.0, 8.0]), G * np.array([0.0, -0.9, 0.0]))
+        )
     )
     assert first_motion_s(lifted) == 0.0  # a falling floor lowers the limit to a tenth
 
 
 def test_a_formula_has_no_quiet_start() -> None:
-    assert first_motion_s(paestum(0.3, 2.0).but(shake=Shake(x=Harmonic(0.01, 1.0)))) == 0.0
+    assert first_motion_s(paestum(0.3, 2.0).but(base_excitation=BaseExcitation(x=Harmonic(0.01, 1.0)))) == 0.0
 
 
 def test_every_skip_that_is_off_says_so() -> None:
-    steps = plan(paestum(0.3, 2.0), [engines.load("pybullet")], Want(skips=frozenset()))
+    steps = plan(paestum(0.3, 2.0), [engines.load("pybullet")], RunOptions(skips=frozenset()))
     assert {step.skip for step in steps} <= set(SKIPS)
     own = [step for step in steps if step.engine == "pybullet"]
     assert {step.skip for step in own} == engines.load("pybullet").capabilities.skips
@@ -65,14 +68,14 @@ def test_every_skip_that_is_off_says_so() -> None:
 
 def test_what_the_harness_leaves_out_says_how_to_have_it() -> None:
     scene = paestum(0.3, 2.0)
-    found = {step.skip: step for step in plan(scene, [engines.load("analytic")], Want(), engines.REGISTRY)}
+    found = {step.skip: step for step in plan(scene, [engines.load("analytic")], RunOptions(), engines.REGISTRY)}
     assert found["planar"].applies
     assert "-e" in found["planar"].reason
     idle = ", ".join(name for name in engines.REGISTRY if name != "analytic")
     assert found["lazy_engines"].reason.startswith(f"{idle} not asked")
     every = {
         step.skip: step
-        for step in plan(scene, [engines.load(name) for name in engines.REGISTRY], Want(), engines.REGISTRY)
+        for step in plan(scene, [engines.load(name) for name in engines.REGISTRY], RunOptions(), engines.REGISTRY)
     }
     assert not every["planar"].applies
     assert not every["lazy_engines"].applies

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic.excitation import Record
+from analytic.excitation import SampledAcceleration
 from harness.accuracy.simulation import simulate
 from harness.bench.profiles import BASES, scene, statue
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
 from tests.budgets import LIMIT_ROUNDING
 
 FLAT = ((-0.2, 0.0), (0.2, 0.0))
-PUSH = Record(np.array([0.0, 0.5, 1.0, 1.5]), np.array([0.0, 0.0, 3.0, 0.0]))
+PUSH = SampledAcceleration(np.array([0.0, 0.5, 1.0, 1.5]), np.array([0.0, 0.0, 3.0, 0.0]))
 """Beyond what lifts the bulging base off its 0.14 m wide middle facet (1.2 m/s²), below what a base of 0.4 m takes (3.3 m/s²)."""
 
 
@@ -37,7 +37,9 @@ def test_the_resting_polygon_is_that_of_the_lowest_vertices_under_the_centroid()
 def test_pymunk_moves_a_rough_base_under_a_push_that_leaves_its_corners_alone() -> None:
     each = scene(statue(BASES["bulging"]), PUSH, 1.5)
     peaks = [
-        simulate(each, "pymunk", accuracy_rad=None, dt_s=1e-3, want=Want(history=False, skips=skips)).peak_theta_rad
+        simulate(
+            each, "pymunk", accuracy_rad=None, dt_s=1e-3, want=RunOptions(history=False, skips=skips)
+        ).peak_theta_rad
         for skips in (frozenset(SKIPS), frozenset[str]())
     ]
     assert abs(peaks[1]) > 0.04  # over the facet's rotation, 0.09 rad, back and forth

@@ -190,7 +190,7 @@ def test_rows_of_a_study_are_exported(store: Store, tmp_path: Path) -> None:
 FULL = """
 import resource, sys
 from pathlib import Path
-from harness.errors import InputError
+from harness.model.errors import InputError
 from harness.studies.store import Store
 from tests.harness.studies.test_store import run
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))

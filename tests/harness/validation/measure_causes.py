@@ -22,7 +22,7 @@ from harness.accuracy.horizon import parted_s
 from harness.accuracy.simulation import simulate
 from harness.engines import analytic as twoblock
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.validation.scenes import Variant, scene_of
@@ -46,11 +46,11 @@ CAUSES: Final = (
 
 
 def _analytic(scene: Scene, *, history: bool = False) -> Run:
-    return simulate(scene, "analytic", want=Want(history=history))
+    return simulate(scene, "analytic", want=RunOptions(history=history))
 
 
 def _pymunk(scene: Scene, dt_s: float, *, history: bool = False) -> Run:
-    return simulate(scene, "pymunk", accuracy_rad=None, dt_s=dt_s, want=Want(history=history))
+    return simulate(scene, "pymunk", accuracy_rad=None, dt_s=dt_s, want=RunOptions(history=history))
 
 
 @contextmanager
@@ -72,21 +72,21 @@ def whole_silhouette() -> Iterator[None]:
 
 
 def _scaled(scene: Scene, factor: float) -> Scene:
-    motion: Excitation = scene.shake.x
-    return scene.but(shake=replace(scene.shake, x=motion.scaled(factor)))
+    motion: Excitation = scene.base_excitation.x
+    return scene.but(base_excitation=replace(scene.base_excitation, x=motion.scaled(factor)))
 
 
 def cause(scene: Scene, model: Outcome) -> str:
     """The first of the causes that holds for a test on which the two differ; `model` is the analytic outcome."""
-    ladder = [_pymunk(scene, dt).outcome for dt in STEPS_S[1:]]
-    if ladder[1] is model and ladder[2] is model:
+    refinement_levels = [_pymunk(scene, dt).outcome for dt in STEPS_S[1:]]
+    if refinement_levels[1] is model and refinement_levels[2] is model:
         return CAUSES[0]
     near = [_analytic(_scaled(scene, 1.0 + by)).outcome for by in OTHER]
-    if len(set(ladder)) > 1 or any(outcome is not model for outcome in near):
+    if len(set(refinement_levels)) > 1 or any(outcome is not model for outcome in near):
         return CAUSES[1]
     with whole_silhouette():
         rolled = _analytic(scene).outcome
-    if rolled is ladder[-1]:
+    if rolled is refinement_levels[-1]:
         return CAUSES[2]
     run = _analytic(scene, history=True)
     other = _pymunk(scene, STEPS_S[-1], history=True)

@@ -37,7 +37,7 @@ def test_the_stone_stands_on_its_scanned_base(trial: Trial) -> None:
     assert scene.statue.corner_left_m + scene.statue.corner_right_m == pytest.approx(np.ptp(BASE[:, 0]), rel=1e-6)
     assert scene.contact.statue == 0.5
     assert scene.pedestal is None
-    assert scene.duration_s == pytest.approx(scene.shake.end_s + RING_DOWN_S)
+    assert scene.duration_s == pytest.approx(scene.base_excitation.end_s + RING_DOWN_S)
 
 
 def test_turned_by_a_right_angle_width_and_depth_exchange(trial: Trial) -> None:
@@ -94,8 +94,8 @@ def test_intensity_is_that_of_the_burst(trial: Trial) -> None:
 def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
     mirrored = scene_of(replace(trial, sign=-1, scale=2.0), Variant())
     t = np.linspace(0.0, 2.0, 50)
-    assert mirrored.shake.x.accel_m_s2(t) == pytest.approx(
-        -2.0 * np.asarray(scene_of(trial, Variant()).shake.x.accel_m_s2(t))
+    assert mirrored.base_excitation.x.accel_m_s2(t) == pytest.approx(
+        -2.0 * np.asarray(scene_of(trial, Variant()).base_excitation.x.accel_m_s2(t))
     )
 
 

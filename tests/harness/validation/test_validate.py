@@ -14,7 +14,7 @@ import pytest
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.errors import InputError
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.validation import validate
 from harness.validation import validation_run as run
 from harness.validation.jobs import parse_model
@@ -54,7 +54,7 @@ def measured(folder: Path) -> Path:
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", want=Want(history=False))
+        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", want=RunOptions(history=False))
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "rest" if number % 3 == 2 else "fit"
     return write_table(path, rows)
@@ -81,7 +81,7 @@ def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_pa
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", want=Want(history=False))
+        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", want=RunOptions(history=False))
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "fit" if number % 2 else "rest"
     rest = rows[::2]

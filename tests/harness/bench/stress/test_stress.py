@@ -19,7 +19,7 @@ from harness.bench.stress.catalogue import catalogue, leaning
 from harness.bench.stress.converged import converged
 from harness.engines.base import Settings
 from harness.model.history import History, Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -36,7 +36,7 @@ def scene() -> Scene:
 @pytest.fixture(scope="module")
 def exact(scene: Scene) -> Run:
     engine = engines.load("analytic")
-    return engine.simulate(scene, engine.ladder(scene)[-1], Want())
+    return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
 
 
 @pytest.mark.parametrize("name", QUICK)

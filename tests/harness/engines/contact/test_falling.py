@@ -14,7 +14,7 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.trajectory import Trajectory
 from harness.model.history import Outcome
 from harness.model.run import Run
-from harness.model.scene import Pedestal, Scene, Shake, Statue, Wall
+from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 
@@ -23,7 +23,7 @@ T_S: Array = np.arange(2001) * 1e-3
 REPORT = Report(engine="test", settings={}, steps=0, wall_s=0.0, resolution_rad=1e-5, stuck_below_m_s=1e-5)
 BLOCK = rectangle(0.4, 1.2)
 ALPHA = BLOCK.slenderness_rad(1)
-SHAKEN = Shake(x=Harmonic(1.0, 2.0))
+SHAKEN = BaseExcitation(x=Harmonic(1.0, 2.0))
 TAPERED = replace(BLOCK, section_m=np.array([[-0.2, 0.0], [0.2, 0.0], [0.45, 1.2], [-0.45, 1.2]]))
 FLANK_RAD = math.atan2(1.2, 0.25)
 
@@ -40,24 +40,24 @@ def motion(statue: Statue, theta: Array, rate: Array | None = None) -> Trajector
     return Trajectory(T_S, theta, rate, zero, zero, np.tile([0.0, -9.81], (T_S.size - 1, 1)), place, speed)
 
 
-def on(statue: Statue, shake: Shake | None = None) -> Scene:
-    return scene(statue, duration_s=2.0).but(shake=shake or Shake())
+def on(statue: Statue, base_excitation: BaseExcitation | None = None) -> Scene:
+    return scene(statue, duration_s=2.0).but(base_excitation=base_excitation or BaseExcitation())
 
 
-def ended(statue: Statue, theta: Array, shake: Shake | None = None) -> Run:
-    return reduce_trajectory(on(statue, shake), motion(statue, theta), REPORT)
+def ended(statue: Statue, theta: Array, base_excitation: BaseExcitation | None = None) -> Run:
+    return reduce_trajectory(on(statue, base_excitation), motion(statue, theta), REPORT)
 
 
-@pytest.mark.parametrize("shake", [Shake(), SHAKEN], ids=["still", "shaken"])
-def test_lying_on_a_flank_is_overturned_from_when_it_came_there(shake: Shake) -> None:
+@pytest.mark.parametrize("base_excitation", [BaseExcitation(), SHAKEN], ids=["still", "shaken"])
+def test_lying_on_a_flank_is_overturned_from_when_it_came_there(base_excitation: BaseExcitation) -> None:
     theta = np.minimum(T_S, FLANK_RAD)
-    found = ended(TAPERED, theta, shake)
+    found = ended(TAPERED, theta, base_excitation)
     assert found.outcome is Outcome.OVERTURNED_RIGHT
     assert found.no_return_time_s == pytest.approx(ALPHA, abs=budget.EVENT_TIME_S)
     assert found.overturn_time_s == pytest.approx(FLANK_RAD, abs=1.1e-3)
     assert found.end_s == 2.0
     assert found.peak_theta_rad == pytest.approx(FLANK_RAD)
-    assert ended(TAPERED, -theta, shake).outcome is Outcome.OVERTURNED_LEFT
+    assert ended(TAPERED, -theta, base_excitation).outcome is Outcome.OVERTURNED_LEFT
 
 
 def test_beyond_balance_on_its_corner_the_shaking_may_bring_it_back() -> None:

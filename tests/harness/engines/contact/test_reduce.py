@@ -139,7 +139,7 @@ def test_gravity_of_a_step_is_exact_across_a_jump() -> None:
     edges = np.arange(101) * 1e-3
     gravity = frame.apparent_gravity(on, edges)
     assert np.sum(gravity[:, 0]) * 1e-3 == pytest.approx(-3.0 * 0.0101, rel=1e-12)
-    expected = np.diff(on.shake.z.velocity_m_s(edges)) / 1e-3
+    expected = np.diff(on.base_excitation.z.velocity_m_s(edges)) / 1e-3
     np.testing.assert_allclose(gravity[:, 2], -9.81 - expected, rtol=1e-12)
     assert np.all(gravity[:, 1] == 0.0)
 

@@ -14,9 +14,9 @@ from harness.engines.analytic import TwoBlock
 from harness.engines.base import EngineFailure
 from harness.engines.mujoco.adapter import Mujoco3D
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Scene, Shake, Wall
+from harness.model.scene import BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
@@ -25,12 +25,12 @@ ENGINE = Mujoco3D()
 
 
 def run(on: Scene, dt_s: float) -> Run:
-    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), RunOptions())
 
 
 def apart(on: Scene, dt_s: float) -> float:
     model = TwoBlock()
-    exact, found = model.simulate(on, model.ladder(on)[1], Want()).history, run(on, dt_s).history
+    exact, found = model.simulate(on, model.refinement_levels(on)[1], RunOptions()).history, run(on, dt_s).history
     assert exact is not None
     assert found is not None
     return float(np.max(np.abs(exact.theta_rad - found.theta_rad)))
@@ -85,7 +85,7 @@ def test_what_is_not_computed_is_refused_in_one_sentence(change: dict[str, Any],
 
 def test_a_fall_across_the_plane_is_told_apart() -> None:
     """Pushed along y alone the statue falls over its front edge, which a planar rotation cannot see."""
-    push = Shake(y=Pulse("one_sine", GRAVITY_M_S2, 1.0))
-    found = run(scene(PAESTUM, Harmonic(0.1, 3.0), duration_s=3.0).but(shake=push), 1e-3)
+    push = BaseExcitation(y=Pulse("one_sine", GRAVITY_M_S2, 1.0))
+    found = run(scene(PAESTUM, Harmonic(0.1, 3.0), duration_s=3.0).but(base_excitation=push), 1e-3)
     assert found.outcome in (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
     assert found.overturn_time_s == found.end_s

@@ -10,12 +10,12 @@ import numpy as np
 
 from harness.engines import load
 from harness.engines.pybullet.settings import BulletSettings
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
-NOTHING_SKIPPED = Want(skips=frozenset())
-WHOLE = Want(skips=frozenset(SKIPS) - {"mirror"})
+NOTHING_SKIPPED = RunOptions(skips=frozenset())
+WHOLE = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
 """All of a scene in three dimensions, also of one that is its own mirror image."""
 
 
@@ -24,19 +24,19 @@ def _engine(name: str) -> Any:
     return load(name)
 
 
-def bullet(scene: Scene, dt_s: float = 2.5e-4, want: Want | None = None, **changes: Any) -> Run:
+def bullet(scene: Scene, dt_s: float = 2.5e-4, want: RunOptions | None = None, **changes: Any) -> Run:
     """pybullet on a scene with the rung of `dt_s`, or a variation of it."""
     engine = _engine("pybullet")
     settings = engine.settings_for_dt(scene, dt_s)
     assert isinstance(settings, BulletSettings)
-    run: Run = engine.simulate(scene, replace(settings, **changes), want or Want())
+    run: Run = engine.simulate(scene, replace(settings, **changes), want or RunOptions())
     return run
 
 
 def exact(scene: Scene) -> Run:
     """The analytic model on a scene, finest."""
     engine = _engine("analytic")
-    run: Run = engine.simulate(scene, engine.ladder(scene)[-1], Want())
+    run: Run = engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
     return run
 
 

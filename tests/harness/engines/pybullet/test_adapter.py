@@ -9,8 +9,8 @@ from analytic.closed_form import frequency_parameter_rad_s, quarter_period_s
 from analytic.excitation import Harmonic, Pulse
 from harness.bench.standard_scenes import standard_set
 from harness.model.history import Outcome
-from harness.model.options import Want
-from harness.model.scene import Pedestal, Shake, Wall
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Pedestal, Wall
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, apart, bullet, exact, worst
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
@@ -56,7 +56,7 @@ def test_order_before_the_first_impact(pedestal: bool, frequency_hz: float, unti
     reference = exact(case)
     steps = tuple(coarsest_s / halving for halving in (1, 2, 4, 8))
     tight = {"residual": 1e-14, "iterations": 2000}
-    for want in (Want(), WHOLE):
+    for want in (RunOptions(), WHOLE):
         errors = [apart(bullet(case, dt_s, want, **tight), reference) for dt_s in steps]
         order = float(np.polyfit(np.log2(steps), np.log2(errors), 1)[0])
         assert order >= budget.LEAST_ORDER, errors
@@ -82,7 +82,7 @@ def test_finest_rung_stays_in_the_plane() -> None:
 
     case = paestum(0.429, 3.0, duration_s=0.3)
     engine = load("pybullet")
-    run = engine.simulate(case, engine.ladder(case)[-1], NOTHING_SKIPPED)
+    run = engine.simulate(case, engine.refinement_levels(case)[-1], NOTHING_SKIPPED)
     assert run.validity["out_of_plane_rad"] <= budget.PLANAR_FINEST_RAD
 
 
@@ -124,7 +124,9 @@ def test_moving_table_is_the_accelerating_frame(pedestal: bool) -> None:
 
 def test_moving_table_with_two_frictions_and_vertical_motion() -> None:
     case = paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.6)
-    case = case.but(shake=type(case.shake)(x=case.shake.x, z=Harmonic(0.1 * GRAVITY_M_S2, 5.0)))
+    case = case.but(
+        base_excitation=type(case.base_excitation)(x=case.base_excitation.x, z=Harmonic(0.1 * GRAVITY_M_S2, 5.0))
+    )
     frame, moving = bullet(case), bullet(case.but(table="moving"))
     assert apart(frame, moving) <= budget.TABLE_RAD
     assert apart(frame, exact(case)) <= budget.BOTH_FRICTIONS_RAD
@@ -200,7 +202,7 @@ def test_creep_at_rest_on_the_finest_rung(pedestal: bool) -> None:
 
     case = paestum(0.0, 1.0, pedestal=pedestal, duration_s=budget.REST_S)
     engine = load("pybullet")
-    run = engine.simulate(case, engine.ladder(case)[-1], NOTHING_SKIPPED)
+    run = engine.simulate(case, engine.refinement_levels(case)[-1], NOTHING_SKIPPED)
     long = 60.0 / budget.REST_S
     for column in ("theta_rad", "yaw_rad", "out_of_plane_rad"):
         assert long * _drift(run, column) <= budget.CREEP_RAD, column
@@ -209,16 +211,16 @@ def test_creep_at_rest_on_the_finest_rung(pedestal: bool) -> None:
 
 
 @pytest.mark.parametrize("pedestal", [True, False])
-@pytest.mark.parametrize("rung", range(5))
-def test_no_rung_creeps_in_half_of_a_scene(pedestal: bool, rung: int) -> None:
+@pytest.mark.parametrize("level", range(5))
+def test_no_rung_creeps_in_half_of_a_scene(pedestal: bool, level: int) -> None:
     from harness.engines import load
 
     engine = load("pybullet")
     case = paestum(0.0, 1.0, pedestal=pedestal)
-    settings = engine.ladder(case)[rung]
+    settings = engine.refinement_levels(case)[level]
     # The first penetration is taken back by a share in each step, not in each second.
     rest_s = budget.REST_STEPS * settings.dt_s
-    run = engine.simulate(case.but(duration_s=rest_s), settings, Want(skips=frozenset({"base_only", "mirror"})))
+    run = engine.simulate(case.but(duration_s=rest_s), settings, RunOptions(skips=frozenset({"base_only", "mirror"})))
     assert run.steps == budget.REST_STEPS
     for column, most in (
         ("theta_rad", budget.CREEP_RAD),
@@ -232,7 +234,7 @@ def test_what_friction_just_fails_to_hold_slides() -> None:
     """Rest without creep must not come from holding what slides: a push a hundredth above the limit moves the pedestal."""
     peak_m_s2 = 1.01 * 0.15 * GRAVITY_M_S2
     case = paestum(0.0, 1.0, duration_s=0.25).but(
-        statue=rectangle(0.5, 1.0), shake=Shake(x=Pulse("rectangular", peak_m_s2, 0.2))
+        statue=rectangle(0.5, 1.0), base_excitation=BaseExcitation(x=Pulse("rectangular", peak_m_s2, 0.2))
     )
     slid = worst(bullet(case, 1e-3), "slip_m")
     assert slid == pytest.approx(0.5 * (peak_m_s2 - 0.15 * GRAVITY_M_S2) * 0.2**2, rel=0.1)

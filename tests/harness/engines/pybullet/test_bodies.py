@@ -18,7 +18,7 @@ from harness.engines.pybullet import course, feet, pose, shapes
 from harness.engines.pybullet.edge import EdgeWatch
 from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.scene import Scene, Statue
 from meshes import togatus
 from meshes.solid import Solid, solid_from_mesh
@@ -84,8 +84,8 @@ def test_inertia_is_the_meshes_not_bullets() -> None:
     setup = course.prepare(case)
     tensor = setup.axes @ np.diag(setup.moments) @ setup.axes.T
     np.testing.assert_allclose(tensor, figure().inertia_kg_m2, rtol=1e-12, atol=1e-9)
-    rung = load("pybullet").settings_for_dt(case, 1e-3)
-    with World(rung) as world:  # type: ignore[arg-type]
+    level = load("pybullet").settings_for_dt(case, 1e-3)
+    with World(level) as world:  # type: ignore[arg-type]
         world.build(case.contact, None, None, (case.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start))
         info = pybullet.getDynamicsInfo(world.statue, -1, world.client)
         assert len(pybullet.getCollisionShapeData(world.statue, -1, world.client)) == len(setup.feet_m) > 16
@@ -131,8 +131,8 @@ def test_rolling_on_the_rim() -> None:
         (0.0, 0.0, 0.0),
         (float(spin[0]), float(spin[1]), float(spin[2])),
     )
-    rung = load("pybullet").settings_for_dt(case, 2.5e-4)
-    found = course.run(case, rung, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
+    level = load("pybullet").settings_for_dt(case, 2.5e-4)
+    found = course.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
     up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
     azimuth = np.unwrap(np.arctan2(up[:, 1], up[:, 0]))
     rate = (azimuth[-1] - azimuth[0]) / found.record.t_s[-1]
@@ -199,13 +199,13 @@ def test_the_order_of_bodies_changes_the_sweeps_not_the_solution() -> None:
 def test_probes_are_finer_and_solved_more_tightly() -> None:
     case = paestum(0.429, 3.0)
     engine = load("pybullet")
-    for rung in engine.ladder(case):
-        for probe in engine.probes(case, rung):
-            assert probe.dt_s < 0.5 * rung.dt_s
-            assert probe.as_dict()["residual"] <= rung.as_dict()["residual"]
-            assert probe.as_dict()["iterations"] > rung.as_dict()["iterations"]
-            solved = rung.as_dict()["residual"] == 0.0
-            assert (probe.as_dict()["reversed_bodies"] != rung.as_dict()["reversed_bodies"]) == solved
+    for level in engine.refinement_levels(case):
+        for probe in engine.verification_settings(case, level):
+            assert probe.dt_s < 0.5 * level.dt_s
+            assert probe.as_dict()["residual"] <= level.as_dict()["residual"]
+            assert probe.as_dict()["iterations"] > level.as_dict()["iterations"]
+            solved = level.as_dict()["residual"] == 0.0
+            assert (probe.as_dict()["reversed_bodies"] != level.as_dict()["reversed_bodies"]) == solved
 
 
 def test_memory_does_not_grow() -> None:
@@ -225,10 +225,10 @@ def test_memory_does_not_grow() -> None:
 def test_quiet_start_changes_nothing() -> None:
     motion = Harmonic(0.3 * GRAVITY_M_S2, 2.0)
     t_s = np.linspace(0.0, 1.0, 201)
-    from analytic.excitation import Record
+    from analytic.excitation import SampledAcceleration
 
     late = np.where(t_s > 0.5, np.asarray(motion.accel_m_s2(t_s - 0.5)), 0.0)
-    case: Scene = scene(PAESTUM, Record(t_s, late), duration_s=1.0)
+    case: Scene = scene(PAESTUM, SampledAcceleration(t_s, late), duration_s=1.0)
     skipped, whole = bullet(case, 1e-3), bullet(case, 1e-3, NOTHING_SKIPPED)
     assert skipped.steps < 0.6 * whole.steps
     assert any(text.startswith("quiet_start") for text in skipped.skipped)
@@ -237,7 +237,7 @@ def test_quiet_start_changes_nothing() -> None:
 
 def test_without_history_the_outcome_is_the_same() -> None:
     case = paestum(0.429, 1.5, pedestal=False, duration_s=3.0)
-    seen, unseen = bullet(case, 1e-3), bullet(case, 1e-3, Want(history=False))
+    seen, unseen = bullet(case, 1e-3), bullet(case, 1e-3, RunOptions(history=False))
     assert unseen.history is None
     assert unseen.outcome is seen.outcome
     assert unseen.overturn_time_s == seen.overturn_time_s

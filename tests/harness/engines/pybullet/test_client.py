@@ -12,15 +12,15 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.engines.pybullet import client
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
 from tests.scenes_for_tests import paestum
 
-CASES: dict[str, tuple[Scene, Want]] = {
-    "floor": (paestum(0.429, 3.0, pedestal=False, duration_s=0.4), Want()),
-    "pedestal": (paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.55), Want()),
+CASES: dict[str, tuple[Scene, RunOptions]] = {
+    "floor": (paestum(0.429, 3.0, pedestal=False, duration_s=0.4), RunOptions()),
+    "pedestal": (paestum(0.429, 3.0, mu=(0.20, 0.15), duration_s=0.55), RunOptions()),
     "whole": (paestum(0.429, 3.0, duration_s=0.4), WHOLE),
     "full shape": (paestum(0.334, 3.0, duration_s=0.3), NOTHING_SKIPPED),
 }
@@ -109,7 +109,7 @@ def test_a_forked_process_leaves_its_parents_clients_alone(monkeypatch: pytest.M
 
 def test_a_table_that_moves_under_a_kept_client() -> None:
     case = paestum(0.3, 3.0, duration_s=0.2).but(table="moving")
-    case = case.but(shake=replace(case.shake, z=Harmonic(1.0, 5.0)))
+    case = case.but(base_excitation=replace(case.base_excitation, z=Harmonic(1.0, 5.0)))
     first = bits(bullet(case, 1e-3))
     run("floor")
     assert bits(bullet(case, 1e-3)) == first

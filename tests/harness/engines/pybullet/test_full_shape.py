@@ -23,7 +23,7 @@ from harness.engines.pybullet.world import World
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
-from harness.model.options import SKIPS, Want
+from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Pedestal, Scene, Statue, Wall
 from meshes import decomposition, load_solid, toadstool
 from meshes.solid import solid_from_mesh
@@ -33,7 +33,7 @@ from tests.meshes.shapes import prism
 from tests.scenes_for_tests import scene
 
 Array = NDArray[np.float64]
-FULL = Want(skips=frozenset(SKIPS) - {"base_only"})
+FULL = RunOptions(skips=frozenset(SKIPS) - {"base_only"})
 BESIDE_M = 0.05
 """A contact nearer to the corner's line is the corner's own."""
 WIDE, NARROW = 1.5, 1.0
@@ -73,14 +73,14 @@ def touching_from(case: Scene, kind: str) -> float:
     import pybullet
 
     setup, statue = course.prepare(case), case.statue
-    rung = load("pybullet").settings_for_dt(case, 1e-3)
+    level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case, kind).turned(np.array([0.0, 0.0, statue.centroid_height_m]), setup.axes)  # type: ignore[arg-type]
     pedestal = None if case.pedestal is None else (case.pedestal, statue.base_centre_m)
     wall = None if case.wall is None else (case.wall, statue.corner_right_m + case.wall.distance_m)
     corner = np.array([statue.corner_right_m, 0.0, 0.0 if case.pedestal is None else case.pedestal.height_m])
     arm = np.array([-statue.corner_right_m, 0.0, statue.centroid_height_m])
     low, high = 0.05, 1.5
-    with World(rung) as world:  # type: ignore[arg-type]
+    with World(level) as world:  # type: ignore[arg-type]
         # The plinth stands on the top, the cap comes down past its edge.
         above = setup.feet_m[:, 2] > setup.feet_m[:, 2].min() + BESIDE_M
         whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
@@ -235,9 +235,9 @@ def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
     assert run.validity["full_shape"] == "3 convex parts"
     assert run.peak_theta_rad <= budget.PLANAR_RAD
     setup = course.prepare(case)
-    rung = load("pybullet").settings_for_dt(case, 1e-3)
+    level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case).turned(np.array([0.0, 0.0, case.statue.centroid_height_m]), setup.axes)
-    with World(rung) as world:  # type: ignore[arg-type]
+    with World(level) as world:  # type: ignore[arg-type]
         whole = (case.statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
         world.build(case.contact, (case.pedestal, 0.0), None, whole)  # type: ignore[arg-type]
         info = pybullet.getDynamicsInfo(world.statue, -1, world.client)

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness.bench.coverage import random_scene
-from harness.model.scene import Scene, Shake
+from harness.model.scene import BaseExcitation, Scene
 from harness.statics.symmetry import asymmetry
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet
@@ -42,7 +42,7 @@ def test_random_scenes_are_the_same_by_half_and_by_the_whole(seed: int) -> None:
 
 
 def _across(case: Scene) -> Scene:
-    return case.but(shake=Shake(x=case.shake.x, y=Harmonic(0.01 * GRAVITY_M_S2, 3.0)))
+    return case.but(base_excitation=BaseExcitation(x=case.base_excitation.x, y=Harmonic(0.01 * GRAVITY_M_S2, 3.0)))
 
 
 def _skew(case: Scene) -> Scene:

@@ -14,19 +14,19 @@ from analytic.excitation import Harmonic
 from harness.bench.coverage import random_scene
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
-from harness.model.options import Want
-from harness.model.scene import Scene, Shake
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet, exact
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 
 pytest.importorskip("pybullet")
 
-HALF = Want()
+HALF = RunOptions()
 COARSEST_S = 4e-3
 
 
-def error(on: Scene, dt_s: float, want: Want = HALF) -> float:
+def error(on: Scene, dt_s: float, want: RunOptions = HALF) -> float:
     found, truth = bullet(on, dt_s, want), exact(on)
     assert found.history is not None
     assert truth.history is not None
@@ -39,7 +39,7 @@ def free_rocking(duration_s: float = 2.0) -> Scene:
 
 
 @pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
-def test_four_impacts_leave_no_error_of_first_order(want: Want) -> None:
+def test_four_impacts_leave_no_error_of_first_order(want: RunOptions) -> None:
     errors = [error(free_rocking(), dt_s, want) for dt_s in (4e-3, 1e-3)]
     assert errors[0] <= budget.FREE_ROCKING_COARSE_RAD
     assert math.log(errors[0] / errors[1], 4.0) >= budget.ORDER_WITH_IMPACTS
@@ -70,27 +70,27 @@ def test_a_sliding_foot_has_no_place_to_come_back_to() -> None:
 @pytest.mark.parametrize("pedestal", [True, False], ids=["pedestal", "floor"])
 def test_a_rung_errs_by_what_it_states_at_most(pedestal: bool) -> None:
     on = paestum(0.334, 3.0, pedestal=pedestal, mu=(0.20, 0.15))
-    for rung in load("pybullet").ladder(on)[:3]:
-        worst = max(error(on, rung.dt_s, want) for want in (HALF, WHOLE))
-        assert worst <= rung.expected_error_rad
-        if rung.dt_s == COARSEST_S:
-            assert rung.expected_error_rad <= budget.STATED_OVER * worst
+    for level in load("pybullet").refinement_levels(on)[:3]:
+        worst = max(error(on, level.dt_s, want) for want in (HALF, WHOLE))
+        assert worst <= level.expected_error_rad
+        if level.dt_s == COARSEST_S:
+            assert level.expected_error_rad <= budget.STATED_OVER * worst
 
 
 @pytest.mark.parametrize(
     "on",
-    [paestum(), paestum(pedestal=False), replace(paestum(), shake=Shake(y=Harmonic(1.0, 2.0)))],
+    [paestum(), paestum(pedestal=False), replace(paestum(), base_excitation=BaseExcitation(y=Harmonic(1.0, 2.0)))],
     ids=["pedestal", "floor", "across"],
 )
 def test_finer_rungs_and_probes_state_no_more(on: Scene) -> None:
     engine = load("pybullet")
-    ladder = engine.ladder(on)
-    assert all(coarse.expected_error_rad >= fine.expected_error_rad for coarse, fine in pairwise(ladder))
+    refinement_levels = engine.refinement_levels(on)
+    assert all(coarse.expected_error_rad >= fine.expected_error_rad for coarse, fine in pairwise(refinement_levels))
     # A probe has a little less than half the step of its rung.
-    states = [engine.probes(on, rung)[0].expected_error_rad for rung in ladder]
+    states = [engine.verification_settings(on, level)[0].expected_error_rad for level in refinement_levels]
     assert states == [
-        *(rung.expected_error_rad for rung in ladder[1:-1]),
-        *(rung.expected_error_rad for rung in ladder[-2:]),
+        *(level.expected_error_rad for level in refinement_levels[1:-1]),
+        *(level.expected_error_rad for level in refinement_levels[-2:]),
     ]
 
 
@@ -105,7 +105,7 @@ def test_many_vertices_let_go_at_once(data_dir: Path) -> None:
 
 
 @pytest.mark.parametrize("want", [HALF, WHOLE], ids=["half", "whole"])
-def test_static_friction_gives_way_inside_a_step(want: Want) -> None:
+def test_static_friction_gives_way_inside_a_step(want: RunOptions) -> None:
     # From rest to the first slip: a step that is wholly static or wholly kinetic is off by up to (μ_s − μ_k) g times the step.
     on = paestum(0.334, 2.0, mu=(0.20, 0.15), duration_s=0.2)
     truth = exact(on)

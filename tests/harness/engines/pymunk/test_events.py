@@ -13,7 +13,7 @@ from harness.bench.coverage import random_scene
 from harness.bench.standard_scenes import PEDESTAL, TWO
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.studies.cases import Base
@@ -25,12 +25,15 @@ SCENES = Path(__file__).parents[4] / "scenes"
 
 
 def run(on: Scene, dt_s: float) -> Run:
-    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), RunOptions())
 
 
 def error(on: Scene, dt_s: float, **changes: int) -> float:
     settings = replace(ENGINE.settings_for_dt(on, dt_s), **changes)
-    found, exact = ENGINE.simulate(on, settings, Want()), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    found, exact = (
+        ENGINE.simulate(on, settings, RunOptions()),
+        MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions()),
+    )
     assert found.history is not None
     assert exact.history is not None
     times = np.linspace(0.0, min(found.end_s, exact.end_s), 500)
@@ -65,7 +68,7 @@ def test_an_impact_right_after_a_halt_is_met() -> None:
 def test_slow_impacts_are_met_too() -> None:
     # Rocking of tenths of a milliradian, at a hundredth of a radian a second.
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=0.12)
-    exact = MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    exact = MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert run(on, 5e-4).work["impacts_split"] == len(exact.impact_times_s) > 3
     assert error(on, 5e-4) <= budget.SLOW_IMPACTS_RAD
 
@@ -92,7 +95,9 @@ def test_a_corner_that_reaches_its_friction_takes_all_iterations() -> None:
     # At a coefficient of 2 the solver turns normal impulse into friction and back: what is left grows from step to step.
     on = random_scene(19112, 1.19)
     settings = ENGINE.settings_for_dt(on, 2e-4)
-    runs = [ENGINE.simulate(on, replace(settings, turning_iterations=n), Want()) for n in (24, settings.iterations)]
+    runs = [
+        ENGINE.simulate(on, replace(settings, turning_iterations=n), RunOptions()) for n in (24, settings.iterations)
+    ]
     times = np.linspace(1.1, 1.19, 50)
     few, all_of_them = (found.history.at(times) for found in runs if found.history is not None)
     np.testing.assert_allclose(few, all_of_them, rtol=0.0, atol=budget.TURNING_RAD)
@@ -109,7 +114,7 @@ def test_a_vertex_that_an_approach_has_halted_is_taken_nowhere(data_dir: Path) -
     statue = {"mesh": {"file": "togatus.ply", "unit": "m", "density_kg_m3": 2700.0}}
     content = {"title": "rattle", "statue": statue, "pedestal": PEDESTAL, "contact": TWO, "motion": {"x": west}}
     on = Base(SCENES / "scene.toml", {**content, "duration_s": 10.5}).scene({})
-    found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
     assert exact.history is not None
     assert found.work["impacts_split"] > 20

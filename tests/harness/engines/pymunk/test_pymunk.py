@@ -9,14 +9,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from analytic.excitation import Harmonic, Record
+from analytic.excitation import Harmonic, SampledAcceleration
 from harness.engines.analytic import TwoBlock
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.baseline_loop import bare_loop
 from harness.engines.pymunk.world import MunkSettings
 from harness.model.history import Outcome
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
@@ -28,12 +28,12 @@ ENGINE = Munk2D()
 
 def run(on: Scene, dt_s: float = 2.5e-4, **changes: object) -> Run:
     settings = replace(ENGINE.settings_for_dt(on, dt_s), **changes)  # type: ignore[arg-type]
-    return ENGINE.simulate(on, settings, Want())
+    return ENGINE.simulate(on, settings, RunOptions())
 
 
 def exact(on: Scene) -> Run:
     model = TwoBlock()
-    return model.simulate(on, model.ladder(on)[1], Want())
+    return model.simulate(on, model.refinement_levels(on)[1], RunOptions())
 
 
 def apart(a: Run, b: Run) -> tuple[float, float]:
@@ -91,7 +91,7 @@ def test_unaligned_steps_are_seen_to_be_worse() -> None:
 
 def test_vertical_motion_follows_the_model() -> None:
     on = paestum(0.429, 3.0, mu=(0.20, 0.15))
-    on = on.but(shake=replace(on.shake, z=Harmonic(0.25 * GRAVITY_M_S2, 7.0)))
+    on = on.but(base_excitation=replace(on.base_excitation, z=Harmonic(0.25 * GRAVITY_M_S2, 7.0)))
     assert apart(run(on), exact(on))[0] <= budget.PEDESTAL_RAD
 
 
@@ -124,7 +124,7 @@ def test_moving_table_is_the_same_motion(pedestal: bool) -> None:
 
 def test_at_rest_nothing_moves() -> None:
     on = paestum(0.0, duration_s=60.0, output_dt_s=0.1)
-    found = ENGINE.simulate(on, ENGINE.settings_for_dt(on, 1e-3), Want(skips=frozenset()))
+    found = ENGINE.simulate(on, ENGINE.settings_for_dt(on, 1e-3), RunOptions(skips=frozenset()))
     assert found.steps == 60_000
     assert found.history is not None
     settled = found.history.t_s > 1.0
@@ -140,7 +140,7 @@ def test_a_mirrored_scene_gives_the_mirrored_history() -> None:
         corner_right_m=PAESTUM.corner_left_m,
         section_m=PAESTUM.section_m[::-1] * np.array([-1.0, 1.0]),
     )
-    other = on.but(statue=mirrored, shake=replace(on.shake, x=on.shake.x.scaled(-1.0)))
+    other = on.but(statue=mirrored, base_excitation=replace(on.base_excitation, x=on.base_excitation.x.scaled(-1.0)))
     a, b = run(on).history, run(other).history
     assert a is not None
     assert b is not None
@@ -176,9 +176,12 @@ def test_quiet_start_and_end_are_skipped_without_a_change() -> None:
     times = np.linspace(0.0, 6.0, 601)
     pulse = np.where((times > 2.0) & (times < 2.3), -4.0 * np.sin((times - 2.0) * 2.0 * math.pi / 0.3), 0.0)
     on = paestum(duration_s=12.0, mu=(0.20, 0.15), output_dt_s=0.01)
-    on = on.but(shake=replace(on.shake, x=Record(times, pulse)))
+    on = on.but(base_excitation=replace(on.base_excitation, x=SampledAcceleration(times, pulse)))
     settings = ENGINE.settings_for_dt(on, 1e-3)
-    whole, short = ENGINE.simulate(on, settings, Want(skips=frozenset())), ENGINE.simulate(on, settings, Want())
+    whole, short = (
+        ENGINE.simulate(on, settings, RunOptions(skips=frozenset())),
+        ENGINE.simulate(on, settings, RunOptions()),
+    )
     assert whole.skipped == ()
     assert len(short.skipped) == 2
     assert short.steps < 0.5 * whole.steps
@@ -190,7 +193,7 @@ def test_quiet_start_and_end_are_skipped_without_a_change() -> None:
 def test_direct_calls_are_the_public_ones() -> None:
     on = paestum(0.429, 3.0)
     settings = replace(ENGINE.settings_for_dt(on, 1e-3), align=False)
-    history = ENGINE.simulate(on, settings, Want(skips=frozenset())).history
+    history = ENGINE.simulate(on, settings, RunOptions(skips=frozenset())).history
     angles = [-(row[2] + 0.5e-3 * row[5]) for row in bare_loop(on, settings)[1]]
     assert history is not None
     assert np.max(np.abs(history.theta_rad)) > 0.01
@@ -213,21 +216,21 @@ def test_energy_and_contact_are_recorded() -> None:
 def test_settings_of_another_engine_are_refused() -> None:
     model = TwoBlock()
     with pytest.raises(TypeError, match="pymunk wants its own settings"):
-        ENGINE.simulate(paestum(), model.ladder(paestum())[0], Want())
+        ENGINE.simulate(paestum(), model.refinement_levels(paestum())[0], RunOptions())
 
 
 def test_ladder_is_ordered() -> None:
-    rungs = ENGINE.ladder(paestum())
-    assert all(isinstance(rung, MunkSettings) for rung in rungs)
-    assert all(a.dt_s > b.dt_s for a, b in pairwise(rungs))
-    assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(rungs))
+    levels = ENGINE.refinement_levels(paestum())
+    assert all(isinstance(level, MunkSettings) for level in levels)
+    assert all(a.dt_s > b.dt_s for a, b in pairwise(levels))
+    assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))
 
 
 def test_bare_loop_makes_the_same_motion_in_as_many_steps() -> None:
     on = paestum(0.08, 5.0, mu=0.8, duration_s=0.5)
     settings = ENGINE.settings_for_dt(on, 1e-3)
     seconds, rows = bare_loop(on, settings)
-    found = ENGINE.simulate(on, settings, Want(skips=frozenset()))
+    found = ENGINE.simulate(on, settings, RunOptions(skips=frozenset()))
     assert seconds > 0.0
     assert found.steps <= len(rows) * budget.BARE_LOOP_STEPS
     assert found.history is not None

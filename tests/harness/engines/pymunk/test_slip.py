@@ -11,7 +11,7 @@ import pytest
 from analytic.excitation import Harmonic, Pulse
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Pedestal, Scene
 from tests import budgets_engines as budget
@@ -21,11 +21,11 @@ ENGINE, MODEL = Munk2D(), TwoBlock()
 
 
 def run(on: Scene, dt_s: float) -> Run:
-    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), RunOptions())
 
 
 def slip_error_m(on: Scene, found: Run) -> float:
-    exact = MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    exact = MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
     assert exact.history is not None
     times = np.linspace(0.0, min(found.end_s, exact.end_s), 500)
@@ -78,6 +78,6 @@ def test_a_pedestal_that_tips_and_a_plain_loop_say_so() -> None:
     on = scene(rectangle(0.25, 1.0), Harmonic(0.6 * GRAVITY_M_S2, 2.0), pedestal=narrow, mu=1.0, mu_statue=2.0)
     assert "the pedestal tips" in run(on, 1e-3).validity["plain_because"]
     settings = replace(ENGINE.settings_for_dt(squat(), 1e-3), align=False)
-    validity = ENGINE.simulate(squat(), settings, Want()).validity
+    validity = ENGINE.simulate(squat(), settings, RunOptions()).validity
     assert validity["plain_because"] == ["asked for"]
     assert validity["plain_for_s"] == pytest.approx(squat().duration_s, abs=budget.TWO_STEPS_S)

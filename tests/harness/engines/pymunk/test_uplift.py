@@ -10,7 +10,7 @@ import pytest
 from analytic.excitation import Pulse
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D, loop, uplift
-from harness.model.options import Want
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
@@ -28,7 +28,7 @@ def shaken(share: float, sign: float = 1.0) -> Scene:
 
 def error(on: Scene, dt_s: float = DT_S) -> float:
     """Largest error of the rotation against the analytic model, rad."""
-    found, exact = run(on, dt_s), MODEL.simulate(on, MODEL.ladder(on)[1], Want())
+    found, exact = run(on, dt_s), MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
     assert exact.history is not None
     times = np.linspace(0.0, on.duration_s, 500)
@@ -36,7 +36,7 @@ def error(on: Scene, dt_s: float = DT_S) -> float:
 
 
 def run(on: Scene, dt_s: float = DT_S) -> Run:
-    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), Want())
+    return ENGINE.simulate(on, ENGINE.settings_for_dt(on, dt_s), RunOptions())
 
 
 SHARES = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)

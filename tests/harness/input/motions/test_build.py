@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.input import paths
 from harness.input.motions import build, prepare
 from harness.input.motions.spec import Component, Motion
@@ -27,7 +27,7 @@ def made(base: Path = Path(), scene_s: float | None = None, **keys: Any) -> Exci
 
 
 def test_the_plain_kinds() -> None:
-    assert made(kind="rest") == Rest()
+    assert made(kind="rest") == ZeroExcitation()
     harmonic = made(kind="harmonic", amplitude_g=0.3, frequency_hz=2.0, phase_deg=90.0, ramp_s=1.0)
     assert harmonic == Harmonic(0.3 * GRAVITY, 2.0, math.pi / 2.0, 1.0)
     pulse = made(kind="pulse", shape="ricker", amplitude_g=-0.3, duration_s=0.5, start_s=1.0)
@@ -45,7 +45,7 @@ def test_steps_are_taken_in_their_order_and_recorded(tmp_path: Path) -> None:
     assert len(found.done) == len(words)
     assert all(word in said for word, said in zip(words, found.done, strict=True))
     assert found.excitation.peak_m_s2 == pytest.approx(0.4 * GRAVITY, rel=1e-12)
-    assert isinstance(found.excitation, Record)
+    assert isinstance(found.excitation, SampledAcceleration)
     assert found.excitation.t_s[0] == 0.0
     assert any("untested on originals" in warning for warning in found.warnings)
 

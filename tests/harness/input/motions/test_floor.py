@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic.excitation import Harmonic, Pulse, Record
+from analytic.excitation import Harmonic, Pulse, SampledAcceleration
 from harness.input.motions.floor import RING_DOWN, floor_motion, ring_down_s
 from harness.input.motions.spec import Oscillator
 from tests.budgets_motions import FLOOR_LINES, STEADY_STATE
@@ -35,7 +35,7 @@ def test_a_step_is_answered_in_closed_form() -> None:
 
 
 def test_modes_add_up_with_their_shares() -> None:
-    ground = Record(0.02 * np.arange(200), np.random.default_rng(1).normal(size=200))
+    ground = SampledAcceleration(0.02 * np.arange(200), np.random.default_rng(1).normal(size=200))
     one, two = Oscillator(period_s=0.5, share=1.3), Oscillator(period_s=0.15, damping=0.03, share=-0.4)
     both = floor_motion(ground, (one, two), 6.0)
     t = both.t_s[2:-2]
@@ -48,7 +48,7 @@ def test_modes_add_up_with_their_shares() -> None:
 
 
 def test_a_stiff_building_moves_as_the_ground() -> None:
-    ground = Record(0.02 * np.arange(400), np.sin(2.0 * np.pi * 1.0 * 0.02 * np.arange(400)))
+    ground = SampledAcceleration(0.02 * np.arange(400), np.sin(2.0 * np.pi * 1.0 * 0.02 * np.arange(400)))
     found = floor_motion(ground, (Oscillator(period_s=0.02, damping=0.5),), 7.0)
     t = np.linspace(0.5, 6.5, 500)
     np.testing.assert_allclose(found.accel_m_s2(t), ground.accel_m_s2(t), atol=0.01)
