@@ -132,12 +132,25 @@ def test_a_stopped_worker_costs_only_its_own_task_and_no_more_than_the_limit() -
     assert len(found) == len(tasks) - 1
 
 
+def stopped(pid: int | None) -> bool:
+    """Whether a process has been stopped (state T of proc(5)): the interrupt must not come while it still starts."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "T"
+    except OSError:
+        return False
+
+
 def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch) -> None:
     """A stopped process does not hear a request to end: until it is killed, whoever waits for it waits for ever."""
     monkeypatch.setattr(executors, "GRACE_S", 0.5, raising=False)
-    timer = threading.Timer(LIMIT_S, lambda: signal.pthread_kill(MAIN, signal.SIGINT))
     before = {process.pid for process in multiprocessing.active_children()}
-    timer.start()
+
+    def interrupt() -> None:
+        while not any(stopped(process.pid) for process in multiprocessing.active_children()):
+            time.sleep(0.05)
+        signal.pthread_kill(MAIN, signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
     with pytest.raises(KeyboardInterrupt):
         LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
     assert {process.pid for process in multiprocessing.active_children()} == before
