@@ -39,7 +39,8 @@ LEVELS: Final = (
     (1.25e-4, 5e-4),
     (6.25e-5, 2.5e-4),
 )
-"""(step in s, error in rad): the error is the largest over wide random scenes, to be stated at most."""
+"""(step in s, error in rad). The error is assumed: first order, some ten times what the paper's cases with one coefficient show;
+not measured over random scenes."""
 TURNING_RAD_S: Final = 3.0
 """Rate up to which a turning body's feet are still contacts at the end of a step: statues rock at up to some 2 rad/s."""
 LOOK_STEPS: Final = 64

@@ -34,7 +34,8 @@ LEVELS: Final = (
     (2.5e-5, 1000, 1e-4),
 )
 """(step in s, iterations, error in rad). With 40 iterations a stuck pedestal slides (0.1 rad off); these are past the number at
-which the paper's cases with a pedestal stop changing. The error is the largest over wide random scenes, to be stated at most."""
+which the paper's cases with a pedestal stop changing. The error is
+assumed: first order, some ten times what the paper's cases with one coefficient show; not measured over random scenes."""
 DEPTH_RAD_S: Final = 0.002
 """Depth at which the statue is placed, over the base's width and the step: contacts exist from the first step on."""
 SLOP_DEPTHS: Final = 50.0
