@@ -128,15 +128,17 @@ def run_scene(
         from harness.scene_run.confirmation import FINER, doubted
 
         finer_rad = (accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
-        for name in sorted(own & doubted(scores)):
+        doubtful = sorted(own & doubted(scores))
+        for name in doubtful:
             told(f"{name}, again and finer")
             again = simulate_with(engines.load(name), scene, finer_rad, None, want)
             if not again.outcome.failed:
                 runs[name] = again
                 note = f"{name} was run to {finer_rad:g} rad, before its difference from another model was judged"
                 scene = scene.but(notes=(*scene.notes, note))
-        answers = [run for run in runs.values() if not run.outcome.failed]
-        scores = _scores(scene, answers, known, iso)
+        if doubtful:
+            answers = [run for run in runs.values() if not run.outcome.failed]
+            scores = _scores(scene, answers, known, iso)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.base import FINER, Engine, Settings
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.contact.friction import FloorFriction, floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
+from harness.engines.contact.steering import refuse_steering
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -103,7 +104,7 @@ class PlainBullet3D(Engine):
         from harness.engines.pybullet.columns import trajectory
 
         own = _own(settings)
-        _refuse(scene)
+        refuse_steering(scene, self.name)
         begin = time.perf_counter()
         setup = course.prepare(scene)
         record, full = _integrate(scene, own, setup, want)
@@ -137,17 +138,6 @@ def _own(settings: Settings) -> BulletSettings:
     if not isinstance(settings, BulletSettings):
         raise TypeError(f"pybullet:plain wants its own settings, got {type(settings).__name__}")
     return settings
-
-
-def _refuse(scene: Scene) -> None:
-    """Raise `EngineFailure` for what can be had only by writing to bodies."""
-    refused = []
-    if scene.contact.restitution is not None:
-        refused.append("a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)")
-    if scene.table == "moving":
-        refused.append("a moving table (table; it accelerates the floor's frame)")
-    if refused:
-        raise EngineFailure(f"pybullet:plain does not compute {' nor '.join(refused)}: leave it out, or ask pybullet")
 
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOptions) -> tuple[Record, str | None]:

@@ -17,6 +17,7 @@ import numpy as np
 from harness.engines.base import FINER, Engine, EngineFailure, Settings
 from harness.engines.contact.friction import floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.contact.steering import refuse_steering
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pymunk.samples import trajectory
 from harness.engines.pymunk.world import MunkSettings
@@ -63,11 +64,9 @@ class PlainMunk2D(Engine):
 
     def missing(self) -> str | None:
         """Why pymunk cannot run here, or None."""
-        try:
-            import pymunk
-        except ImportError as error:
-            return f"pymunk cannot be imported: {error}"
-        return None if int(pymunk.version.split(".")[0]) >= 7 else f"pymunk 7 is wanted, {pymunk.version} is installed"
+        from harness.engines.pymunk import Munk2D
+
+        return Munk2D().missing()
 
     def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 2 ms to 0.025 ms."""
@@ -94,7 +93,7 @@ class PlainMunk2D(Engine):
     def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
         own = _own(settings)
-        _refuse(scene)
+        refuse_steering(scene, self.name)
         begin = time.perf_counter()
         try:
             path, steps, resolution = _integrate(scene, own, want)
@@ -124,17 +123,6 @@ def _own(settings: Settings) -> MunkSettings:
     if not isinstance(settings, MunkSettings):
         raise TypeError(f"pymunk:plain wants its own settings, got {type(settings).__name__}")
     return settings
-
-
-def _refuse(scene: Scene) -> None:
-    """Raise `EngineFailure` for what can be had only by writing to bodies."""
-    refused = []
-    if scene.contact.restitution is not None:
-        refused.append("a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)")
-    if scene.table == "moving":
-        refused.append("a moving table (table; it accelerates the floor's frame)")
-    if refused:
-        raise EngineFailure(f"pymunk:plain does not compute {' nor '.join(refused)}: leave it out, or ask pymunk")
 
 
 def _integrate(scene: Scene, settings: MunkSettings, want: RunOptions) -> tuple[Trajectory, int, float]:
