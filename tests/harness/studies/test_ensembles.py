@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from harness.comparison.verdict import Verdict
 from harness.model.history import History, Outcome
+from harness.records.scores import Verdict
 from harness.studies.ensembles import score_sets
 from tests import doubles
 
