@@ -8,13 +8,14 @@ import os
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
 
 SCHEMA_VERSION: Final = 1
 MANY: Final = 1000
@@ -47,7 +48,8 @@ class Run:
     `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
     (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
     sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
-    given (None: not stated).
+    given (None: not stated). `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an engine as
+    it comes.
     """
 
     engine: str
@@ -76,6 +78,7 @@ class Run:
     labels: Sequence[str] = ()
     message: str = ""
     motion_axes: Sequence[str] | None = None
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""
@@ -93,6 +96,7 @@ class Run:
         plain["outcome"] = self.outcome.value
         plain["outcome_sentence"] = self.outcome.sentence
         plain["patterns"] = [[p.start_s, p.end_s, p.name] for p in self.patterns]
+        plain["interventions"] = {kind: asdict(written) for kind, written in self.interventions.items()}
         return {name: to_plain(value) for name, value in plain.items()}
 
 
@@ -101,6 +105,7 @@ def run_of(plain: Mapping[str, Any], history: History | None, wall_s: float) -> 
     known = {name: plain[name] for name in Run.__dataclass_fields__ if name in plain}
     known["outcome"] = Outcome(plain["outcome"])
     known["patterns"] = tuple(Pattern(*stretch) for stretch in plain["patterns"])
+    known["interventions"] = {kind: Intervention(**written) for kind, written in plain.get("interventions", {}).items()}
     return Run(**(known | {"history": history, "wall_s": wall_s}))
 
 
