@@ -65,7 +65,8 @@ def read(text: str, where: str) -> RecordFile:
         wanted = "a block of accelerations, 'N acceleration pts, approx … units=…'"
         raise mistake(where, "", wanted, repr(got), "the file is cut off, or holds none")
     facts = {"event": " ".join(lines[1].split()), "station": " ".join(lines[4].split()) if len(lines) > 4 else ""}
-    group = f"{facts['event']}|{facts['station']}" if len(channels) == 1 else ""
+    place = Header(lines, where).words(r"<SCNL>[^.\s]*\.\w{3}\.(\S*)")  # network and location: a building has many
+    group = f"{facts['event']}|{facts['station']}|{place}" if len(channels) == 1 else ""
     name = "COSMOS V0" if unit == _COUNTS else "COSMOS"
     shown = "g" if unit == _COUNTS else unit
     return RecordFile(where, name, FORMATS[name], shown, tuple(channels), facts, group, tuple(warnings))

@@ -26,9 +26,12 @@ _TEXT_LINES, _HEADER_LINES = 13, 27
 _PAIRED = re.compile(r"[-+]?[0-9]*\.[0-9]{3}")
 """Three decimals, so that a time of 100 s and more may touch the value before it."""
 _EVEN = re.compile(
-    r"\s*\d+\s+accelerogram points at\s+(\S+)\s+pts/sec in units of\s+g(/10)?\s*\.?\s*(?:Format:\s*(\(.*\)))?",
+    r"\s*\d+\s+(?:accelerogram points at\s+(?P<rate>\S+)\s+pts/sec in units of\s+"
+    r"|points of accel data equally spaced at\s+(?P<step>\S+)\s+sec\.?,?\s+(?:\(units:|in)\s*)"
+    r"g(?P<tenths>/10)?[\s.)]*(?:Format:\s*)?(?P<form>\(.*\))?",
     re.IGNORECASE,
 )
+"""The line above even steps, of today and of the 1990s."""
 
 
 def recognises(text: str) -> bool:
@@ -48,7 +51,7 @@ def read(text: str, where: str) -> RecordFile:
     facts = {"event": lines[event].strip(), "station": re.split(r"\s{2,}", lines[station].strip())[0]}
     raw = "uncorrected accelerogram: baseline and instrument as recorded"
     warnings = (raw, *(said for _, more in found for said in more))
-    group = "|".join((*facts.values(), lines[3].strip())) if network == "USC" else ""
+    group = "|".join((*facts.values(), lines[4].strip())) if network == "USC" else ""
     return RecordFile(where, name, False, "g", tuple(channel for channel, _ in found), facts, group, warnings)
 
 
@@ -60,10 +63,12 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
     first = start + _HEADER_LINES
     data = [line for line in lines[first:end] if not line.startswith("/&")]
     if data and (even := _EVEN.match(data[0])):
-        dt_s = 1.0 / header_number(even.group(1), where, f"line {first + 1}", "points per second")
-        per_line, width = fortran_format(even.group(3) or "(8F9.6)", where, f"line {first + 1}")
+        place = f"line {first + 1}"
+        spacing = header_number(even["rate"] or even["step"], where, place, "points per second, or a step")
+        dt_s = 1.0 / spacing if even["rate"] else spacing
+        per_line, width = fortran_format(even["form"] or "(8F9.6)", where, place)
         values = fixed_width(data[1 : 1 + -(-count // per_line)], width, count, where=where, first_line=first + 2)
-        values = values / 10.0 if even.group(2) else values
+        values = values / 10.0 if even["tenths"] else values
         return Channel.read(name, parse_orientation(name), dt_s, values, "g", peak), ()
     head.needed(r"UNITS.*SEC.*(G/10)", "'UNITS … SEC AND G/10'")
     if "VOL1DS" in lines[start].upper():

@@ -51,7 +51,11 @@ def volume1(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, net
         ints, reals = ["".join(f"{0:5d}" for _ in range(16))] * 7, ["".join(f"{0.0:10.3f}" for _ in range(8))] * 7
         pairs = np.column_stack([dt_s * np.arange(n), tenths]).ravel()
         body = rows(pairs, 10, "{:7.3f}")
-        if network == "CSMIP":
+        if network == "CSMIP of the 1990s":
+            head[11] = f"UNITS OF UNCOR ACCEL IS G.                 MAX  = {peak_g:6.3f} G, AT {at_s:7.3f} SEC."
+            body = [f"{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT {dt_s:.3f} SEC.  (UNITS: G)"]
+            body += rows(accel / GRAVITY, 8, "{:9.6f}")
+        elif network == "CSMIP":
             body = [f" {n:5d} Accelerogram points at {1 / dt_s:.0f} pts/sec in units of g .      Format: (8f9.6)  "]
             body += rows(accel / GRAVITY, 8, "{:9.6f}")
             head = [line.title().replace("/10", "") if k == 11 else line.title() for k, line in enumerate(head)]

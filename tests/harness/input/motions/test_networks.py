@@ -24,6 +24,7 @@ BUILDERS: dict[str, Callable[[Path], Path]] = {
     "KiK-net": lambda path: layouts.knet(path / "AICH04.UD2", THREE[0], 200, "6"),
     "CSMIP V1": lambda path: layouts.volume1(path / "a.V1", [(THREE[0], "90 DEG"), (THREE[1], "Up")], 0.01, "CSMIP"),
     "CSMIP V1 film": lambda path: layouts.volume1(path / "a.RAW", [(THREE[0], "90 DEG")], 0.005, "film"),
+    "CSMIP V1 1990s": lambda path: layouts.volume1(path / "a.RAW", [(THREE[0], "90 DEG")], 0.005, "CSMIP of the 1990s"),
     "USC V1": lambda path: layouts.volume1(path / "017m30bt.s0a", [(THREE[0], "N00W")], 0.01, "USC"),
     "RENADIC V1": lambda path: layouts.volume1(path / "a.v1", [(THREE[0], "NS"), (THREE[1], "V")], 0.01, "RENADIC"),
     "BHRC V1": lambda path: layouts.volume1(path / "b.V1", [(THREE[0], "L1"), (THREE[1], "V2"), (THREE[2], "T3")], 0.005, "BHRC"),
@@ -44,6 +45,9 @@ BUILDERS: dict[str, Callable[[Path], Path]] = {
     "SMC": lambda path: writers.smc(path / "b.smc", THREE[0], 100.0, 45, 90, 200.0),
     "ESM": lambda path: writers.esm(path / "a.ASC", THREE[0], 0.01, "HNE", "20190728_160919.870"),
 }  # fmt: skip
+OTHER_NAMES = {
+    "AT2": "PEER AT2", "SMC": "USGS SMC", "ESM": "ITACA/ESM ASCII", "CSMIP V1 film": "CSMIP V1", "CSMIP V1 1990s": "CSMIP V1",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", BUILDERS)
@@ -51,12 +55,7 @@ def test_a_network_s_layout_is_read_in_every_wrapping(tmp_path: Path, name: str)
     path = BUILDERS[name](tmp_path)
     plain = path.read_bytes()
     first = read_file(path)
-    assert first.format == {
-        "AT2": "PEER AT2",
-        "SMC": "USGS SMC",
-        "ESM": "ITACA/ESM ASCII",
-        "CSMIP V1 film": "CSMIP V1",
-    }.get(name, name)
+    assert first.format == OTHER_NAMES.get(name, name)
     with zipfile.ZipFile(tmp_path / "in.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(path.name, plain)
     text = plain.decode()
@@ -133,6 +132,9 @@ def test_kik_net_s_borehole_and_surface_are_two_records(tmp_path: Path) -> None:
 
 
 def test_volumes_1(tmp_path: Path) -> None:
+    nineties = read_file(BUILDERS["CSMIP V1 1990s"](tmp_path)).channels[0]
+    assert nineties.dt_s == 0.005
+    _same(nineties.accel_m_s2, THREE[0], 1e-6 * GRAVITY)
     csmip = read_file(BUILDERS["CSMIP V1"](tmp_path))
     assert [c.orientation for c in csmip.channels] == [EAST, UP]
     _same(csmip.channels[0].accel_m_s2, THREE[0], 1e-6 * GRAVITY)
