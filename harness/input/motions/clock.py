@@ -16,6 +16,8 @@ JITTER: Final = 0.02
 """Of a step: what times printed with few digits are off by."""
 GAP_STEPS: Final = 5.0
 """A hole of more steps in a table is a loss; film is digitised where the trace bends, and may leave more out."""
+MOST_SAMPLES: Final = 2e7
+"""Twenty hours at 250 a second: more come of times that are damaged."""
 _QUANTA: Final = (1e-2, 1e-3, 1e-4, 1e-5)
 _FINEST: Final = 12
 """An even clock that meets every sample may be finer than the smallest step by this factor, not by more."""
@@ -44,6 +46,8 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
     `lines` are the rows' lines, for messages. With `largest`, the place of the largest sample, the trace is film or the like:
     times printed alike are spread, gaps are allowed, and that sample stays on the clock.
     """
+    if t_s.size < 2:
+        raise mistake(where, "", "two samples or more", str(t_s.size), "the file holds no motion")
     doubled: tuple[str, ...] = ()
     if largest is not None and (np.diff(t_s) == 0.0).any():
         t_s, doubled = _spread(t_s), ("times printed alike for lack of digits: spread evenly",)
@@ -72,6 +76,11 @@ def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, l
             fine = (end_s - start_s) / max(round((end_s - start_s) / fine), 1)
         else:
             start_s += (float(t_s[largest]) - start_s) % fine
+    if (end_s - start_s) / fine > MOST_SAMPLES:
+        got = f"{steps.min():g} to {steps.max():g} s"
+        raise mistake(
+            where, "", f"steps that make at most {MOST_SAMPLES:.0e} samples when evened", got, "cut the record"
+        )
     count = int((end_s - start_s) / fine + 1e-6) + 1
     said = f"uneven steps, {steps.min():g} to {steps.max():g} s: interpolated linearly at {fine:.6g} s"
     return Clock(start_s, fine, count, t_s, (*doubled, said))
@@ -82,7 +91,7 @@ def _common_step(t_s: Floats) -> float | None:
     least = float(np.diff(t_s).min())
     for quantum in _QUANTA:
         ticks = (t_s - t_s[0]) / quantum
-        if np.abs(ticks - np.round(ticks)).max() < 1e-4:
+        if ticks[-1] < MOST_SAMPLES * _FINEST and np.abs(ticks - np.round(ticks)).max() < 1e-4:
             step = quantum * float(np.gcd.reduce(np.diff(np.round(ticks)).astype(np.int64)))
             return step if step * _FINEST >= least else None
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from harness.input.text_file import decoded, fortran
 from harness.model.errors import InputError, Mistake
 
+WIDEST: Final = 64
+"""Characters of a number: no format of a network is wider, and a damaged one would ask for lines without end."""
 _NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{1,3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
 _WHOLE = re.compile(r"[+-]?[0-9]+")
@@ -54,8 +57,10 @@ def fixed_width(
 
     `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing or none.
     """
-    if width < 1:
-        raise mistake(where, what, "columns of one character or more", f"a format of {width}", "the file is damaged")
+    if not 1 <= width <= WIDEST:
+        raise mistake(
+            where, what, f"columns of 1 to {WIDEST} characters", f"a format of {width}", "the file is damaged"
+        )
     padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
     text = "".join(padded)[: count * width]

@@ -34,8 +34,6 @@ def read(text: str, where: str) -> RecordFile:
     if not sequence.lower().startswith("time") or not named:
         raise mistake(where, place, "'Time U(+); N(+); E(+)'", repr(sequence), "the header is damaged")
     values = columns(lines[first:], 1 + len(named), where=where, first_line=first + 1)
-    if len(values) < 2:
-        raise mistake(where, "", "two samples or more", str(len(values)), "the file is cut off")
     clock = clock_of(values[:, 0], where)
     seconds = head.number(r"^#\s*RecordLength\(sec\):\s*([0-9.]+)", "'#RecordLength(sec):' and the length")
     if clock.dt_s * clock.count < seconds - 1.0:

@@ -139,7 +139,7 @@ def proposal(text: str, where: str) -> str:
     even = [row for row in rows if row.size == width]
     table, head = np.array(even), "\n".join(lines[:skip])
     steps = np.diff(table[:, 0])
-    if width > 1 and len(even) == len(rows) and (steps > 0.0).all() and steps.max() < 1.5 * steps.min():
+    if width > 1 and len(even) == len(rows) > 2 and (steps > 0.0).all() and steps.max() < 1.5 * steps.min():
         layout = Layout(skip_lines=skip, time_column=1)
         samples = table[:, 1:]
     else:

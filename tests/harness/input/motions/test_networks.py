@@ -244,3 +244,26 @@ def test_a_zip_of_several_files_names_them(tmp_path: Path) -> None:
     (tmp_path / "cut.zip").write_bytes((tmp_path / "a.zip").read_bytes()[:40])
     with pytest.raises(InputError, match="does not unpack"):
         read_file(tmp_path / "cut.zip")
+
+
+def test_a_damaged_width_or_time_asks_for_no_endless_memory(tmp_path: Path) -> None:
+    """What mutated files found (fail: MemoryError, a warning of numpy's): a width of eleven digits, one row, a time of 1e12 s."""
+    unam = BUILDERS["UNAM"](tmp_path)
+    unam.write_text(unam.read_text().replace("3F10.4", "3F99999999999.4"))
+    with pytest.raises(InputError, match=r"wanted a Fortran format such as"):
+        read_file(unam)
+    table = tmp_path / "a.csv"
+    table.write_text(
+        "t_s,a_N_g\n" + "".join(f"{t},0.1\n" for t in (0, 1e-9, 3e-9, 1e-8, 1.2e-8)) + "4e-8,0.2\n1e-7,0.2\n"
+    )
+    with pytest.raises(InputError, match=r"a gap of|steps that make at most"):
+        read_file(table)
+    film = BUILDERS["USC V1"](tmp_path)
+    film.write_text(film.read_text().replace("  3.990", "99999999999.990"))
+    with pytest.raises(InputError, match=r"steps that make at most|increasing times"):
+        read_file(film)
+    cwb = BUILDERS["CWB"](tmp_path)
+    lines = cwb.read_text().splitlines()
+    cwb.write_text("\n".join(lines[: next(i for i, line in enumerate(lines) if line[:1] == " ") + 1]))
+    with pytest.raises(InputError, match=r"two samples or more"):
+        read_file(cwb)
