@@ -13,19 +13,10 @@ from harness.records.assess import Assessment
 from harness.records.base import Record, Table
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.scores import Scores
+from harness.records.witness import Witness
 from harness.statics.plan import Step
 
 PatternName = Literal["rest", "rocking", "sliding", "both"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Witness:
-    """An independent program beside an engine: until when it agrees, to which rotation, or the reason why it does not say."""
-
-    until_s: float | None = None
-    to_rad: float | None = None
-    agrees: bool | None = None
-    reason: str = ""
 
 
 class Stretch(NamedTuple):
