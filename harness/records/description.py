@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
@@ -51,7 +52,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "pedestal": None if scene.pedestal is None else vars(scene.pedestal),
         "contact": vars(scene.contact),
         "wall": None if scene.wall is None else {**vars(scene.wall), "touching_rotation_rad": scene.wall_rotation_rad},
-        "initial": vars(scene.initial),
+        "initial": asdict(scene.initial),
         "table": scene.table,
         "output_dt_s": scene.output_dt_s,
         "toml": scene.given,

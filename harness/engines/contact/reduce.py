@@ -48,7 +48,8 @@ class Report:
 def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
     """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
 
-    The run ends at the overturning rotation, the same in every model; the time is interpolated between two samples.
+    The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
+    interpolated between two samples.
     """
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
@@ -145,8 +146,9 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
             return float(t_s[0]), float(t_s[0]), 1
         share = (OVERTURN_RAD - size[k - 1]) / (size[k] - size[k - 1])
         time = float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
-        if time <= scene.duration_s:
+        if time <= scene.duration_s and scene.initial.pose is None:
             return time, time, k + 1
+    # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
     last = scene.duration_s if rested else min(float(t_s[-1]), scene.duration_s)
     count = int(np.searchsorted(t_s, last, side="left")) + 1
     return last, None, min(count, t_s.size)

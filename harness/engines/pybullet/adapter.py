@@ -57,6 +57,7 @@ class Bullet3D(Engine):
         pedestal_tips=True,
         statue_slips=True,
         flies=True,
+        posed_start=True,
         moving_table=True,
         forces=True,
         skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),

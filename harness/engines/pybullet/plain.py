@@ -72,6 +72,7 @@ class PlainBullet3D(Engine):
         pedestal_tips=True,
         statue_slips=True,
         flies=True,
+        posed_start=True,
         forces=True,
         skips=frozenset({"base_only", "no_history", "stop_at_overturn"}),
     )
@@ -150,7 +151,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOp
 
     def ended(t_s: float, row: tuple[float, ...]) -> bool:
         x, y, z = axis_of(row, axis)
-        if want.allows("stop_at_overturn") and fallen(x, y, z):
+        if want.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
             return True
         return want.stop is not None and want.stop(t_s, math.atan2(x, z))
 
