@@ -140,15 +140,15 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
     """End of the run, time of overturning or None, and the number of samples that belong to it."""
     t_s, size = trajectory.t_s, np.abs(trajectory.theta_rad)
     over = np.flatnonzero(size >= OVERTURN_RAD)
-    if over.size:
+    # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
+    if over.size and scene.initial.pose is None:
         k = int(over[0])
         if k == 0:
             return float(t_s[0]), float(t_s[0]), 1
         share = (OVERTURN_RAD - size[k - 1]) / (size[k] - size[k - 1])
         time = float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
-        if time <= scene.duration_s and scene.initial.pose is None:
+        if time <= scene.duration_s:
             return time, time, k + 1
-    # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
     last = scene.duration_s if rested else min(float(t_s[-1]), scene.duration_s)
     count = int(np.searchsorted(t_s, last, side="left")) + 1
     return last, None, min(count, t_s.size)

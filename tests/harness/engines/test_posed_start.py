@@ -112,6 +112,15 @@ def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", POSED)
+def test_a_body_that_begins_on_its_side_runs_to_the_end(name: str) -> None:
+    on = thrown(Pose((0.0, 0.0, 0.5), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)), 0.4)
+    found = run(name, on, 1e-3)
+    assert found.end_s == on.duration_s
+    assert found.history is not None
+    assert found.history.t_s.size == 41
+
+
+@pytest.mark.parametrize("name", POSED)
 def test_a_mirrored_start_gives_the_mirrored_history(name: str) -> None:
     """Across the rocking plane: y and the rotations about x and z change their sign."""
     turn = Rotation.from_euler("xyz", [0.1, -0.05, 0.3])
