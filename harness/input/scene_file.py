@@ -196,7 +196,8 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
     half = 0.5 * depth
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
-    tensor = _block_tensor(mass, inertia, left + right, depth)
+    given = table.inertia_xyz_kg_m2
+    tensor = _block_tensor(mass, inertia, left + right, depth) if given is None else np.diag(given)
     return Statue(mass, height_c, left, right, inertia, height, depth, section, footprint, tensor)
 
 

@@ -24,6 +24,8 @@ Length = Annotated[float, Field(ge=1e-6, le=1e4)]
 Friction = Annotated[float, Field(ge=0.0, le=1e3)]
 Place = Annotated[float, Field(ge=-1e4, le=1e4)]
 Speed = Annotated[float, Field(ge=-1e3, le=1e3)]
+SAME_INERTIA = 1e-9
+"""Two statements of one moment of inertia may differ by rounding."""
 POSE = ("position_m", "quaternion_wxyz", "velocity_m_s", "angular_velocity_rad_s")
 UNIT = 1e-4
 """A quaternion's norm may be off by this much: measured and printed ones are rounded; it is made exact."""
@@ -89,9 +91,23 @@ class StatueTable(Table):
     corner_left_m: Length | None = None
     corner_right_m: Length | None = None
     inertia_kg_m2: Inertia | None = None
+    inertia_xyz_kg_m2: Annotated[tuple[Inertia, Inertia, Inertia] | None, BeforeValidator(list_to_tuple)] = None
     height_m: Length | None = None
     depth_m: Length | None = None
     mesh: MeshTable | None = None
+
+    @model_validator(mode="after")
+    def _one_inertia(self) -> StatueTable:
+        if self.inertia_xyz_kg_m2 is None:
+            return self
+        x, y, z = self.inertia_xyz_kg_m2
+        if self.mesh is not None:
+            raise Contradiction("inertia_xyz_kg_m2", "no moments beside a mesh: it gives them all", "both")
+        if self.inertia_kg_m2 is not None and abs(y - self.inertia_kg_m2) > SAME_INERTIA * y:
+            raise Contradiction("inertia_xyz_kg_m2", f"inertia_kg_m2 = {self.inertia_kg_m2:g} about y", f"{y:g}")
+        if 2.0 * max(x, y, z) > (x + y + z) * (1.0 + SAME_INERTIA):
+            raise Contradiction("inertia_xyz_kg_m2", "no moment above the sum of the other two", f"{x:g}, {y:g}, {z:g}")
+        return self
 
 
 class PedestalTable(Table):

@@ -188,6 +188,8 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
     with World(settings) as world:
         world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+        if scene.contact.restitution is not None:
+            world.bounce(scene.contact.restitution)
         read, client, acting = reader(world), world.client, course.friction.static
         row = read()
         record = Record(len(row))
