@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import Literal, NamedTuple, cast
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
 from harness.model.run import OMITTED, Pattern, Run
 from harness.records.assess import Assessment
 from harness.records.base import Record, Table
@@ -17,27 +18,39 @@ from harness.statics.plan import Step
 PatternName = Literal["rest", "rocking", "sliding", "both"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Intervention:
-    """What one kind of interference with an engine's bodies did over a run: how often, its sums of sizes, energy, steps."""
+@dataclass(frozen=True)
+class Judged:
+    """One run held against a plain engine: whether they agree, until when, and how far the run is from that engine at most.
 
-    count: int
-    sum_dx_m: float
-    sum_dv_m_s: float
-    sum_domega_rad_s: float
-    energy_in_j: float
-    energy_out_j: float
-    steps_solved_again: int
+    `parts_s`: when they part by more than twice their joint numerical error, while both are bounded. `convention_s`: the instant
+    of the choice that decided it, where it is one between conventions; `other`: what the plain engine's choice gives.
+    """
+
+    agrees: bool
+    until_s: float
+    to_rad: float
+    parts_s: float | None = None
+    convention: str = ""
+    convention_s: float | None = None
+    other: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Witness:
-    """An independent program beside an engine: until when it agrees, to which rotation, or the reason why it does not say."""
+    """What one plain engine says: until when it was computed and bounded, its own error, and each run judged against it.
 
-    until_s: float | None = None
-    to_rad: float | None = None
-    agrees: bool | None = None
-    reason: str = ""
+    `reason` says why it says nothing, or why no further than `until_s`. `steps`: of all its runs.
+    """
+
+    engine: str
+    until_s: float
+    to_rad: float | None
+    agrees: bool | None
+    reason: str
+    dt_s: float | None = None
+    uncertainty_rad: float | None = None
+    steps: int = 0
+    runs: Mapping[str, Judged] = field(default_factory=dict)
 
 
 class Stretch(NamedTuple):
@@ -78,7 +91,7 @@ class EngineRunRecord:
     message: str
     motion_axes: Sequence[str] | None = None
     outcome_sentence: str
-    interventions: Mapping[str, Intervention] | None = field(default=None, metadata=OMITTED)
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     @classmethod
     def of(cls, run: Run) -> EngineRunRecord:

@@ -8,11 +8,13 @@ from typing import Final
 import numpy as np
 
 from harness.model.history import History
+from harness.model.interventions import Intervention
+from harness.records.base import Table
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.source import RunSource
 from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
-from reports.text.numbers import listed, short
+from reports.text.numbers import digits, listed, short
 
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
@@ -25,13 +27,33 @@ FOLLOWED: Final[Mapping[str, str]] = {
 
 def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
     """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
-    found = {}
+    found: dict[str, Sequence[tuple[str, str]]] = {}
     for name, run in source.runs.items():
         if not run.validity:
             continue
         before = before_fall(run, source.histories.get(name))
-        found[name] = validity_rows(run.validity, before, run.no_return_time_s)
+        rows = validity_rows(run.validity, before, run.no_return_time_s)
+        found[name] = [*rows, *interventions_row(run.interventions, run.validity)]
     return found
+
+
+def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
+    """What was written to the engine's bodies on the way, in one line; none for an engine as it comes."""
+    if not written:
+        return []
+    every = written.values()
+    kinds = listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    lost = validity.get("lost_in_impacts_j")
+    beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
+    told = (
+        f"{kinds} times: in all {digits(sum(item.moved_m for item in every), 2)} m, "
+        f"{digits(sum(item.velocity_m_s for item in every), 2)} m/s, "
+        f"{digits(sum(item.rate_rad_s for item in every), 2)} rad/s; "
+        f"{digits(sum(item.given_j for item in every), 2)} J given and "
+        f"{digits(sum(item.taken_j for item in every), 2)} J taken"
+        f"{beside}; {sum(item.steps_again for item in every)} steps solved again"
+    )
+    return [("written to its bodies", told)]
 
 
 def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:
