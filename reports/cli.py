@@ -45,6 +45,9 @@ def run(
     out: Out = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
     no_skip: NoSkip = None,
+    no_witness: Annotated[
+        bool, typer.Option("--no-witness", help="Leave out the engines as they come, which confirm each run or not.")
+    ] = False,
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
@@ -77,6 +80,7 @@ def run(
         quiet=quiet or as_json,
         out=folder,
         assess=not no_assess,
+        witness=not no_witness,
     )
     write_result(result, folder)
     _say(plain(result.record()), harness_cli.summary(result), folder, as_json, quiet)

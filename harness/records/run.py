@@ -14,44 +14,10 @@ from harness.records.assess import Assessment
 from harness.records.base import Record, Table
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.scores import Scores
+from harness.records.witness import Witness
 from harness.statics.plan import Step
 
 PatternName = Literal["rest", "rocking", "sliding", "both"]
-
-
-@dataclass(frozen=True)
-class Judged:
-    """One run held against a plain engine: whether they agree, until when, and how far the run is from that engine at most.
-
-    `parts_s`: when they part by more than twice their joint numerical error, while both are bounded. `convention_s`: the instant
-    of the choice that decided it, where it is one between conventions; `other`: what the plain engine's choice gives.
-    """
-
-    agrees: bool
-    until_s: float
-    to_rad: float
-    parts_s: float | None = None
-    convention: str = ""
-    convention_s: float | None = None
-    other: str = ""
-
-
-@dataclass(frozen=True)
-class Witness:
-    """What one plain engine says: until when it was computed and bounded, its own error, and each run judged against it.
-
-    `reason` says why it says nothing, or why no further than `until_s`. `steps`: of all its runs.
-    """
-
-    engine: str
-    until_s: float
-    to_rad: float | None
-    agrees: bool | None
-    reason: str
-    dt_s: float | None = None
-    uncertainty_rad: float | None = None
-    steps: int = 0
-    runs: Mapping[str, Judged] = field(default_factory=dict)
 
 
 class Stretch(NamedTuple):
