@@ -46,8 +46,8 @@ ONE_IMPACT_RAD = 1e-5
 measured at 0.125 ms, 7e-5 at 0.5 ms."""
 
 BOUNCE_RELATIVE = 0.1
-"""Bullet's contact acts from its reach above the floor and within a step: bounces of 0.1 m come to e² h within 8 % at 1 to 0.06 ms
-and at 0.3, 0.5, 0.8 (measured; not in order with the step)."""
+"""Bullet's contact acts from its reach above the floor: bounces of 0.1 m come to e² h within 10 % at 1 to 0.06 ms and at 0.3,
+0.5, 0.8 (measured; not in order with the step)."""
 
 TUMBLE_PLAIN_RAD = 1e-3
 """The same with impacts inside a step: 2.1e-4 rad measured."""
