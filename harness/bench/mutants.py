@@ -56,8 +56,9 @@ def _statue(mass_kg: float, height_m: float, left_m: float, right_m: float, iner
 
 
 def shipped(folder: Path) -> list[Path]:
-    """The scene files of a folder that describe one scene (studies name others)."""
-    return [path for path in sorted(folder.glob("*.toml")) if "\n[statue]" in path.read_text(encoding="utf-8")]
+    """The scene files of a folder that describe one scene (studies name others) that the planar model computes."""
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.toml"))}
+    return [path for path, text in texts.items() if "\n[statue]" in text and "\nposition_m" not in text]
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -21,7 +21,8 @@ from harness.validation.tosses import Toss
 Array = NDArray[np.float64]
 
 STEPS_A_FRAME: Final = 8
-"""Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no quartile by a tenth."""
+"""Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no median by a sixth
+of itself, less than the fit of friction leaves open (docs/scores.md)."""
 
 
 @dataclass(frozen=True)

@@ -157,3 +157,22 @@ def test_a_pose_that_contradicts_itself_or_the_scene_is_refused(tmp_path: Path, 
     statue, _, _ = GOOD.partition("[initial]")
     with pytest.raises(InputError, match=message):
         load_scene(written(tmp_path, statue.rstrip() + "\nheight_m = 1.0\n" + lines))
+
+
+def test_a_block_may_have_all_its_moments_of_inertia(tmp_path: Path) -> None:
+    moments = "inertia_xyz_kg_m2 = [9.0, 8.7, 1.5]\n"
+    tensor = load_scene(written(tmp_path, GOOD + moments)).statue.inertia_tensor_kg_m2
+    assert tensor.tolist() == [[9.0, 0.0, 0.0], [0.0, 8.7, 0.0], [0.0, 0.0, 1.5]]
+
+
+@pytest.mark.parametrize(
+    ("moments", "message"),
+    [
+        ("[9.0, 8.0, 1.5]", r"statue\.inertia_xyz_kg_m2: wanted inertia_kg_m2 = 8\.7 about y, got 8"),
+        ("[20.0, 8.7, 1.5]", r"statue\.inertia_xyz_kg_m2: wanted no moment above the sum of the other two"),
+        ("[9.0, 8.7]", r"statue\.inertia_xyz_kg_m2"),
+    ],
+)
+def test_moments_of_inertia_that_no_body_has_are_refused(tmp_path: Path, moments: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scene(written(tmp_path, GOOD + f"inertia_xyz_kg_m2 = {moments}\n"))

@@ -1,0 +1,200 @@
+"""Measured tosses: read with every mistake told, computed, fitted on a share and scored on the others."""
+
+from __future__ import annotations
+
+import gzip
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.accuracy.simulation import simulate
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError
+from harness.model.history import History
+from harness.model.scene import Scene
+from harness.validation.jobs import parse_model
+from harness.validation.toss_run import FRICTIONS, body_of_tosses, validate_tosses
+from harness.validation.toss_scores import (
+    STEPS_A_FRAME,
+    Coefficients,
+    Errors,
+    TossTask,
+    errors,
+    poses,
+    rotations,
+    scene_of,
+    scored,
+)
+from harness.validation.tosses import COLUMNS, Toss, read_tosses
+from reports.pages.page import write_report
+from tests import budgets_spatial as budget
+from tests.analytic.spatial.reference_body import rotation
+
+FRAME_S = 1.0 / 148.0
+FRICTION = 0.20
+STEADY = (0, 1, 3)
+"""Seeds of throws that 1e-7 m of their start does not send another way (seed 2 is one that it does: 4e-3 m)."""
+
+
+@pytest.fixture(scope="session")
+def cube(root: Path) -> Scene:
+    return load_scene(root / "scenes" / "cube_toss.toml")
+
+
+def thrown(cube: Scene, seed: int, frames: int = 75) -> list[list[float]]:
+    """The lines of one toss of the cube, as pybullet throws it without restitution; velocities as backward differences."""
+    rng = np.random.default_rng(seed)
+    turn = rng.normal(size=4)
+    velocity, spin = np.array([*rng.uniform(-0.6, 0.6, 2), 0.0]), rng.uniform(-3.0, 3.0, 3)
+    places, turns = np.tile([0.0, 0.0, 0.15], (frames, 1)), np.tile(turn / np.linalg.norm(turn), (frames, 1))
+    first = velocity + np.array([0.0, 0.0, 0.5 * cube.gravity_m_s2 * FRAME_S])
+    scene = scene_of(cube, Toss("", FRAME_S, places, turns, first, spin), Coefficients(FRICTION))
+    run = simulate(scene, "pybullet:plain", dt_s=FRAME_S / STEPS_A_FRAME)
+    assert run.history is not None
+    matrices, centroids = poses(cube.statue, run.history)
+    quaternions = Rotation.from_matrix(matrices).as_quat()[:, [3, 0, 1, 2]]
+    rates = [*first, *spin]
+    return [[k * FRAME_S, *centroids[k], *quaternions[k], *rates] for k in range(frames)]
+
+
+def written(folder: Path, tosses: dict[str, list[list[float]]], packed: bool = False) -> Path:
+    text = ",".join(COLUMNS) + "\n"
+    text += "".join(
+        f"{name},{','.join(f'{value:.12g}' for value in row)}\n" for name, rows in tosses.items() for row in rows
+    )
+    path = folder / ("tosses.csv.gz" if packed else "tosses.csv")
+    path.write_bytes(gzip.compress(text.encode()) if packed else text.encode())
+    return path
+
+
+def flying(frames: int = 4) -> list[list[float]]:
+    """A cube that hangs upright in the air."""
+    return [[k * FRAME_S, 0.0, 0.0, 0.0524, 1.0, *([0.0] * 9)] for k in range(frames)]
+
+
+def test_a_toss_is_read_and_stood_on_the_table(tmp_path: Path, cube: Scene) -> None:
+    low = [[*row[:3], row[3] - 0.002, *row[4:]] for row in flying()]
+    toss = read_tosses(written(tmp_path, {"a": low}, packed=True), cube.statue)[0]
+    assert toss.raised_m == pytest.approx(0.002, rel=budget.BALANCE_RELATIVE * 1e3)
+    assert toss.places_m[:, 2] == pytest.approx(0.0524)
+    assert toss.frame_s == pytest.approx(FRAME_S)
+    assert toss.start(9.81).velocity_m_s == (0.0, 0.0, pytest.approx(-0.5 * 9.81 * FRAME_S))
+
+
+@pytest.mark.parametrize(
+    ("tosses", "message"),
+    [
+        ({"a": flying(2)}, r"toss a: wanted at least 3 frames, got 2"),
+        ({"a": [[2.0 * row[0] ** 2, *row[1:]] for row in flying()]}, r"toss a: wanted evenly spaced times from 0"),
+        ({"a": [[*row[:4], 1.1, *row[5:]] for row in flying()]}, r"toss a: wanted unit quaternions, got one of norm 1\.1"),
+        ({"a": [row[:-1] for row in flying()]}, r"line 2: wanted 15 cells, got 14"),
+        ({"a": [[*row[:-1], math.nan] for row in flying()]}, r"line 2: wanted decimal numbers"),
+    ],
+)  # fmt: skip
+def test_a_wrong_table_says_where(
+    tmp_path: Path, cube: Scene, tosses: dict[str, list[list[float]]], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        read_tosses(written(tmp_path, tosses), cube.statue)
+
+
+def test_frames_of_one_toss_stand_together(tmp_path: Path, cube: Scene) -> None:
+    path = written(tmp_path, {"a": flying(), "b": flying()})
+    path.write_text(path.read_text() + "".join(f"a,{','.join(map(str, row))}\n" for row in flying()))
+    with pytest.raises(InputError, match="wanted all its frames after each other"):
+        read_tosses(path, cube.statue)
+
+
+def test_a_table_of_tosses_wants_a_body_and_no_other_options(tmp_path: Path, root: Path) -> None:
+    table, body = written(tmp_path, {"a": flying()}), root / "scenes" / "cube_toss.toml"
+    assert body_of_tosses(table, body, samples=0, resume=False, fit_share="fit") == body
+    with pytest.raises(InputError, match="--body: wanted the scene whose statue was thrown"):
+        body_of_tosses(table, None)
+    with pytest.raises(InputError, match="--samples: wanted no such option with a table of tosses"):
+        body_of_tosses(table, body, samples=5)
+    tests = tmp_path / "tests.csv"
+    tests.write_text("test,scene,observed\n")
+    assert body_of_tosses(tests, None) is None
+    with pytest.raises(InputError, match="--body: wanted a table of tosses beside it"):
+        body_of_tosses(tests, body)
+
+
+def columns(cube: Scene, turns: np.ndarray, places: np.ndarray) -> History:
+    """A history with the columns that engines of three dimensions record."""
+    zero = np.zeros(len(turns))
+    extra = {
+        "roll_rad": np.arctan2(turns[:, 2, 1], turns[:, 2, 2]),
+        "pitch_rad": np.arcsin(-turns[:, 2, 0]),
+        "yaw_rad": np.arctan2(turns[:, 1, 0], turns[:, 0, 0]),
+    }
+    corner = places + turns @ np.array([cube.statue.corner_right_m, 0.0, -cube.statue.centroid_height_m])
+    extra |= {f"corner_right_{axis}_m": corner[:, k] for k, axis in enumerate("xyz")}
+    return History(np.arange(len(turns)) * FRAME_S, zero, zero, zero, zero, extra)
+
+
+def test_poses_come_back_from_columns(cube: Scene) -> None:
+    rng = np.random.default_rng(3)
+    quaternions = rng.normal(size=(50, 4))
+    turns = rotations(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
+    places = rng.normal(size=(50, 3))
+    turn, place = poses(cube.statue, columns(cube, turns, places))
+    assert np.max(np.abs(turn - turns)) < budget.INTEGRATED
+    assert np.max(np.abs(place - places)) < budget.INTEGRATED
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-6, 0.3, 3.1])
+def test_errors_are_the_turn_and_the_shift_that_were_put_in(tmp_path: Path, cube: Scene, angle: float) -> None:
+    toss = read_tosses(written(tmp_path, {"a": flying()}), cube.statue)[0]
+    turned = rotation(np.array([math.cos(angle / 2), 0.0, 0.6 * math.sin(angle / 2), 0.8 * math.sin(angle / 2)]))
+    shift = np.array([0.03, 0.0, 0.04])
+    found = errors(toss, cube.statue, columns(cube, np.array([turned] * 4), toss.places_m + shift))
+    assert found.rotation_rad == pytest.approx([angle] * 4, abs=budget.INTEGRATED)
+    assert found.place_m == pytest.approx([0.05] * 4, abs=budget.INTEGRATED)
+    assert (found.points_m >= 0.05 - budget.INTEGRATED).all()
+
+
+def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Path, cube: Scene) -> None:
+    """Three plastic tosses of friction 0.20, thrown by pybullet as it comes: it finds them again to what the table keeps."""
+    pytest.importorskip("pybullet")
+    assert FRICTION in FRICTIONS
+    table = written(tmp_path, {str(seed): thrown(cube, seed) for seed in STEADY})
+    body = root / "scenes" / "cube_toss.toml"
+    found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1)
+    model = found["models"]["pybullet:plain"]
+    assert (model["friction"], model["restitution"]) == (FRICTION, 0.0)
+    assert len(found["fitted_on"]) == 1
+    assert len(model["rows"]) == 2
+    assert not model["failed"]
+    assert model["frames"]["place_m"]["median"] < budget.THROWN_AGAIN_M
+    assert model["missed_m"]["by_restitution"]["0.4"] > model["missed_m"]["by_restitution"]["0.0"]
+    page = write_report(tmp_path / "out").read_text(encoding="utf-8")
+    assert "Validation against 3 measured tosses" in page
+    assert "friction 0.2, restitution 0" in page
+
+
+def test_an_engine_that_cannot_bounce_says_so(tmp_path: Path, cube: Scene) -> None:
+    pytest.importorskip("pybullet")
+    toss = read_tosses(written(tmp_path, {"0": thrown(cube, 0, 20)}), cube.statue)[0]
+    pairs = (Coefficients(0.2), Coefficients(0.2, 0.3))
+    plastic, bouncing = scored(TossTask(cube, toss, parse_model("pybullet"), pairs))
+    assert isinstance(plastic, Errors)
+    assert isinstance(bouncing, str)
+    assert "plastic impacts only" in bouncing
+
+
+def test_real_tosses_slide_with_the_friction_that_their_authors_found(
+    tmp_path: Path, root: Path, data_dir: Path
+) -> None:
+    pytest.importorskip("pybullet")
+    table, body = data_dir / "tosses" / "cube_tosses.csv.gz", root / "scenes" / "cube_toss.toml"
+    if not table.is_file():
+        pytest.skip(f"real data absent: {table}")
+    found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1, most=6)
+    model = found["models"]["pybullet:plain"]
+    low, high = budget.MEASURED_FRICTION
+    assert low <= model["friction"] <= high
+    assert model["restitution"] <= budget.MEASURED_RESTITUTION
+    assert model["frames"]["rotation_rad"]["median"] < budget.TOSSED_RAD
