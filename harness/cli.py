@@ -216,7 +216,7 @@ def compute(
             accuracy_rad=accuracy,
             dt_s=dt,
             want=want,
-            told=telling.engine,
+            on_progress=telling.engine,
             apart=True,
             iso=iso,
             horizon=horizon,
