@@ -54,6 +54,7 @@ PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
 class RunSource:
     """The record of one run with the histories that it names; `mesh` is the statue's mesh file, None without one."""
 
+    folder: Path
     record: RunRecord
     histories: Mapping[str, History]
     mesh: Path | None
@@ -155,7 +156,7 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
-    return RunSource(record, histories, mesh if mesh.is_file() else None)
+    return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
 
 
 def scene_of(record: Mapping[str, Any]) -> SceneRecord:
