@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -137,8 +138,9 @@ def run_source(folder: Path) -> RunSource:
     return source_of(folder, record)
 
 
+@lru_cache(maxsize=1)
 def source_of(folder: Path, record: RunRecord) -> RunSource:
-    """The record of a run with what lies beside it. Raises `InputError` where that is lost or was changed."""
+    """The record of a run with what lies beside it, read once for all pages; raises `InputError` where that is lost."""
     # Records of older versions do not say which histories they kept: what lies there is all.
     names = record.runs if record.histories is None else record.histories
     paths = {name: folder / history_file(name) for name in names}
