@@ -138,11 +138,11 @@ def compare(
             typer.echo(table_of(pair, to_plain(scores)))
 
 
-def table_of(title: str, scores: Mapping[str, Any]) -> str:
+def table_of(title: str, scores: Mapping[str, object]) -> str:
     """One pair's scores as aligned lines; lists are counted."""
     lines = [title]
     for name, value in scores.items():
-        if name == "warnings":
+        if name == "warnings" and isinstance(value, list):
             lines += [f"  warning: {text}" for text in value]
         elif isinstance(value, float):
             lines.append(f"  {name:34} {value:.6g}")
@@ -169,7 +169,7 @@ def salvage(
     say(found, f"{fresh}: {saved}", as_json, quiet)
 
 
-def say(found: Mapping[str, Any] | Sequence[Any], text: str, as_json: bool, quiet: bool) -> None:
+def say(found: Mapping[str, object] | Sequence[object], text: str, as_json: bool, quiet: bool) -> None:
     """What a command found: as JSON, or as text, or not at all."""
     if as_json:
         typer.echo(json_text(found))
@@ -216,7 +216,7 @@ def compute(
             accuracy_rad=accuracy,
             dt_s=dt,
             want=want,
-            told=telling.engine,
+            on_progress=telling.engine,
             apart=True,
             iso=iso,
             horizon=horizon,

@@ -120,12 +120,8 @@ def _must_have_thickness(mesh: RawMesh) -> None:
     """Refuse a flat sheet before anything is made of it."""
     extent = np.ptp(mesh.vertices, axis=0)
     if extent.min() < 0.01 * extent.max():
-        raise MeshError(
-            "a body",
-            f"a flat sheet of {extent[0]:.4g} × {extent[1]:.4g} × {extent[2]:.4g} units",
-            "scan it from all sides",
-            place=mesh.source,
-        )
+        size = " × ".join(f"{each:.4g}" for each in extent)
+        raise MeshError("a body", f"a flat sheet of {size} units", "scan it from all sides", place=mesh.source)
 
 
 def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
@@ -134,12 +130,7 @@ def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
         return
     size = unit_length_m(wanted.unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
-        raise MeshError(
-            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
-            f"a body of {size:.4g} m from corner to corner with unit {wanted.unit}",
-            "check the unit the scan was exported in",
-            place=mesh.source,
-        )
+        raise _wrong_size(f"a body of {size:.4g} m from corner to corner with unit {wanted.unit}", mesh.source)
 
 
 def _mended(state: Prepared, wanted: Wanted) -> Prepared:
@@ -197,16 +188,16 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             place=state.mesh.source,
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
-        raise MeshError(
-            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
-            f"{unit_m * height:.4g} m ({why})",
-            "check the unit the scan was exported in",
-            place=state.mesh.source,
-        )
+        raise _wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
     account = state.account.scaled(unit_m)
     if unit_m != 1.0:
         account = account.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
     return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), account)
+
+
+def _wrong_size(got: str, place: str) -> MeshError:
+    wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
+    return MeshError(wanted, got, "check the unit the scan was exported in", place)
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:

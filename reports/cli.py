@@ -219,8 +219,6 @@ def validate(
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
-
-
 Parts = Annotated[
     str | None,
     typer.Option(

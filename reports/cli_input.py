@@ -158,6 +158,8 @@ def motion_inspect(
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.input.motions.layout import Layout
     from harness.model.run import write_json
+    from harness.records.base import plain
+    from harness.records.inspection import InspectionRecord
     from harness.records.result_folder import check_folder, check_listed, listing, named_after, writing
     from reports.export.motion_figure import figure
 
@@ -169,9 +171,9 @@ def motion_inspect(
     folder.mkdir(parents=True, exist_ok=True)
     with writing(picture) as fresh:
         figure(found).savefig(fresh, dpi=150)
-    write_json(account, found.record() | {"files": listing([picture], pages=False)})
+    write_json(account, plain(InspectionRecord.of(found, listing([picture], pages=False))))
     if as_json:
-        typer.echo(json_text(found.record()))
+        typer.echo(json_text(plain(InspectionRecord.of(found))))
     elif not quiet:
         typer.echo(printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said)))
         rows = [[printable(cell) for cell in row] for row in found.table()]

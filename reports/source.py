@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -54,6 +55,7 @@ PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
 class RunSource:
     """The record of one run with the histories that it names; `mesh` is the statue's mesh file, None without one."""
 
+    folder: Path
     record: RunRecord
     histories: Mapping[str, History]
     mesh: Path | None
@@ -136,8 +138,9 @@ def run_source(folder: Path) -> RunSource:
     return source_of(folder, record)
 
 
+@lru_cache(maxsize=1)
 def source_of(folder: Path, record: RunRecord) -> RunSource:
-    """The record of a run with what lies beside it. Raises `InputError` where that is lost or was changed."""
+    """The record of a run with what lies beside it, read once for all pages; raises `InputError` where that is lost."""
     # Records of older versions do not say which histories they kept: what lies there is all.
     names = record.runs if record.histories is None else record.histories
     paths = {name: folder / history_file(name) for name in names}
@@ -155,7 +158,7 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
-    return RunSource(record, histories, mesh if mesh.is_file() else None)
+    return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
 
 
 def scene_of(record: Mapping[str, Any]) -> SceneRecord:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ class ModelDraws:
         return float(self.overturned.mean())
 
 
-def sweepable(scene: Scene, keys: Mapping[str, Any]) -> bool:
+def sweepable(scene: Scene, keys: Iterable[str]) -> bool:
     """Whether the compiled sweep takes every key of this scene."""
     return all(_sweep_of(scene, key, np.ones(1)) is not None for key in keys)
 

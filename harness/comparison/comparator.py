@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, TypedDict
 
 import numpy as np
 
 from harness.comparison.scores import energy, events, pointwise
 from harness.comparison.scores.beyond import after_horizon
 from harness.comparison.scores.matched import event_scores, numerical_uncertainty
-from harness.comparison.verdict import Judgement, Side, judge, side_of
+from harness.comparison.verdict import Side, judge, side_of
 from harness.input.history_file import gaps, read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
@@ -64,6 +64,7 @@ def compare(
     found = events.excursions(history_a), events.excursions(history_b)
     inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
+    judgement = judge(*sides, both, peaks)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
     return Scores(
         a=names[0],
@@ -81,7 +82,9 @@ def compare(
         **_outcomes(a, b),
         after_horizon=after_horizon(found, both, until),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, until),
-        **_judged(judge(*sides, both, peaks)),
+        verdict=judgement.verdict,
+        verdict_sentence=judgement.sentence,
+        evidence=judgement.evidence,
         iso=_iso(within) if iso else None,
     )
 
@@ -155,7 +158,16 @@ def _finite(time_s: float) -> float | None:
     return time_s if math.isfinite(time_s) else None
 
 
-def _pointwise(within: Pair) -> dict[str, Any]:
+class _Pointwise(TypedDict):
+    rms_theta_rad: float
+    largest_difference_rad: float
+    rms_slip_m: float
+    magnitude: float | None
+    phase: float | None
+    combined: float | None
+
+
+def _pointwise(within: Pair) -> _Pointwise:
     geers = pointwise.sprague_geers(within)
     return {
         "rms_theta_rad": pointwise.rms_rad(within),
@@ -167,7 +179,14 @@ def _pointwise(within: Pair) -> dict[str, Any]:
     }
 
 
-def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
+class _Peaks(TypedDict):
+    peak_theta_a_rad: float
+    peak_theta_b_rad: float
+    peak_ratio: float | None
+    peak_time_difference_s: float
+
+
+def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> _Peaks:
     both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
     ratio = abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None)
     return {
@@ -178,7 +197,12 @@ def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> dict[str, Any]:
     }
 
 
-def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> dict[str, Any]:
+class _Residuals(TypedDict):
+    residual_theta_difference_rad: float | None
+    residual_slip_difference_m: float | None
+
+
+def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> _Residuals:
     """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
     stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
     known = stood and until_s >= both.end_s
@@ -188,7 +212,15 @@ def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -
     }
 
 
-def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
+class _Outcomes(TypedDict):
+    outcome_a: Outcome | None
+    outcome_b: Outcome | None
+    outcome_agrees: bool | None
+    side_agrees: bool | None
+    no_return_time_difference_s: float | None
+
+
+def _outcomes(a: Run | History, b: Run | History) -> _Outcomes:
     outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
     times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
     first, second = outcomes
@@ -205,14 +237,6 @@ def _outcomes(a: Run | History, b: Run | History) -> dict[str, Any]:
     }
 
 
-def _judged(judgement: Judgement) -> dict[str, Any]:
-    return {
-        "verdict": judgement.verdict,
-        "verdict_sentence": judgement.sentence,
-        "evidence": judgement.evidence,
-    }
-
-
 def _iso(both: Pair) -> IsoRating:
     from harness.comparison.scores import iso
 
@@ -223,15 +247,20 @@ def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Si
     """What can be said when a run kept only its outcome."""
     peaks = _peak_alone(a), _peak_alone(b)
     none = events.NO_EXCURSIONS
-    blank: dict[str, Any] = {
-        field.name: None
-        for field in fields(Scores)
-        if field.name.startswith(("compared", "coverage", "rms", "largest", "residual", "after", "together_until"))
-    }
+    judgement = judge(*sides, None, peaks)
     return Scores(
         a=sides[0].name,
         b=sides[1].name,
-        **blank,
+        compared_from_s=None,
+        compared_until_s=None,
+        coverage=None,
+        rms_theta_rad=None,
+        largest_difference_rad=None,
+        rms_slip_m=None,
+        residual_theta_difference_rad=None,
+        residual_slip_difference_m=None,
+        together_until_s=None,
+        after_horizon=None,
         horizon_s=_finite(min(side.until_s for side in sides)),
         together_tolerance_rad=together_rad,
         magnitude=None,
@@ -241,7 +270,9 @@ def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Si
         **event_scores(none, none, None),
         **_outcomes(a, b),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none)),
-        **_judged(judge(*sides, None, peaks)),
+        verdict=judgement.verdict,
+        verdict_sentence=judgement.sentence,
+        evidence=judgement.evidence,
     )
 
 

@@ -181,7 +181,7 @@ def _versions() -> Mapping[str, str]:
     return found
 
 
-def machine() -> dict[str, Any]:
+def machine() -> dict[str, str | int]:
     """What computed: system, processor, cores."""
     return {"system": platform.system(), "processor": _processor(), "cores": os.cpu_count() or 1}
 

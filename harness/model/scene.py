@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.model.run import OMITTED
 
 if TYPE_CHECKING:
     from meshes import Solid
@@ -166,7 +167,7 @@ class Initial:
 
     theta_rad: float = 0.0
     theta_rate_rad_s: float = 0.0
-    pose: Pose | None = None
+    pose: Pose | None = field(default=None, metadata=OMITTED)
 
     @property
     def still(self) -> bool:

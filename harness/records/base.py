@@ -29,6 +29,7 @@ TYPE_NAME: Final = re.compile(
 )
 """What pydantic puts into a location beside keys: the branch of a union."""
 
+LONE: Final = re.compile("[\ud800-\udfff]")
 Json = JsonValue
 Table = Mapping[str, JsonValue]
 """An open table: what stands in it is an engine's or a user's own."""
@@ -67,10 +68,19 @@ def schema_name(kind: str) -> str:
 def validated(kind: type[T], text: str | bytes, where: Path) -> T:
     """A record from its JSON text. Raises `InputError` naming file and key of what is absent or of another form."""
     try:
-        return _adapter(kind).validate_json(text)
+        return _adapter(kind).validate_json(_in_utf8(text))
     except ValidationError as error:
         mistakes = dict.fromkeys(_mistake(detail, str(where)) for detail in error.errors(include_url=False))
         raise InputError(list(mistakes)[:MOST_MISTAKES]) from error
+
+
+def _in_utf8(text: str | bytes) -> str:
+    """The text with bytes of a file's name that are no UTF-8 as their escapes: json writes them, pydantic does not read them."""
+    if isinstance(text, bytes):
+        text = text.decode("utf-8")
+    if "\\ud" not in text and "\\uD" not in text:
+        return text
+    return LONE.sub(lambda mark: f"\\\\u{ord(mark.group()):04x}", json.dumps(json.loads(text), ensure_ascii=False))
 
 
 def part(kind: type[T], values: Any, where: Path) -> T:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
-from harness.engines.base import EngineFailure
+from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.history import Outcome, history_file
 from harness.model.options import RunOptions
@@ -24,6 +24,7 @@ from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
+from harness.scene_run.confirmation import FINER, doubted
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -83,7 +84,7 @@ def run_scene(
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
     want: RunOptions | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    on_progress: Callable[[str], None] = lambda text: None,
     iso: bool = False,
     horizon: bool = False,
     apart: bool = False,
@@ -91,7 +92,7 @@ def run_scene(
     witness: bool = False,
     stored: Mapping[str, Run] | None = None,
 ) -> Result:
-    """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
+    """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs
@@ -105,59 +106,92 @@ def run_scene(
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
     steps = plan(scene, loaded, want, engines.REGISTRY)
     start = time.perf_counter()
-    left = [item for item in loaded if item.name not in (stored or {})]
-    beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
-    beside = [item for item in beside if item.missing() is None]
-    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
-        waiting = {item.name: threads.submit(_apart, item.name, scene, accuracy_rad, dt_s, want) for item in beside}
-        here: dict[str, Run] = dict(stored or {})
-        for engine in loaded:
-            told(engine.name)
-            if engine.name not in waiting and engine.name not in here:
-                here[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, want)
-        for name, future in waiting.items():
-            if not future.done():
-                told(f"{name}, still")
-            here[name] = future.result()
-    runs = {item.name: here[item.name] for item in loaded}
+    target = Target(accuracy_rad, dt_s, want)
+    runs = _runs(scene, loaded, target, stored or {}, on_progress, apart=apart)
     answers = [run for run in runs.values() if not run.outcome.failed]
-    horizons = _horizons(scene, answers, told, every=horizon) if len(answers) > 1 or horizon else {}
+    horizons = _horizons(scene, answers, on_progress, every=horizon) if len(answers) > 1 or horizon else {}
     known = {name: found.intrinsic_s for name, found in horizons.items()}
     scores = _scores(scene, answers, known, iso)
     own = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
-    if dt_s is None and len(answers) > 1:
-        from harness.scene_run.confirmation import FINER, doubted
-
-        finer_rad = (accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
-        doubtful = sorted(own & doubted(scores))
-        for name in doubtful:
-            told(f"{name}, again and finer")
-            again = simulate_with(engines.load(name), scene, finer_rad, None, want)
-            if not again.outcome.failed:
-                runs[name] = again
-                note = f"{name} was run to {finer_rad:g} rad, before its difference from another model was judged"
-                scene = scene.but(notes=(*scene.notes, note))
-        if doubtful:
-            answers = [run for run in runs.values() if not run.outcome.failed]
-            scores = _scores(scene, answers, known, iso)
+    finer = _finer_runs(scene, own, target, scores, on_progress) if dt_s is None and len(answers) > 1 else {}
+    if finer:
+        runs |= finer
+        told = f"was run to {target.finer_rad:g} rad, before its difference from another model was judged"
+        scene = scene.but(notes=(*scene.notes, *(f"{name} {told}" for name in finer)))
+        answers = [run for run in runs.values() if not run.outcome.failed]
+        scores = _scores(scene, answers, known, iso)
     seen: Mapping[str, Witness] = {}
     if witness:
         from harness.scene_run.witness import witnesses
 
-        told("witness")
+        on_progress("witness")
         seen = witnesses(scene, runs, want)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
-    assessed = _assessed(scene, told) if assess else {}
+    assessed = _assessed(scene, on_progress) if assess else {}
     return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessed, seen)
 
 
-def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment]:
+@dataclass(frozen=True)
+class Target:
+    """What a run aims at: an accuracy, rad, or the expert's own step, s (neither: the default accuracy); and its options."""
+
+    accuracy_rad: float | None
+    dt_s: float | None
+    options: RunOptions
+
+    @property
+    def finer_rad(self) -> float:
+        """The target of a run that is made again before models are said to differ."""
+        return (self.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+
+
+def _runs(
+    scene: Scene,
+    loaded: Sequence[Engine],
+    target: Target,
+    stored: Mapping[str, Run],
+    on_progress: Callable[[str], None],
+    *,
+    apart: bool,
+) -> dict[str, Run]:
+    """The runs of all engines in their order, of which some are there already; with `apart` those in 3D beside the others."""
+    left = [item for item in loaded if item.name not in stored]
+    beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
+    beside = [item for item in beside if item.missing() is None]
+    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
+        waiting = {item.name: threads.submit(_apart, item.name, scene, target) for item in beside}
+        here = dict(stored)
+        for engine in loaded:
+            on_progress(engine.name)
+            if engine.name not in waiting and engine.name not in here:
+                here[engine.name] = simulate_with(engine, scene, target.accuracy_rad, target.dt_s, target.options)
+        for name, future in waiting.items():
+            if not future.done():
+                on_progress(f"{name}, still")
+            here[name] = future.result()
+    return {item.name: here[item.name] for item in loaded}
+
+
+def _finer_runs(
+    scene: Scene, own: set[str], target: Target, scores: Mapping[str, Scores], on_progress: Callable[[str], None]
+) -> dict[str, Run]:
+    """Runs to a finer target of the engines among `own` whose difference from another model is near its limit."""
+    runs = {}
+    for name in sorted(own & doubted(scores)):
+        on_progress(f"{name}, again and finer")
+        again = simulate_with(engines.load(name), scene, target.finer_rad, None, target.options)
+        if not again.outcome.failed:
+            runs[name] = again
+    return runs
+
+
+def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
     from harness.assess.assessment import MODEL, assess_model
 
-    told("probability")
+    on_progress("probability")
     try:
         answer = assess_model(scene)
     except AnalyticInputError:  # the model refuses this scene; its own run says why
@@ -177,13 +211,15 @@ def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], is
     }
 
 
-def _apart(name: str, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
+def _apart(name: str, scene: Scene, target: Target) -> Run:
     from harness.campaign.isolate import simulate_isolated
 
-    return simulate_isolated(scene, name, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
+    return simulate_isolated(scene, name, accuracy_rad=target.accuracy_rad, dt_s=target.dt_s, want=target.options)
 
 
-def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None], *, every: bool) -> dict[str, Horizon]:
+def _horizons(
+    scene: Scene, runs: Sequence[Run], on_progress: Callable[[str], None], *, every: bool
+) -> dict[str, Horizon]:
     from harness.accuracy.horizon import horizon_beside
 
     found = {}
@@ -192,11 +228,11 @@ def _horizons(scene: Scene, runs: Sequence[Run], told: Callable[[str], None], *,
         if not (every or engine.capabilities.certifies):
             continue
         if every:
-            told(f"{run.engine}, horizon")
+            on_progress(f"{run.engine}, horizon")
         try:
             found[run.engine] = horizon_beside(engine, scene, run)
         except EngineFailure as error:
-            told(f"{run.engine} has no horizon: {error}")
+            on_progress(f"{run.engine} has no horizon: {error}")
     return found
 
 

@@ -9,7 +9,7 @@ from harness.assess.assessment import percent, sentence
 from harness.model.scene import Uncertain
 from harness.records.assess import Assessment, AssessRecord, FragilityRecord, Index, NotAssessed, ProbabilityDifference
 from reports.charts.palette import HAIRLINE, INK, MUTED
-from reports.text.chance import tone
+from reports.text.chance import tone_of_probability
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
 
@@ -53,7 +53,7 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
     if most.total >= MATTERS:
         points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
-    return Verdict(f"The statue {sentence(answers[first])}", tone(worst), points)
+    return Verdict(f"The statue {sentence(answers[first])}", tone_of_probability(worst), points)
 
 
 def _cells(item: Assessment | NotAssessed | None) -> list[str]:

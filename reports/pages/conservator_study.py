@@ -9,12 +9,14 @@ from typing import Any, Final
 
 from harness.model.history import Outcome
 from reports.charts.static_svg import still
-from reports.pages.conservator import Picture, end_words, order_picture, push_picture, reach_picture
+from reports.pages.conservator import reach_picture
+from reports.pages.conservator_parts import LIMITS, Picture, end_words, order_picture, push_picture
 from reports.source import run_source, scene_of
+from reports.text.chance import tone_of_outcomes
 from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
 from reports.text.numbers import count_word, heading, listed, percent, short
 from reports.text.pedestal_effect import pedestal_effect
-from reports.text.study_rows import Condition, agreement, conditions, family, tone
+from reports.text.study_rows import Condition, agreement, conditions, family
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
@@ -39,6 +41,12 @@ STRENGTHS: Final = (
 """Keys that vary the strength of a level shaking."""
 
 
+def context(folder: Path, record: Mapping[str, Any]) -> dict[str, object]:
+    """Everything that the conservator's template shows of a study."""
+    page = of_study(record) if record["kind"] == "study" else of_effects(folder, record)
+    return page | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
+
+
 def of_study(record: Mapping[str, Any]) -> dict[str, Any]:
     """Headline, points and pictures of a study."""
     models, found = conditions(record["rows"])
@@ -46,7 +54,7 @@ def of_study(record: Mapping[str, Any]) -> dict[str, Any]:
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     return {
         "headline": _headline(ends),
-        "tone": tone([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
+        "tone": tone_of_outcomes([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
         "points": [*_asked(record, models), *_by_model(ends), *_bore(found), *_agree(models, found)],
         "pictures": _pictures(record, models, found),
     }

@@ -19,8 +19,12 @@ Content = Record | dict[str, Any]
 """A record as its class, or as plain values where its kind has none."""
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
-CONSERVATOR_KINDS: Final = ("run", "study", "effects3d")
-"""The kinds of record that a conservator's page can be written of."""
+CONSERVATOR_PAGES: Final = {
+    "run": "reports.pages.conservator",
+    "study": "reports.pages.conservator_study",
+    "effects3d": "reports.pages.conservator_study",
+}
+"""Which module knows the conservator's page of a kind of record."""
 
 PAGES: Final = {
     "run": "reports.pages.run_page",
@@ -57,7 +61,7 @@ def write_report(folder: Path) -> Path:
 
 def _pages(record: Content) -> dict[str, Callable[[Path, Content], str]]:
     """What builds each page of a record, by file name."""
-    plain = {CONSERVATOR_NAME: _conservator} if kind_of(record) in CONSERVATOR_KINDS else {}
+    plain = {CONSERVATOR_NAME: _conservator} if kind_of(record) in CONSERVATOR_PAGES else {}
     return {REPORT_NAME: _report, **plain}
 
 
@@ -68,10 +72,8 @@ def _report(folder: Path, record: Content) -> str:
     return _render(f"{kind}.html.j2", values | machinery)
 
 
-def _conservator(folder: Path, record: Any) -> str:
-    from reports.pages.conservator import context
-
-    return _render("conservator.html.j2", context(folder, record))
+def _conservator(folder: Path, record: Content) -> str:
+    return _render("conservator.html.j2", import_module(CONSERVATOR_PAGES[kind_of(record)]).context(folder, record))
 
 
 def _render(template: str, values: Mapping[str, object]) -> str:

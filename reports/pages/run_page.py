@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.run import PATTERN_NAMES
 from harness.model.scene import Initial
@@ -98,7 +98,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
     }
 
 
-def replay_values(source: RunSource) -> dict[str, Any]:
+def replay_values(source: RunSource) -> dict[str, object]:
     """What the replay's part of the page shows: the models, the packed data, what is drawn."""
     names = list(source.histories)
     solid = default_model(source)

@@ -15,6 +15,7 @@ from reports.charts.study_figures import fragility_figure, panel_data, rose_figu
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
 from reports.source import scene_of
+from reports.text.chance import tone_of_outcomes
 from reports.text.numbers import heading, label, listed, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
@@ -27,7 +28,6 @@ from reports.text.study_rows import (
     conditions,
     family,
     model_name,
-    tone,
     varying_keys,
 )
 from reports.text.wording import Verdict
@@ -119,7 +119,7 @@ def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Seque
     if not pairs:
         answers = [item.answers.get(model) for model in models for item in found]
         ends = [family(row["run"]["outcome"]) for row in answers if row is not None and row["run"] is not None]
-        return Verdict(_falls(models, found), tone(ends), points)
+        return Verdict(_falls(models, found), tone_of_outcomes(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, agreed, points)
 

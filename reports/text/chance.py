@@ -1,9 +1,9 @@
-"""The probability of a fall on pages: its sentence, and the colour that follows from it, never from one run."""
+"""The colour of every verdict on pages, from a probability of falling or from outcomes; a run's headline with its probability."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Iterable, Mapping
+from typing import Final, Literal
 
 from harness.assess.assessment import sentence
 from harness.records.assess import Assessment
@@ -14,11 +14,18 @@ SAFE_HIGH: Final = 0.10
 """its interval stays below this."""
 LIKELY: Final = 0.5
 """From here on a fall is the likelier end."""
-SEVERITY: Final = ("agree", "differ", "failed")
+Tone = Literal["agree", "differ", "failed"]
+SEVERITY: Final[tuple[str, ...]] = ("agree", "differ", "failed")
 
 
-def tone(item: Assessment) -> str:
-    """The colour of a probability: green only where a fall is improbable, and its interval says so too."""
+def tone_of_outcomes(families: Iterable[str]) -> Tone:
+    """The colour of outcomes by their families (`study_rows.family`): `agree` only where every answer is that it stands."""
+    ends = set(families)
+    return "agree" if ends == {"stands"} else "differ" if ends & {"stands", "wall"} else "failed"
+
+
+def tone_of_probability(item: Assessment) -> Tone:
+    """The colour of a probability: `agree` only where a fall is improbable, and its interval says so too."""
     if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
         return "agree"
     return "failed" if item.probability_overturned >= LIKELY else "differ"
@@ -33,5 +40,5 @@ def first_line(answers: Mapping[str, Assessment] | None, headline: str, colour: 
         return headline, colour
     item = max(answers.values(), key=lambda each: each.high)
     nominal = headline[0].lower() + headline[1:]
-    worse = max(colour, tone(item), key=SEVERITY.index)
+    worse = max(colour, tone_of_probability(item), key=SEVERITY.index)
     return f"The statue {sentence(item)}. As given, once: {nominal}", worse

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import Any, Final
+from typing import Final
 
+from harness.records.base import Table
 from harness.records.scores import AfterHorizon, Scores
 from reports.text.numbers import digits, label, plain, split_unit
 
@@ -133,9 +134,7 @@ def _score(scores: Scores, key: str) -> str:
     return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
 
 
-def validity_rows(
-    validity: Mapping[str, Any], before: Mapping[str, float], until_s: float | None
-) -> Sequence[tuple[str, str]]:
+def validity_rows(validity: Table, before: Mapping[str, float], until_s: float | None) -> Sequence[tuple[str, str]]:
     """The limits met in one run: words and value with unit; what did not happen is left out.
 
     `before` holds values until the outcome was decided, at `until_s`, which are told beside those of the whole run.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -77,12 +77,6 @@ def family(outcome: str) -> str:
     if Outcome(outcome).failed:
         return "failed"
     return FAMILY.get(outcome, "other")
-
-
-def tone(answers: Iterable[str]) -> str:
-    """The colour of a count of falls from families of outcomes: `agree` only where every answer is that it stands."""
-    families = set(answers)
-    return "agree" if families == {"stands"} else "differ" if "stands" in families or "wall" in families else "failed"
 
 
 def cell(row: Mapping[str, Any] | None) -> Cell:

@@ -14,9 +14,9 @@ from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
-from reports.text.chance import first_line
+from reports.text.chance import first_line, tone_of_outcomes
 from reports.text.numbers import angle, count_word, length, listed, spread, unit
-from reports.text.study_rows import family, tone
+from reports.text.study_rows import family
 
 SIDES = {1: "right", -1: "left"}
 FELL: Final = "overturns"
@@ -64,7 +64,7 @@ def _nominal(source: RunSource) -> Verdict:
         return Verdict(f"{headline}; their motions differ", "differ", points)
     if len(answered) == 1:
         # One model alone agrees with nobody: the colour is that of what it says.
-        return Verdict(headline, tone(family(run.outcome) for run in answered.values()), points)
+        return Verdict(headline, tone_of_outcomes(family(run.outcome) for run in answered.values()), points)
     return Verdict(headline, "agree" if agree else "differ", points)
 
 

@@ -16,6 +16,7 @@ from analytic.excitation import ZeroExcitation
 from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.scene import Scene
+from harness.records.run import EngineRunRecord
 from harness.scene_run.scene_run import run_scene, write_result
 from reports.charts.histories import histories_figure
 from reports.pages.conservator import context
@@ -40,7 +41,7 @@ class Told:
 
     @property
     def run(self) -> Mapping[str, Any]:
-        run: Mapping[str, Any] = self.source.runs["analytic"]
+        run: EngineRunRecord = self.source.runs["analytic"]
         return run
 
     def words(self, heading: str) -> str:
@@ -64,27 +65,27 @@ def _told(folder: Path) -> Iterator[Told]:
         write_result(run_scene(scene, ["analytic"]), place)
         write_report(place)
         source = run_source(place)
-        yield Told(seed, scene, source, context(place, dict(source.record)))
+        yield Told(seed, scene, source, context(place, source.record))
 
 
 def test_the_scenes_are_varied(told: list[Told]) -> None:
     """What the other tests look for is there."""
-    ends = {item.run["outcome"] for item in told}
+    ends = {item.run.outcome for item in told}
     assert {"stands", "overturned_left", "overturned_right"} <= ends
     assert any(item.scene.contact.floor_static == 0.0 for item in told)
     assert any(item.scene.wall for item in told)
     assert any(abs(item.scene.initial.theta_rad) >= 0.5 for item in told)
     assert sum(not isinstance(item.scene.base_excitation.y, ZeroExcitation) for item in told) >= 5
-    assert any("nothing moves" in note for item in told for note in item.source.record["notes"])
-    assert any("no model asked moves" in note for item in told for note in item.source.record["notes"])
+    assert any("nothing moves" in note for item in told for note in item.source.record.notes)
+    assert any("no model asked moves" in note for item in told for note in item.source.record.notes)
     assert {bool(item.scene.pedestal) for item in told} == {True, False}
 
 
 def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
     for item in told:
-        assert (item.said["tone"] == "agree") is (item.run["outcome"] == Outcome.STANDS), item.seed
-        assert ("stays upright" in item.said["headline"]) is (item.run["outcome"] == Outcome.STANDS), item.seed
-        assert ("falls" in item.said["headline"]) is Outcome(item.run["outcome"]).overturned, item.seed
+        assert (item.said["tone"] == "agree") is (item.run.outcome == Outcome.STANDS), item.seed
+        assert ("stays upright" in item.said["headline"]) is (item.run.outcome == Outcome.STANDS), item.seed
+        assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
 
 
 def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
@@ -161,15 +162,15 @@ def test_the_strongest_push_is_that_of_the_whole_motion_within_the_run(told: lis
 def test_nothing_moves_is_said_where_nothing_can(told: list[Told]) -> None:
     """Below every limit, without a warning that something slides; above one, with what gives way."""
     for item in told:
-        notes = " ".join(item.source.record["notes"])
+        notes = " ".join(item.source.record.notes)
         peak, shares = pushes(item.scene)
         if "nothing moves" in notes:
             assert max(shares.values()) < 1.0, item.seed
-            assert not any("slides" in text for text in item.run["warnings"]), item.seed
-            assert item.run["peak_theta_rad"] == item.run["peak_slip_m"] == 0.0, item.seed
+            assert not any("slides" in text for text in item.run.warnings), item.seed
+            assert item.run.peak_theta_rad == item.run.peak_slip_m == 0.0, item.seed
         if "no model asked moves" in notes:
             assert max(shares.values()) >= 1.0, item.seed
-        still = item.run["peak_theta_rad"] == 0.0 and item.run["peak_slip_m"] == 0.0
+        still = item.run.peak_theta_rad == 0.0 and item.run.peak_slip_m == 0.0
         if still and peak > 0.0:
             assert "nothing moves" in notes or "no model asked moves" in notes, item.seed
 
@@ -178,7 +179,7 @@ def test_the_hint_is_the_least_that_moves_the_statue(told: list[Told]) -> None:
     """At the value told the statics of the block give way, a hair below they do not; so does the model itself."""
     seen = 0
     for item in told:
-        hint = re.search(r"from motion\.x\.(\S+)=(\S+) on", " ".join(item.source.record["notes"]))
+        hint = re.search(r"from motion\.x\.(\S+)=(\S+) on", " ".join(item.source.record.notes))
         if hint is None:
             continue
         changed = content(item.seed)
@@ -200,7 +201,7 @@ def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
     for item in told:
         history, statue = item.source.histories["analytic"], item.scene.statue
         lean = re.search(r"leans (\S+)°, which is (?:(\d+) % of the way to|past)", item.text)
-        assert bool(lean) is (item.run["outcome"] == Outcome.STANDS and float(np.abs(history.theta_rad).max()) > 1e-5)
+        assert bool(lean) is (item.run.outcome == Outcome.STANDS and float(np.abs(history.theta_rad).max()) > 1e-5)
         if lean is not None:
             theta = history.theta_rad
             shares = {1: theta.max() / statue.slenderness_rad(1), -1: -theta.min() / statue.slenderness_rad(-1)}
@@ -213,8 +214,8 @@ def test_leans_and_slips_are_those_of_the_history(told: list[Told]) -> None:
         slides = re.search(r"slides on the floor by up to (\S+)\u00a0(mm|cm|m)", item.text)
         if slides is not None:
             unit = {"m": 1.0, "cm": 0.01, "mm": 0.001}[slides.group(2)]
-            assert float(slides.group(1)) * unit == pytest.approx(item.run["peak_slip_m"], rel=LEAN_TOLD), item.seed
-        assert ("stays put" in item.text) is (item.scene.pedestal is not None and item.run["peak_slip_m"] <= 1e-4)
+            assert float(slides.group(1)) * unit == pytest.approx(item.run.peak_slip_m, rel=LEAN_TOLD), item.seed
+        assert ("stays put" in item.text) is (item.scene.pedestal is not None and item.run.peak_slip_m <= 1e-4)
     assert seen >= 8
 
 
@@ -269,7 +270,7 @@ def test_the_first_view_of_a_history_shows_some_of_it(told: list[Told]) -> None:
 def test_one_model_alone_is_not_called_agreement(told: list[Told]) -> None:
     for item in told:
         verdict = run_verdict(item.source)
-        assert (verdict.tone == "agree") is (item.run["outcome"] == Outcome.STANDS), item.seed
+        assert (verdict.tone == "agree") is (item.run.outcome == Outcome.STANDS), item.seed
 
 
 def test_no_distance_on_a_page_is_negative(told: list[Told]) -> None:

@@ -180,7 +180,7 @@ def test_a_damaged_record_is_told_by_its_part(tmp_path: Path, part: str) -> None
     record = json.loads(path.read_text())
     for damaged in ({k: v for k, v in record.items() if k != part}, record | {part: 3}):
         path.write_text(json.dumps(damaged))
-        with pytest.raises(InputError, match=f"result.json: {part}: wanted a"):
+        with pytest.raises(InputError, match=f"result.json: {part}: wanted "):
             write_report(tmp_path)
     assert not (tmp_path / "report.html").exists()
 
@@ -206,7 +206,7 @@ def test_a_history_that_is_gone_is_told_by_its_file(tmp_path: Path) -> None:
         (("plan", 0), 7),
     ],
 )
-def test_damage_deep_inside_a_record_is_told_without_a_traceback(
+def test_damage_deep_inside_a_record_is_told_by_its_key_without_a_traceback(
     tmp_path: Path, place: tuple[str | int, ...], value: object
 ) -> None:
     write_invented(tmp_path)
@@ -219,7 +219,7 @@ def test_damage_deep_inside_a_record_is_told_without_a_traceback(
     path.write_text(json.dumps(record))
     done = rockcheck("report", ".", cwd=tmp_path)
     assert (done.returncode, "Traceback" in done.stderr) == (2, False), done.stderr
-    assert "result.json: wanted a whole record" in done.stderr
+    assert f"result.json: {'.'.join(map(str, place))}" in done.stderr
     assert not (tmp_path / "report.html").exists()
 
 

@@ -11,7 +11,7 @@ import pytest
 from harness import study_cli
 from harness.studies.cases import base_of, expand
 from harness.studies.file import load_study
-from reports.pages.conservator import context
+from reports.pages.conservator_study import context
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
 from reports.source import read_record

@@ -86,8 +86,9 @@ def motion(path: Path) -> None:
     """Read, and write what `rockcheck motion inspect` tells."""
     from harness.input.motions.inspect import inspect_file
     from harness.model import run as record
+    from harness.records.inspection import InspectionRecord
 
-    found = inspect_file(path).record()
+    found = record.to_plain(InspectionRecord.of(inspect_file(path)))
     (path.parent / WRITTEN).mkdir()
     record.write_json(path.parent / WRITTEN / "motion.json", found)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import TypedDict
 
 import numpy as np
 
@@ -12,9 +13,25 @@ from harness.comparison.verdict import Side
 from harness.model.history import Array
 
 
+class EventScores(TypedDict):
+    """What `Scores` holds of matched uplifts and impacts."""
+
+    uplift_time_differences_s: Sequence[float]
+    uplifts_alone_a: int
+    uplifts_alone_b: int
+    impact_times_a_s: Sequence[float]
+    impact_time_differences_s: Sequence[float]
+    impacts_alone_a: int
+    impacts_alone_b: int
+    impact_energy_share_lost_a: Sequence[float]
+    impact_energy_share_lost_b: Sequence[float]
+    impact_energy_lost_a_j: Sequence[float] | None
+    impact_energy_lost_b_j: Sequence[float] | None
+
+
 def event_scores(
     a: events.Excursions, b: events.Excursions, inertia: energy.RockingInertia | None, until_s: float = math.inf
-) -> dict[str, Any]:
+) -> EventScores:
     """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
     events alone, come after `until_s` are left out."""
     rise_a, rise_b = a.from_rest, b.from_rest
@@ -49,7 +66,7 @@ def numerical_uncertainty(
     peak_b_rad: float,
     found: tuple[events.Excursions, events.Excursions],
     until_s: float = math.inf,
-) -> dict[str, Any]:
+) -> dict[str, float | None]:
     """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
 
     A rotation known to u moves a root mean square and a difference of peaks by at most u_a + u_b, an impact by u/|θ̇⁻|; a slip

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from harness.input.motions.series import Floats, Series
 from harness.input.motions.spec import Component
 from harness.input.motions.spectra import DesignSpectrum
 
-SCHEMA_VERSION: Final = 1
 DAMPING: Final = 0.05
 PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
 ENDLESS_S: Final = 20.0
@@ -61,34 +60,6 @@ class Inspection:
     traces: tuple[Trace, ...]
     warnings: tuple[str, ...] = ()
     target: DesignSpectrum | None = None
-
-    def record(self) -> dict[str, Any]:
-        """Everything but the histories, ready for JSON."""
-        traces = [
-            {
-                "name": trace.name,
-                "direction": trace.direction,
-                "dt_s": trace.series.dt_s,
-                "samples": int(trace.series.accel_m_s2.size),
-                "done": list(trace.series.done),
-                "measures": asdict(trace.measures),
-                "spectrum_m_s2": trace.spectrum_m_s2.tolist(),
-            }
-            for trace in self.traces
-        ]
-        target = None
-        if self.target is not None:
-            target = {**asdict(self.target), "spectrum_m_s2": self.target.accel_m_s2(PERIODS_S).tolist()}
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "title": self.title,
-            "source": dict(self.source),
-            "damping": self.target.damping if self.target else DAMPING,
-            "periods_s": PERIODS_S.tolist(),
-            "traces": traces,
-            "target": target,
-            "warnings": list(self.warnings),
-        }
 
     def table(self) -> list[tuple[str, ...]]:
         """Rows of text: a header, then name, unit and a value for every trace."""

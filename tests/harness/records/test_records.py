@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.model.errors import InputError
+from harness.model.run import write_json
 from harness.records.base import SCHEMAS, as_file, plain, validated
 from harness.records.kinds import CLASSES, class_of, schema_text
 from harness.records.run import RunRecord
@@ -41,6 +42,13 @@ def test_a_result_names_its_schema(tmp_path: Path, result: Result, root: Path) -
     schema = json.loads((root / written["$schema"]).read_text(encoding="utf-8"))
     assert schema["$id"] == written["$schema"]
     assert set(schema["required"]) <= written.keys() <= {*schema["properties"], "$schema"}
+
+
+def test_a_name_that_is_no_utf_8_is_read_as_its_escapes(tmp_path: Path, result: Result) -> None:
+    record = as_file(result.record()) | {"title": "o\udcffk 😀"}
+    write_json(tmp_path / "result.json", record)
+    assert validated(RunRecord, (tmp_path / "result.json").read_bytes(), tmp_path).title == r"o\udcffk 😀"
+    assert validated(RunRecord, json.dumps(record), tmp_path).title == r"o\udcffk 😀"
 
 
 def test_all_mistakes_of_a_record_are_told_by_file_and_key(tmp_path: Path, result: Result) -> None:

@@ -66,7 +66,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.M
 
     scene = paestum(0.3, 2.0, pedestal=False)
     monkeypatch.setattr(run, "_apart", slow)
-    run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, told=told)
+    run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, on_progress=told)
     assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
 
 

@@ -13,7 +13,7 @@ from harness.records.assess import Assessment, ProbabilityDifference
 from harness.records.base import as_file
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
-from reports.text.chance import first_line, tone
+from reports.text.chance import first_line, tone_of_probability
 from tests.scenes_for_tests import paestum
 
 
@@ -32,7 +32,7 @@ def answer(p: float, low: float, high: float) -> Assessment:
     ],
 )
 def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: float, colour: str) -> None:
-    assert tone(answer(p, 0.0, high)) == colour
+    assert tone_of_probability(answer(p, 0.0, high)) == colour
 
 
 def test_the_most_probable_fall_decides_the_colour() -> None:

@@ -14,6 +14,8 @@ from pydantic import TypeAdapter
 from harness.input.motions.inspect import PERIODS_S, inspect_component, inspect_file
 from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
+from harness.model.run import to_plain
+from harness.records.inspection import InspectionRecord
 from reports.export.motion_figure import _outline, figure
 from tests.harness.input.motions.writers import GRAVITY
 
@@ -22,7 +24,7 @@ ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
 
 def test_a_file_is_shown_with_its_peaks_units_and_findings(data_dir: Path) -> None:
     found = inspect_file(data_dir / "records" / "20161113_110259_WTMC_20.V2A.gz")
-    record = json.loads(json.dumps(found.record()))
+    record = json.loads(json.dumps(to_plain(InspectionRecord.of(found))))
     assert [trace["name"] for trace in record["traces"]] == ["N28W", "S62W", "Up"]
     assert [round(trace["measures"]["pga_g"], 3) for trace in record["traces"]] == [0.992, 0.812, 1.838]
     assert record["source"]["unit"] == "mm/s2"
@@ -72,4 +74,4 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     peak = found.traces[0].measures.pga_g
     assert peak == pytest.approx(0.0 if keys["kind"] == "rest" else 0.3, rel=1.5)
     assert len(figure(found).axes) == 5
-    json.dumps(found.record())
+    json.dumps(to_plain(InspectionRecord.of(found)))
