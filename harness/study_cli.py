@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from harness import effects3d
-from harness.campaign.executors import LIMIT_S, DaskPool, LocalPool, Pool
+from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
+from harness.campaign.runner import LIMIT_S, LocalPool, Pool
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import RECORD, checksum, listing, read_own
@@ -53,7 +54,7 @@ def run(
             _check(study, folder, jobs, resume, export)
         if pool is None:
             limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
-            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
+            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
         stack.enter_context(ending_cleanly())
         if study is None:
             told = stack.enter_context(progress(path.stem, quiet))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import study_cli
-from harness.campaign.executors import Crash, Done, LocalPool, Pool, Work
+from harness.campaign.runner import Crash, Done, LocalPool, Pool, Work
 from harness.cli import guarded, summary
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
@@ -45,7 +45,7 @@ class Beside:
         return self._pool.workers
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        """See `harness.campaign.executors.Pool.run`."""
+        """See `harness.campaign.runner.Pool.run`."""
         mine, self._before = self._before, ()
         own = ((work, task) for task in tasks)
 

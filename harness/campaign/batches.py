@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any, Protocol, TypeVar
 
 from harness.accuracy.simulation import failed
-from harness.campaign.executors import Crash, Hung, Pool
+from harness.campaign.runner import Crash, Hung, Pool
 from harness.model.history import Outcome
 from harness.model.run import Run
 

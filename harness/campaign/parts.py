@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.executors import LocalPool
+from harness.campaign.runner import LocalPool
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_folder, listing

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.executors import Crash, Pool
+from harness.campaign.runner import Crash, Pool
 from harness.effects3d.band import Band, band
 from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import Departure, departure

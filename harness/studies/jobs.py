@@ -12,7 +12,7 @@ from typing import Any
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.campaign.batches import crashed
-from harness.campaign.executors import Crash
+from harness.campaign.runner import Crash
 from harness.engines.base import Engine
 from harness.model import run as record
 from harness.model.options import RunOptions

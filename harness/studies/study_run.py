@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.campaign.batches import batches, run_batches
-from harness.campaign.executors import Crash, Pool
+from harness.campaign.runner import Crash, Pool
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile
 from harness.studies.jobs import Finished, Job, compute, lost

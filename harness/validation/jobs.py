@@ -11,7 +11,7 @@ from typing import Any, Final
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.campaign.batches import batches, crashed, run_batches
-from harness.campaign.executors import Crash, Pool
+from harness.campaign.runner import Crash, Pool
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions

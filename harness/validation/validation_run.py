@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import engines
-from harness.campaign.executors import LocalPool
 from harness.campaign.progress import progress
+from harness.campaign.runner import LocalPool
 from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record

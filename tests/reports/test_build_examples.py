@@ -10,7 +10,7 @@ import pytest
 
 from harness import engines, load_scene
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.executors import Done, Work
+from harness.campaign.runner import Done, Work
 from harness.model.scene import Scene
 from harness.scene_run.scene_run import run_scene
 from harness.studies.jobs import stored_runs

@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from harness import effects3d
-from harness.campaign.executors import LocalPool
+from harness.campaign.runner import LocalPool
 from harness.effects3d import BASELINE, Search, find, turned
 from harness.effects3d.band import band
 from harness.effects3d.study import Ledger, side_azimuths

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.campaign.executors import Done, LocalPool, Work
+from harness.campaign.runner import Done, LocalPool, Work
 from harness.model.errors import InputError
 from harness.model.run import impacts
 from harness.model.scene import Scene

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.campaign.batches import run_batches
-from harness.campaign.executors import Crash, LocalPool
+from harness.campaign.runner import Crash, LocalPool
 from harness.studies.file import load_study
 from harness.studies.store import Store
 from harness.studies.study_run import run_study
