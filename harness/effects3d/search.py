@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -35,6 +35,10 @@ class Search:
     resolution: float = 0.002
     dt_s: float = 1e-3
     steps: Mapping[str, float] = field(default_factory=lambda: dict(STEPS))
+
+    def key(self) -> list[Any]:
+        """What of it names a result."""
+        return [self.most_g, self.resolution, self.dt_s, dict(self.steps)]
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The whole effects study: every search a task of its own, what is finished kept, one record at the end."""
+"""The whole effects study: every search a task of its own, one record at the end."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.runner import Crash, Pool
-from harness.effects3d.band import Band, band
+from harness.campaign.campaign import Campaign, OnProgress, silent
+from harness.campaign.runner import Pool
+from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.task import Answer, Task
+from harness.effects3d.band import band
 from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of, without_meaning
-from harness.effects3d.departure import Departure, departure
+from harness.effects3d.departure import departure
 from harness.effects3d.file import SOLID, EffectsFile, load_effects
 from harness.effects3d.replay import write_replay
-from harness.effects3d.search import Amplitude, Search, find, peak_g
+from harness.effects3d.search import Search, find, peak_g
 from harness.effects3d.summary import effects, static_rose
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -25,27 +28,23 @@ from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
 from harness.records.description import describe
 from harness.records.result_folder import listing
-from harness.studies.cache_key import scene_digest
+from harness.studies.cache_key import scene_key
 from harness.studies.cases import Base, base_of_scene
 from meshes import footprint
 
 ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""
-KEPT_NAME: Final = "searches.jsonl"
 LONG_SIDE: Final = 0.05
 """Sides of the footprint shorter than this share of its outline are the bend of one corner."""
 
-Answer = Amplitude | Band | Departure
-
 
 @dataclass(frozen=True)
-class Task:
-    """One question: a search, a band or a departure, and what a worker needs to answer it."""
+class Question:
+    """A search, a band or a departure, and what a worker needs to answer it."""
 
     kind: str
     base: Base
     arguments: tuple[Any, ...]
-    key: str
 
 
 @dataclass(frozen=True)
@@ -70,103 +69,76 @@ class Summary:
         return ", ".join(parts)
 
 
-def answer(task: Task) -> tuple[Answer, float]:
-    """What a worker does, and the processor time, s, that it took."""
+def answer(question: Question) -> Answer:
+    """What a worker does; its cost is the processor time, s, that it took."""
     begin = time.process_time()
-    scene = task.base.scene({})
-    kinds: dict[str, Callable[..., Answer]] = {"search": find, "band": band, "departure": departure}
-    return kinds[task.kind](scene, *task.arguments), time.process_time() - begin
-
-
-class Ledger:
-    """The answers found so far, one line of JSON each; a line cut short by a killed process is left out."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.known: dict[str, dict[str, Any]] = {}
-        self.spent_s: dict[str, float] = {}
-        if path.is_file():
-            for line in path.read_text(encoding="utf-8").splitlines():
-                try:
-                    entry = json.loads(line)
-                    key, answer, seconds = str(entry["key"]), dict(entry["answer"]), float(entry["seconds"])
-                except (ValueError, TypeError, KeyError):
-                    continue
-                self.known[key], self.spent_s[key] = answer, seconds
-
-    def put(self, key: str, found: Answer, seconds: float) -> None:
-        """Keep an answer and the processor time that it took."""
-        self.known[key], self.spent_s[key] = record.to_plain(asdict(found)), seconds
-        with self._path.open("a", encoding="utf-8") as stream:
-            stream.write(json.dumps({"key": key, "seconds": round(seconds, 4), "answer": self.known[key]}) + "\n")
+    scene = question.base.scene({})
+    kinds: dict[str, Callable[..., Any]] = {"search": find, "band": band, "departure": departure}
+    plain = record.to_plain(asdict(kinds[question.kind](scene, *question.arguments)))
+    return Answer(question.kind, plain, time.process_time() - begin)
 
 
 class Questions:
-    """Asks the pool for what the ledger does not hold."""
+    """Asks what the store does not hold."""
 
-    def __init__(self, base: Base, scene: Scene, ledger: Ledger, pool: Pool, told: Callable[[int, int], None]) -> None:
-        self._base, self._ledger, self._pool, self._told = base, ledger, pool, told
+    def __init__(self, base: Base, scene: Scene, store: Store, pool: Pool, on_progress: OnProgress) -> None:
+        self._base, self._store, self._pool, self._on_progress = base, store, pool, on_progress
         everything = Capabilities(dimensions=3, uses_mesh=True, own_impact=False, statue_slips=True)
-        self._digest = scene_digest(scene, everything)
+        self._scene_key = scene_key(scene, everything)
         self.asked = self.found = self.runs = self.failed = 0
-        self._asked_keys: set[str] = set()
+        self._keys: set[str] = set()
 
     def ask(self, kind: str, questions: Sequence[tuple[Any, ...]]) -> list[dict[str, Any]]:
         """The answers in the questions' order; one whose process died is left out and counted."""
-        tasks = [Task(kind, self._base, arguments, self._key(kind, arguments)) for arguments in questions]
-        left = [task for task in tasks if task.key not in self._ledger.known]
+        tasks = [Task(self._key(kind, each), answer, Question(kind, self._base, each)) for each in questions]
+        campaign = Campaign(self._store, self._pool, self._on_progress)
+        campaign.run(tasks, len(tasks))
         self.asked += len(tasks)
-        self.found += len(tasks) - len(left)
-        finished = 0
-
-        def done(task: Task, found: tuple[Answer, float] | BaseException) -> None:
-            nonlocal finished
-            finished += 1
-            self._told(finished, len(left))
-            if isinstance(found, Crash):
-                self.failed += 1
-                return
-            if isinstance(found, BaseException):
-                raise found
-            self._ledger.put(task.key, *found)
-
-        if left:
-            self._told(0, len(left))
-            self._pool.run(answer, left, done)
-        answers = [self._ledger.known[task.key] for task in tasks if task.key in self._ledger.known]
-        self.runs += sum(int(item.get("runs", 1)) for item in answers)
-        self._asked_keys |= {task.key for task in tasks}
-        return answers
+        self.found += sum(task.key in campaign.reused for task in tasks)
+        self.failed += campaign.failed
+        rows = [row for task in tasks if (row := self._store.get(task.key)) is not None]
+        self.runs += sum(int(row.record.get("runs", 1)) for row in rows)
+        self._keys.update(row.key for row in rows)
+        return [dict(row.record) for row in rows]
 
     @property
     def seconds(self) -> float:
         """Processor time of all answers, whenever they were found."""
-        return sum(self._ledger.spent_s.get(key, 0.0) for key in self._asked_keys)
+        return sum(self._store.seconds(key) or 0.0 for key in self._keys)
 
     def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
-        text = json.dumps([self._digest, kind, repr(arguments), record.versions()], sort_keys=True)
+        plain = [item.key() if isinstance(item, Search) else item for item in arguments]
+        text = json.dumps([self._scene_key, kind, plain, record.versions()], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 def run_effects(
-    path: Path, folder: Path, pool: Pool, told: Callable[[int, int], None], *, resume: bool = False
+    path: Path, folder: Path, pool: Pool, on_progress: OnProgress = silent, *, resume: bool = False
 ) -> tuple[dict[str, Any], Summary]:
-    """Run an effects study into `folder` (result.json, searches.jsonl, replay/); returns its record and what was done.
+    """Run an effects study into `folder` (result.json, store.sqlite, replay/); returns its record and what was done.
 
     Raises `InputError` for a wrong file or scene, or `resume` where nothing was begun.
     """
     start = time.perf_counter()
     study = load_effects(path)
-    if resume and not (folder / KEPT_NAME).is_file():
+    if resume and not (folder / STORE_NAME).is_file():
         wanted = f"a study that was begun in {folder}"
         raise InputError(Mistake("--resume", "", wanted, "nothing there", "leave --resume out to begin"))
     base = base_of_scene(path.parent / study.scene)
     scene = base.scene({})
     _check(scene, path)
-    folder.mkdir(parents=True, exist_ok=True)
-    questions = Questions(base, scene, Ledger(folder / KEPT_NAME), pool, told)
-    found = {"schema_version": SCHEMA_VERSION, "kind": "effects3d", "title": study.title, "file": path.name}
-    found |= _answers(study, scene, questions)
+    found: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "kind": "effects3d",
+        "title": study.title,
+        "file": path.name,
+    }
+    with Store(folder / STORE_NAME) as store:
+        questions = Questions(base, scene, store, pool, on_progress)
+        found |= _answers(study, scene, questions)
+        summary = Summary(
+            study.directions, questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
+        )
     found |= {
         "scene": describe(scene),
         "notes": scene.notes,
@@ -177,9 +149,6 @@ def run_effects(
         "files": listing(()),
     }
     found["replay"] = write_replay(found, scene, folder / "replay")
-    summary = Summary(
-        study.directions, questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
-    )
     found["summary"] = {"sentence": str(summary), **asdict(summary)}
     found["seconds"] = time.perf_counter() - start
     plain: dict[str, Any] = record.to_plain(found)

@@ -8,11 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from harness.campaign.store import Store
+from harness.campaign.task import Task
 from harness.studies import case_selection as asking
+from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, expand
 from harness.studies.file import StudyFile
-from harness.studies.jobs import Job, Jobs
-from harness.studies.store import Store
 
 DEAREST_FIRST: Final = ("pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "analytic")
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
@@ -36,7 +37,7 @@ class Plan:
 
     def __init__(self, study: StudyFile, base: Base) -> None:
         self._study, self._base = study, base
-        self._jobs = Jobs(study, base)
+        self._tasks = CaseTasks(study, base)
         self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
         """Key and reason by case and engine."""
         self._answers: dict[tuple[str, str], dict[asking.Place, asking.Answer]] = {}
@@ -44,8 +45,8 @@ class Plan:
         named = {name for variant in study.variant for name in variant.engines}
         self._engines = sorted(named, key=lambda name: COST_ORDER[name])
 
-    def rounds(self) -> Iterator[tuple[int, Iterator[Job]]]:
-        """How many jobs, and the jobs, longest first; the next round rests on the answers of the last (see `learn`)."""
+    def rounds(self) -> Iterator[tuple[int, Iterator[Task]]]:
+        """How many tasks, and the tasks, longest first; the next round rests on the answers of the last (see `learn`)."""
         if self._study.ask.cases == "all":
             yield self._study.runs, self._all()
             return
@@ -55,7 +56,7 @@ class Plan:
             while fresh := self._asked(cases, names):
                 yield len(fresh), iter(fresh)
 
-    def _all(self) -> Iterator[Job]:
+    def _all(self) -> Iterator[Task]:
         """Every case: those of contact engines sorted, the others as they come."""
         others = [name for name in self._engines if name != asking.REFERENCE]
         found = []
@@ -65,15 +66,15 @@ class Plan:
         # One of the compiled model's first: should it have to be compiled, the other workers need not wait for it.
         yield from itertools.islice(rest, 1)
         # Two bodies in contact take several times as long as one.
-        yield from sorted(found, key=lambda job: (COST_ORDER[job.engine], not job.pedestal))
+        yield from sorted(found, key=lambda task: (COST_ORDER[task.group], not task.argument.pedestal))
         yield from rest
 
-    def _of_reference(self) -> Iterator[Job]:
+    def _of_reference(self) -> Iterator[Task]:
         for case in expand(self._study, self._base) if asking.REFERENCE in self._engines else ():
             if asking.REFERENCE in case.engines:
                 yield self._planned(case, asking.REFERENCE, asking.EVERY)
 
-    def _asked(self, cases: Sequence[Case], names: Sequence[str]) -> list[Job]:
+    def _asked(self, cases: Sequence[Case], names: Sequence[str]) -> list[Task]:
         """What these engines are asked now and were not asked before."""
         by_variant: dict[str, list[Case]] = defaultdict(list)
         for case in cases:
@@ -94,10 +95,10 @@ class Plan:
                         self._fresh.append((case, name, found[-1].key))
         return found
 
-    def _planned(self, case: Case, engine: str, why: str) -> Job:
-        job = self._jobs.of(case, engine)
-        self._known[case.number, engine] = job.key, why
-        return job
+    def _planned(self, case: Case, engine: str, why: str) -> Task:
+        task = self._tasks.of(case, engine)
+        self._known[case.number, engine] = task.key, why
+        return task
 
     def learn(self, store: Store) -> None:
         """Take the answers of the round that was run, which tell what is asked next."""

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.campaign.store import Store
 from harness.model import run as record
 from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
@@ -20,7 +21,6 @@ from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
 from harness.studies.random_rechecks import audit
-from harness.studies.store import Store
 from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
 

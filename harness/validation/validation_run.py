@@ -5,20 +5,22 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
 from harness import engines
+from harness.campaign.campaign import Campaign
 from harness.campaign.progress import progress
 from harness.campaign.runner import LocalPool
+from harness.campaign.store import STORE_NAME, Store
 from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION
 from harness.records.result_folder import listing
-from harness.studies.store import STORE_NAME, Store
-from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
+from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Job, Model, jobs_of, parse_model
 from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Intensity, Variant, intensity
 from harness.validation.scoring import Answers, Choice, choose, curves, probability, score_baseline, score_model
@@ -54,12 +56,13 @@ def validate(
     intensities = _intensities(trials)
     wanted = jobs_of(trials, chosen, samples, seed)
     with Store(folder / STORE_NAME) as store:
-        with progress(experiments.name, quiet) as told:
-            computed = compute(store, LocalPool(jobs), wanted, told)
+        with progress(experiments.name, quiet) as on_progress, closing(LocalPool(jobs)) as pool:
+            campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
+            campaign.run((job.task() for job in wanted), len(wanted))
         found = _record(store, trials, chosen, wanted, intensities, samples, fit_share)
     found |= {
         "experiments": experiments.name,
-        "runs": {"wanted": len(wanted), "computed": computed},
+        "runs": {"wanted": len(wanted), "computed": campaign.computed},
         "seed": seed,
         "versions": record.versions(),
         "machine": record.machine(),

@@ -15,9 +15,9 @@ import pytest
 
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.runner import AHEAD, Hung, LocalPool
+from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.studies.file import load_study
-from harness.studies.store import Packed, Store
 from harness.studies.study_run import run_study
 from tests.harness.studies.small_study import CONTACT, contents, written
 
@@ -86,9 +86,9 @@ def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
     with Store(tmp_path / "cluster.sqlite") as store:
         add = store.add
 
-        def counted(results: Sequence[Packed]) -> None:
-            stored.update(str(item.columns[0]) for item in results)
-            add(results)
+        def counted(results: Sequence[Packed], clock_s: float = 0.0) -> None:
+            stored.update(item.key for item in results)
+            add(results, clock_s)
 
         store.add = counted  # type: ignore[method-assign]
         first = run_study(study, path, store, pool, told)

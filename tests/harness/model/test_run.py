@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.model.run import MANY, Pattern, run_of, write_json
-from tests.harness.studies.test_store import run
+from tests.harness.campaign.test_store import run
 
 
 def test_a_short_record_is_indented_throughout(tmp_path: Path) -> None:
