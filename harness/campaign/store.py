@@ -17,7 +17,9 @@ from harness.campaign.serialization import pack, unpack
 from harness.campaign.task import RUN, Answer, answer_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
-from harness.model.run import Run, run_of, to_plain
+from harness.model.run import Run, to_plain
+from harness.records.base import part
+from harness.records.run import EngineRunRecord
 
 STORE_NAME: Final = "store.sqlite"
 STORE_VERSION: Final = 4
@@ -222,7 +224,10 @@ class Store:
     def run(self, key: str) -> Run | None:
         """The run of a key as it was when it was stored, None where there is none or its history was not kept."""
         row, history = self.get(key), self.history(key)
-        return None if row is None or history is None else run_of(row.record, history, self.seconds(key) or 0.0)
+        if row is None or history is None:
+            return None
+        seconds = self.seconds(key) or 0.0
+        return part(EngineRunRecord, {**row.record, "wall_s": seconds}, self.path).run(history)
 
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""

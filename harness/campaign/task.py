@@ -9,7 +9,8 @@ from typing import Any, Protocol
 from harness.campaign.isolate import lost_run
 from harness.campaign.runner import Crash
 from harness.model.history import History
-from harness.model.run import Run
+from harness.model.run import Run, to_plain
+from harness.records.run import EngineRunRecord
 
 RUN = "run"
 """Kind of a result that is an engine's run."""
@@ -50,7 +51,7 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
 
     Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     """
-    plain = run.as_dict()
+    plain = to_plain(EngineRunRecord.of(run))
     seconds = plain.pop("wall_s")
     return Answer(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 

@@ -26,8 +26,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
-from harness.records.description import describe
 from harness.records.result_folder import listing
+from harness.records.scene import SceneRecord
 from harness.studies.cache_key import scene_key
 from harness.studies.cases import Base, base_of_scene
 from meshes import footprint
@@ -140,7 +140,7 @@ def run_effects(
             study.directions, questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
         )
     found |= {
-        "scene": describe(scene),
+        "scene": SceneRecord.of(scene),
         "notes": scene.notes,
         "study": study.model_dump(),
         "unit_g": peak_g(scene),

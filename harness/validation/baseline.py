@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.comparison.statistics import fragility
 from harness.model.history import Array
+from harness.records.validation import ContourLine, ContourRecord
 from harness.validation.scenes import Intensity
 
 Flags = NDArray[np.bool_]
@@ -95,10 +96,10 @@ class Contour:
         level = NormalDist().inv_cdf(probability)
         return np.asarray(np.exp((level - c0 - c2 * np.log(ratio_s)) / c1))
 
-    def as_dict(self, ratios_s: ArrayLike) -> dict[str, Any]:
-        """Plain values, with the contour of 50 % at the given ratios."""
-        curve = {"ratio_s": np.asarray(ratios_s).tolist(), "pga_g": self.pga_g(ratios_s).tolist()}
-        return asdict(self) | {"contour_50": curve}
+    def record(self, ratios_s: ArrayLike) -> ContourRecord:
+        """The record, with the contour of 50 % at the given ratios."""
+        line = ContourLine(np.asarray(ratios_s).tolist(), self.pga_g(ratios_s).tolist())
+        return ContourRecord(self.cases, self.fell, self.coefficients, self.separated, line)
 
 
 def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> Contour | None:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.model.run import write_json
+from harness.records.scores import Interval
+from harness.records.validation import ValidationRecord
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables as bench_tables
@@ -16,7 +19,7 @@ from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context
 from reports.pages.study_page import left_domain, study_warnings
 from reports.pages.validation_page import validation_verdict
-from reports.source import read_record
+from reports.source import read_record, read_typed
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.pages.test_run_page import without_data
@@ -79,11 +82,15 @@ def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
     assert least[180.0] == pytest.approx(0.2)
 
 
+def validation(folder: Path) -> ValidationRecord:
+    return read_typed(folder, ValidationRecord)
+
+
 def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None:
-    good = validation_verdict(read_record(invented_records.write_validation(tmp_path / "good", skill=1.0)))
+    good = validation_verdict(validation(invented_records.write_validation(tmp_path / "good", skill=1.0)))
     assert good.tone == "agree"
     assert "every model beats a bare threshold on PGV beyond chance" in good.headline
-    poor = validation_verdict(read_record(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
+    poor = validation_verdict(validation(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
     assert "no model beats a bare threshold on PGV, and analytic and pymunk are worse" in poor.headline
     assert "best" not in good.headline + poor.headline
     html = shown(tmp_path / "good")
@@ -93,17 +100,24 @@ def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None
 
 
 def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_validation(tmp_path))
-    names = list(record["models"])
-    for name, value in zip(names, (0.8, 0.8), strict=True):
-        record["models"][name]["outcomes"]["accuracy"] = {"value": value, "low": 0.7, "high": 0.9}
-    record["baseline"]["outcomes"]["accuracy"] = {"value": 0.85, "low": 0.75, "high": 0.92}
-    tied = validation_verdict(record)
+    record = validation(invented_records.write_validation(tmp_path))
+    names = list(record.models)
+
+    def with_accuracies(*values: float) -> ValidationRecord:
+        models = {
+            name: replace(item, outcomes=replace(item.outcomes, accuracy=Interval(value, 0.7, 0.9)))
+            for (name, item), value in zip(record.models.items(), values, strict=True)
+        }
+        bare = replace(record.baseline.outcomes, accuracy=Interval(0.85, 0.75, 0.92))
+        return replace(record, models=models, baseline=replace(record.baseline, outcomes=bare))
+
+    tied = validation_verdict(with_accuracies(0.8, 0.8))
     assert tied.headline.startswith("All models are right equally often, in 80 % of the tests that they decide")
     assert "no model can be told from a bare threshold on PGV (85 % (75–92 %))" in tied.headline
     assert tied.tone == "differ"
-    record["models"][names[1]]["outcomes"]["accuracy"] = {"value": 0.81, "low": 0.7, "high": 0.9}
-    assert validation_verdict(record).headline.startswith(f"{names[1]} is right most often, in 81 %")
+    assert validation_verdict(with_accuracies(0.8, 0.81)).headline.startswith(
+        f"{names[1]} is right most often, in 81 %"
+    )
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
@@ -150,21 +164,18 @@ def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
-    from reports.pages.validation_page import context
+    from reports.pages.validation_page import values
 
-    folder = invented_records.write_validation(tmp_path)
-    record = read_record(folder) | {"samples": 3, "seed": 7}
-    shown = context(folder, record)
+    shown = values(replace(validation(invented_records.write_validation(tmp_path)), samples=3, seed=7))
     assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
     assert "largest rotation 0.5" in shown["histories"][0][2]
     assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")
 
 
 def test_settings_of_one_engine_look_different() -> None:
-    from reports.pages.validation_page import _styles
+    from reports.charts.validation_figures import styles
 
-    models = {"pymunk@dt=0.001": {"engine": "pymunk"}, "pymunk@dt=0.0005": {"engine": "pymunk"}}
-    coarse, fine = _styles({"models": models}).values()
+    coarse, fine = styles({"pymunk@dt=0.001": "pymunk", "pymunk@dt=0.0005": "pymunk"}).values()
     assert coarse[0] == fine[0]
     assert coarse[1] != fine[1]
 
