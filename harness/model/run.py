@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
 
 SCHEMA_VERSION: Final = 1
 OMITTED: Final = {"omitted": True}
@@ -50,7 +51,8 @@ class Run:
     `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
     (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
     sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
-    given (None: not stated).
+    given (None: not stated). `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an engine as
+    it comes.
     """
 
     engine: str
@@ -79,6 +81,7 @@ class Run:
     labels: Sequence[str] = ()
     message: str = ""
     motion_axes: Sequence[str] | None = None
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import Literal, NamedTuple, cast
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
 from harness.model.run import OMITTED, Pattern, Run
 from harness.records.assess import Assessment
 from harness.records.base import Record, Table
@@ -15,19 +16,6 @@ from harness.records.scores import Scores
 from harness.statics.plan import Step
 
 PatternName = Literal["rest", "rocking", "sliding", "both"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Intervention:
-    """What one kind of interference with an engine's bodies did over a run: how often, its sums of sizes, energy, steps."""
-
-    count: int
-    sum_dx_m: float
-    sum_dv_m_s: float
-    sum_domega_rad_s: float
-    energy_in_j: float
-    energy_out_j: float
-    steps_solved_again: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +66,7 @@ class EngineRunRecord:
     message: str
     motion_axes: Sequence[str] | None = None
     outcome_sentence: str
-    interventions: Mapping[str, Intervention] | None = field(default=None, metadata=OMITTED)
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     @classmethod
     def of(cls, run: Run) -> EngineRunRecord:
