@@ -20,7 +20,6 @@ Point = tuple[float, float]
 Point3 = tuple[float, float, float]
 Axis = Literal["x", "y", "z"]
 
-AXES: Final[tuple[Axis, ...]] = ("x", "y", "z")
 MOTION_SAMPLES: Final = 4001
 """Most samples of the floor's motion kept for drawing; each is the value of largest size in its interval."""
 
@@ -153,22 +152,19 @@ class MotionRecord:
     push: PushRecord | None = field(default=None, metadata=OMITTED)
     level_m_s2: Sequence[Point] | None = field(default=None, metadata=OMITTED)
 
-    def accel_m_s2(self, axis: Axis) -> Sequence[float] | None:
-        """The acceleration along one axis, None where the floor is at rest along it."""
-        return {"x": self.x_m_s2, "y": self.y_m_s2, "z": self.z_m_s2}[axis]
+    @property
+    def accel_m_s2(self) -> dict[Axis, Sequence[float]]:
+        """The acceleration by the axes along which the floor moves."""
+        along: dict[Axis, Sequence[float] | None] = {"x": self.x_m_s2, "y": self.y_m_s2, "z": self.z_m_s2}
+        return {axis: values for axis, values in along.items() if values is not None}
 
     def peak_m_s2(self, axis: Axis) -> float:
-        """Its largest size."""
+        """The largest size along an axis."""
         return {"x": self.x_peak_m_s2, "y": self.y_peak_m_s2, "z": self.z_peak_m_s2}[axis] or 0.0
 
     def words(self, axis: Axis) -> str:
-        """What it is, in words."""
+        """What the floor does along an axis, in words."""
         return {"x": self.x_is, "y": self.y_is, "z": self.z_is}[axis] or ""
-
-    @property
-    def axes(self) -> tuple[Axis, ...]:
-        """The axes along which the floor moves."""
-        return tuple(axis for axis in AXES if self.accel_m_s2(axis) is not None)
 
 
 def motion_of(scene: Scene) -> MotionRecord:

@@ -137,15 +137,15 @@ def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     scores = compare(run, plain)
     evidence = scores.evidence
     known_s = min(_bounded_s(run), _bounded_s(plain))
-    parts_s = evidence["exceeded_s"]
+    parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
         at = float(parts_s)
         convention, convention_s = _convention(scene, run, at)
         fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
         other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
-        apart = float(evidence["largest_difference_rad"])
+        apart = float(evidence.largest_difference_rad)
         return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
-    apart = float(evidence["largest_reliable_difference_rad"])
+    apart = float(evidence.largest_reliable_difference_rad)
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 
 

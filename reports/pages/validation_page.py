@@ -11,7 +11,6 @@ from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
 from harness.records.validation import Fitted, ModelRecord, PairScores, TestRow, ValidationRecord
 from reports.charts.validation_figures import BASELINE, FELL, charts
-from reports.source import read_typed
 from reports.text.numbers import count_word, digits, listed, plain, short, unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
@@ -25,13 +24,8 @@ SCORES: Final = (
 )
 
 
-def context(folder: Path, _plain: object) -> dict[str, Any]:
+def context(_folder: Path, record: ValidationRecord) -> dict[str, Any]:
     """Everything that the validation template shows."""
-    return values(read_typed(folder, ValidationRecord))
-
-
-def values(record: ValidationRecord) -> dict[str, Any]:
-    """The same of a record."""
     models = record.models
     return {
         "title": f"Validation against {record.tests} measured tests",

@@ -19,7 +19,7 @@ from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context
 from reports.pages.study_page import left_domain, study_warnings
 from reports.pages.validation_page import validation_verdict
-from reports.source import read_record, read_typed
+from reports.source import read_record
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.pages.test_run_page import without_data
@@ -83,7 +83,9 @@ def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
 
 
 def validation(folder: Path) -> ValidationRecord:
-    return read_typed(folder, ValidationRecord)
+    record = read_record(folder)
+    assert isinstance(record, ValidationRecord)
+    return record
 
 
 def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None:
@@ -164,9 +166,10 @@ def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
-    from reports.pages.validation_page import values
+    from reports.pages.validation_page import context
 
-    shown = values(replace(validation(invented_records.write_validation(tmp_path)), samples=3, seed=7))
+    record = validation(invented_records.write_validation(tmp_path))
+    shown = context(tmp_path, replace(record, samples=3, seed=7))
     assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
     assert "largest rotation 0.5" in shown["histories"][0][2]
     assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")
