@@ -19,6 +19,8 @@ from harness.campaign.runner import LIMIT_S, LocalPool, Pool
 from harness.campaign.store import STORE_NAME, Store
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.records.base import as_file
+from harness.records.effects3d import EffectsSummary
 from harness.records.result_folder import RECORD, checksum, listing, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
@@ -40,7 +42,7 @@ def run(
     quiet: bool = False,
     pool: Pool | None = None,
     beside: Beside | None = None,
-) -> tuple[dict[str, Any], Summary | effects3d.Summary]:
+) -> tuple[dict[str, Any], Summary | EffectsSummary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
@@ -60,7 +62,8 @@ def run(
         stack.enter_context(ending_cleanly())
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
-            return effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
+            effects = effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
+            return as_file(effects), effects.summary
         return _run(study, path, folder, pool, export, large, quiet, beside)
 
 

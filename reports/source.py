@@ -35,17 +35,6 @@ _EVERY: Final = {
 }
 PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
     "study": _EVERY | {"file": _TEXT, "vary": _TABLE, "summary": _TABLE, "engine_seconds": _TABLE, "rows": _LIST},
-    "effects3d": _EVERY
-    | {
-        "file": _TEXT,
-        "study": _TABLE,
-        "rows": _LIST,
-        "static": _LIST,
-        "bands": _LIST,
-        "departures": _LIST,
-        "effects": _LIST,
-    }
-    | {"left_out": _TABLE, "summary": _TABLE},
 }
 """What a record of each kind must hold for its page, and in which form."""
 

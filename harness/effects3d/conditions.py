@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from analytic.excitation import ZeroExcitation
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.records.effects3d import Group
 from meshes import MeshError, Solid
 from meshes.roughening import ragged
 from meshes.survey import adjusted
@@ -28,8 +29,6 @@ RAGGED_SPACING_M: Final = 0.05
 RAGGED_SEED: Final = 1
 FLAT_M: Final = 1e-6
 """A base that is more even than this is flat."""
-
-Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "numerical"]
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
@@ -24,8 +24,9 @@ from harness.effects3d.summary import effects, static_rose
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
-from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
+from harness.records.base import as_file, part
+from harness.records.effects3d import Amplitude, AskedRecord, Band, Departure, EffectsRecord, EffectsSummary
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
 from harness.studies.cache_key import scene_key
@@ -38,6 +39,11 @@ LONG_SIDE: Final = 0.05
 """Sides of the footprint shorter than this share of its outline are the bend of one corner."""
 
 
+KINDS: Final[dict[type, str]] = {Amplitude: "search", Band: "band", Departure: "departure"}
+"""What is asked for an answer of each class."""
+T = TypeVar("T", Amplitude, Band, Departure)
+
+
 @dataclass(frozen=True)
 class Question:
     """A search, a band or a departure, and what a worker needs to answer it."""
@@ -47,26 +53,16 @@ class Question:
     arguments: tuple[Any, ...]
 
 
-@dataclass(frozen=True)
-class Summary:
-    """What a call of an effects study did."""
-
-    directions: int
-    asked: int
-    found: int
-    runs: int
-    failed: int
-    cpu_s: float
-
-    def __str__(self) -> str:
-        parts = [
-            f"{self.directions} directions",
-            f"{self.asked} searches",
-            f"{self.runs} runs, {self.cpu_s:.0f} s of processor time",
-        ]
-        parts += [f"{self.found} searches found finished"] if self.found else []
-        parts += [f"{self.failed} failed"] if self.failed else []
-        return ", ".join(parts)
+def sentence(summary: EffectsSummary) -> str:
+    """What a call of an effects study did, in words."""
+    parts = [
+        f"{summary.directions} directions",
+        f"{summary.asked} searches",
+        f"{summary.runs} runs, {summary.cpu_s:.0f} s of processor time",
+    ]
+    parts += [f"{summary.found} searches found finished"] if summary.found else []
+    parts += [f"{summary.failed} failed"] if summary.failed else []
+    return ", ".join(parts)
 
 
 def answer(question: Question) -> Answer:
@@ -88,9 +84,10 @@ class Questions:
         self.asked = self.found = self.runs = self.failed = 0
         self._keys: set[str] = set()
 
-    def ask(self, kind: str, questions: Sequence[tuple[Any, ...]]) -> list[dict[str, Any]]:
+    def ask(self, kind: type[T], questions: Sequence[tuple[Any, ...]]) -> list[T]:
         """The answers in the questions' order; one whose process died is left out and counted."""
-        tasks = [Task(self._key(kind, each), answer, Question(kind, self._base, each)) for each in questions]
+        name = KINDS[kind]
+        tasks = [Task(self._key(name, each), answer, Question(name, self._base, each)) for each in questions]
         campaign = Campaign(self._store, self._pool, self._on_progress)
         campaign.run(tasks, len(tasks))
         self.asked += len(tasks)
@@ -99,7 +96,7 @@ class Questions:
         rows = [row for task in tasks if (row := self._store.get(task.key)) is not None]
         self.runs += sum(int(row.record.get("runs", 1)) for row in rows)
         self._keys.update(row.key for row in rows)
-        return [dict(row.record) for row in rows]
+        return [part(kind, dict(row.record), self._store.path) for row in rows]
 
     @property
     def seconds(self) -> float:
@@ -114,8 +111,8 @@ class Questions:
 
 def run_effects(
     path: Path, folder: Path, pool: Pool, on_progress: OnProgress = silent, *, resume: bool = False
-) -> tuple[dict[str, Any], Summary]:
-    """Run an effects study into `folder` (result.json, store.sqlite, replay/); returns its record and what was done.
+) -> EffectsRecord:
+    """Run an effects study into `folder` (result.json, store.sqlite, replay/); returns its record.
 
     Raises `InputError` for a wrong file or scene, or `resume` where nothing was begun.
     """
@@ -127,33 +124,29 @@ def run_effects(
     base = base_of_scene(path.parent / study.scene)
     scene = base.scene({})
     _check(scene, path)
-    found: dict[str, Any] = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "effects3d",
-        "title": study.title,
-        "file": path.name,
-    }
     with Store(folder / STORE_NAME) as store:
         questions = Questions(base, scene, store, pool, on_progress)
-        found |= _answers(study, scene, questions)
-        summary = Summary(
-            study.directions, questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
-        )
-    found |= {
-        "scene": SceneRecord.of(scene),
-        "notes": scene.notes,
-        "study": study.model_dump(),
-        "unit_g": peak_g(scene),
-        "versions": record.versions(),
-        "machine": record.machine(),
-        "files": listing(()),
-    }
-    found["replay"] = write_replay(found, scene, folder / "replay")
-    found["summary"] = {"sentence": str(summary), **asdict(summary)}
-    found["seconds"] = time.perf_counter() - start
-    plain: dict[str, Any] = record.to_plain(found)
-    record.write_json(folder / "result.json", plain)
-    return plain, summary
+        answers = _answers(study, scene, questions)
+        counts = questions.asked, questions.found, questions.runs, questions.failed, questions.seconds
+    summary = EffectsSummary("", study.directions, *counts)
+    dt_s = study.search.dt_s
+    finished = EffectsRecord(
+        title=study.title,
+        file=path.name,
+        **answers,
+        scene=SceneRecord.of(scene),
+        notes=scene.notes,
+        study=part(AskedRecord, study.model_dump(), path),
+        unit_g=peak_g(scene),
+        replay=write_replay(scene, answers["rows"], answers["departures"], dt_s, folder / "replay"),
+        summary=replace(summary, sentence=sentence(summary)),
+        versions=record.versions(),
+        machine=record.machine(),
+        seconds=time.perf_counter() - start,
+        files=listing(()),
+    )
+    record.write_json(folder / "result.json", as_file(finished))
+    return finished
 
 
 def _check(scene: Scene, path: Path) -> None:
@@ -169,13 +162,13 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str
     """All rows of the record: the roses first, then what follows each of them."""
     search = study.wanted()
     engines = sorted(study.engines, key=ORDER.index)
-    rows = questions.ask("search", [(BASELINE, a, name, search) for name in engines for a in study.azimuths_deg()])
+    rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in engines for a in study.azimuths_deg()])
     sides = [("analytic", azimuth) for azimuth in side_azimuths(scene)]
-    projected = questions.ask("search", [(BASELINE, azimuth, name, search) for name, azimuth in sides])
-    near = {(row["engine"], row["azimuth_deg"]): row["peak_g"] for row in rows}
+    projected = questions.ask(Amplitude, [(BASELINE, azimuth, name, search) for name, azimuth in sides])
+    near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
-    changed = questions.ask("search", list(_changed(study, wanted, engines, search, near)))
+    changed = questions.ask(Amplitude, list(_changed(study, wanted, engines, search, near)))
     bands = [(a, search, study.samples, study.seed) for a in study.azimuths_deg(study.every)] if study.samples else []
     leaving = [
         (a, name, study.share * peak, search.dt_s)
@@ -190,8 +183,8 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str
         "rows": everything,
         "sides": projected,
         "static": static_rose(scene, study.azimuths_deg(), projected),
-        "bands": questions.ask("band", bands),
-        "departures": questions.ask("departure", leaving),
+        "bands": questions.ask(Band, bands),
+        "departures": questions.ask(Departure, leaving),
         "effects": effects(everything, wanted),
         "left_out": empty,
     }

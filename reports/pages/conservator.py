@@ -12,6 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.model.history import Outcome
+from harness.records.effects3d import EffectsRecord
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg, reach_svg
@@ -43,15 +44,17 @@ class Picture:
     words: Sequence[str]
 
 
-def context(folder: Path, record: RunRecord | Mapping[str, Any]) -> dict[str, object]:
+def context(folder: Path, record: RunRecord | EffectsRecord | Mapping[str, Any]) -> dict[str, object]:
     """Everything that the conservator's template shows."""
     if isinstance(record, RunRecord):
         page = of_run(source_of(folder, record))
         return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
     from reports.pages.conservator_study import of_effects, of_study
 
-    page = of_study(record) if record["kind"] == "study" else of_effects(folder, record)
-    return page | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
+    if isinstance(record, EffectsRecord):
+        page = of_effects(folder, record)
+        return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
+    return of_study(record) | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
 
 
 def of_run(source: RunSource) -> dict[str, object]:

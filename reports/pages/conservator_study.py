@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from harness.model.history import Outcome
+from harness.records.effects3d import EffectsRecord
 from reports.charts.static_svg import still
 from reports.pages.conservator import Picture, end_words, order_picture, push_picture, reach_picture
 from reports.source import run_source, scene_of
@@ -196,21 +198,19 @@ def _plainly(figure: Mapping[str, Any]) -> dict[str, Any]:
     return {"data": figure["data"], "layout": layout}
 
 
-def of_effects(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
+def of_effects(folder: Path, record: EffectsRecord) -> dict[str, Any]:
     """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
     borne: dict[float, float] = {}
-    for row in record["rows"]:
-        azimuth = float(row["azimuth_deg"])
-        borne[azimuth] = min(borne.get(azimuth, float("inf")), float(row["stands_at_g"]))
+    for row in record.rows:
+        borne[row.azimuth_deg] = min(borne.get(row.azimuth_deg, math.inf), row.stands_at_g)
     weak, strong = (choose(borne, key=lambda key: borne[key]) for choose in (min, max))
-    scene = scene_of(record)
-    support = support_of(scene)
+    scene, support = record.scene, support_of(record.scene)
     pictures = [push_picture(scene, support, borne=borne), order_picture(scene, support)]
-    if record["replay"]:
+    if record.replay:
         pictures.insert(
-            0, reach_picture(run_source(folder / record["replay"]["folder"]), "One case, replayed in the full report")
+            0, reach_picture(run_source(folder / record.replay.folder), "One case, replayed in the full report")
         )
-    cases = len({row["condition"] for row in record["rows"]})
+    cases = len({row.condition for row in record.rows})
     return {
         "headline": f"It stood in every shaking tried of up to {percent(borne[weak])} of its weight, from any direction",
         "tone": "agree",
