@@ -21,7 +21,7 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsSummary
-from harness.records.result_folder import RECORD, checksum, listing, read_own
+from harness.records.result_folder import RECORD, checksum, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
@@ -85,7 +85,7 @@ def _run(
     size = estimate.sentence(study, scene, pool.workers)
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
         summary = run_study(study, path, store, pool, on_progress, beside)
-        found = study_record(study, path, store, summary, time.perf_counter() - start) | {"files": listing(())}
+        found = study_record(study, path, store, summary, time.perf_counter() - start)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)

@@ -13,6 +13,7 @@ from harness.records.base import SCHEMAS, Record, schema_name, schema_of
 CLASSES: Final[Mapping[str, str]] = {
     "run": "harness.records.run:RunRecord",
     "assess": "harness.records.assess:AssessRecord",
+    "study": "harness.records.study:StudyRecord",
     "effects3d": "harness.records.effects3d:EffectsRecord",
     "validation": "harness.records.validation:ValidationRecord",
 }

@@ -6,13 +6,14 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from harness.records.study import RecheckRecord
 from harness.studies import case_selection as asking
 from harness.studies.file import StudyFile
 
 Row = Mapping[str, Any]
 
 
-def audit(study: StudyFile, rows: Sequence[Row]) -> dict[str, Any] | None:
+def audit(study: StudyFile, rows: Sequence[Row]) -> RecheckRecord | None:
     """How the audited cases came out, in numbers and one sentence; None where every case was asked.
 
     Near a boundary the engine's outcome is held against the analytic one, on a refined map against the outcome that its cell was
@@ -29,7 +30,7 @@ def audit(study: StudyFile, rows: Sequence[Row]) -> dict[str, Any] | None:
     sentence = (
         f"Of the cases left out, {len(asked)} were audited at random: {differ} had another outcome than {against}."
     )
-    return {"audited": len(asked), "differ": differ, "sentence": sentence}
+    return RecheckRecord(len(asked), differ, sentence)
 
 
 def _place(row: Row) -> tuple[int, str]:

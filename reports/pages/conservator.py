@@ -15,6 +15,7 @@ from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import MotionRecord, SceneRecord
+from harness.records.study import StudyRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg, reach_svg
 from reports.drawing.kinematics import Array, section
 from reports.drawing.silhouette import silhouette_m
@@ -44,17 +45,15 @@ class Picture:
     words: Sequence[str]
 
 
-def context(folder: Path, record: RunRecord | EffectsRecord | Mapping[str, Any]) -> dict[str, object]:
+def context(folder: Path, record: RunRecord | EffectsRecord | StudyRecord) -> dict[str, object]:
     """Everything that the conservator's template shows."""
-    if isinstance(record, RunRecord):
-        page = of_run(source_of(folder, record))
-        return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
     from reports.pages.conservator_study import of_effects, of_study
 
-    if isinstance(record, EffectsRecord):
-        page = of_effects(folder, record)
-        return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
-    return of_study(record) | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
+    if isinstance(record, RunRecord):
+        page = of_run(source_of(folder, record))
+    else:
+        page = of_study(record) if isinstance(record, StudyRecord) else of_effects(folder, record)
+    return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
 
 
 def of_run(source: RunSource) -> dict[str, object]:

@@ -10,9 +10,10 @@ from typing import Any, Final
 
 from harness.model.history import Outcome
 from harness.records.effects3d import EffectsRecord
+from harness.records.study import StudyRecord
 from reports.charts.static_svg import still
 from reports.pages.conservator import Picture, end_words, order_picture, push_picture, reach_picture
-from reports.source import run_source, scene_of
+from reports.source import run_source
 from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
 from reports.text.numbers import count_word, heading, listed, percent, short
 from reports.text.pedestal_effect import pedestal_effect
@@ -41,9 +42,9 @@ STRENGTHS: Final = (
 """Keys that vary the strength of a level shaking."""
 
 
-def of_study(record: Mapping[str, Any]) -> dict[str, Any]:
+def of_study(record: StudyRecord) -> dict[str, Any]:
     """Headline, points and pictures of a study."""
-    models, found = conditions(record["rows"])
+    models, found = conditions(record.rows)
     ends = {model: _ends(found, model) for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     return {
@@ -57,7 +58,7 @@ def of_study(record: Mapping[str, Any]) -> dict[str, Any]:
 def _ends(found: Sequence[Condition], model: str) -> list[Outcome]:
     """The outcomes of one model, condition after condition that it answered."""
     rows = [item.answers.get(model) for item in found]
-    return [Outcome(row["run"]["outcome"]) for row in rows if row is not None and row["run"] is not None]
+    return [Outcome(row.run.outcome) for row in rows if row is not None and row.run is not None]
 
 
 def _headline(ends: Mapping[str, Sequence[Outcome]]) -> str:
@@ -94,8 +95,8 @@ def _falls(outcomes: Sequence[Outcome]) -> int:
     return sum(outcome.overturned for outcome in outcomes)
 
 
-def _asked(record: Mapping[str, Any], models: Sequence[str]) -> list[str]:
-    varied = [PLAIN.get(key.rsplit(".", 1)[-1], heading(key).partition(" [")[0]) for key in record["vary"]]
+def _asked(record: StudyRecord, models: Sequence[str]) -> list[str]:
+    varied = [PLAIN.get(key.rsplit(".", 1)[-1], heading(key).partition(" [")[0]) for key in record.vary]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
     named = f"the variants {listed(f'“{name}”' for name in variants)}" if len(variants) > 1 else ""
     each = [*dict.fromkeys(varied), *([named] if named else [])]
@@ -113,8 +114,8 @@ def _borne(found: Sequence[Condition], key: str) -> float | None:
     ends: dict[float, set[str]] = {}
     for item in found:
         for row in item.answers.values():
-            if row["run"] is not None:
-                ends.setdefault(abs(float(item.varied[key])), set()).add(family(row["run"]["outcome"]))
+            if row.run is not None:
+                ends.setdefault(abs(float(item.varied[key])), set()).add(family(row.run.outcome))
     safe = None
     for level in sorted(ends):
         if ends[level] != {"stands"}:
@@ -140,7 +141,7 @@ def _level(key: str, value: float) -> str:
     return f"{short(value)} times the record" if key.endswith("scale") else f"{heading(key)} {short(value)}"
 
 
-def _by_direction(record: Mapping[str, Any], found: Sequence[Condition]) -> dict[float, float]:
+def _by_direction(record: StudyRecord, found: Sequence[Condition]) -> dict[float, float]:
     """The strongest shaking borne by direction of the push, where the study turned the statue and varied the amplitude in g.
 
     A statue turned by an angle under a shaking along x is one shaken along minus that angle, to both sides.
@@ -149,7 +150,7 @@ def _by_direction(record: Mapping[str, Any], found: Sequence[Condition]) -> dict
     strength = _strength(found)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
-    own = scan_turn_deg(scene_of(record))
+    own = scan_turn_deg(record.scene)
     borne = {}
     for angle in {float(item.varied[turn]) for item in found}:
         safe = _borne([item for item in found if float(item.varied[turn]) == angle], strength)
@@ -170,9 +171,9 @@ def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
     ]
 
 
-def _pictures(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> list[Picture]:
+def _pictures(record: StudyRecord, models: Sequence[str], found: Sequence[Condition]) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
-    scene, support = scene_of(record), study_support(record)
+    scene, support = record.scene, study_support(record)
     push = push_picture(scene, support, borne=_by_direction(record, found))
     effect = pedestal_effect(record, models, found)
     if effect is None:

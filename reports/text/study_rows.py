@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from harness.model.history import Outcome
+from harness.records.study import StudyRow
 
 SYMBOLS: Final = {
     "stands": ("●", "stands"),
@@ -41,20 +42,20 @@ class Condition:
     """One combination of what the study varies, with every model's row of it (the variants' own keys aside)."""
 
     varied: Mapping[str, Any]
-    answers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    answers: Mapping[str, StudyRow] = field(default_factory=dict)
 
 
-def model_name(row: Mapping[str, Any]) -> str:
+def model_name(row: StudyRow) -> str:
     """Engine and variant of a row."""
-    return f"{row['engine']} ({row['varied']['variant']})"
+    return f"{row.engine} ({row.varied['variant']})"
 
 
-def conditions(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[Condition]]:
+def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
     """The models in their order, and all conditions in the study's order."""
     models: dict[str, None] = {}
-    found: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, Mapping[str, Any]]]] = {}
-    for row in sorted(rows, key=lambda item: int(item["number"])):
-        varied = {key: value for key, value in row["varied"].items() if key != "variant"}
+    found: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, StudyRow]]] = {}
+    for row in sorted(rows, key=lambda item: int(item.number)):
+        varied = {key: value for key, value in row.varied.items() if key != "variant"}
         models[model_name(row)] = None
         found.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
     variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
@@ -85,22 +86,22 @@ def tone(answers: Iterable[str]) -> str:
     return "agree" if families == {"stands"} else "differ" if "stands" in families or "wall" in families else "failed"
 
 
-def cell(row: Mapping[str, Any] | None) -> Cell:
+def cell(row: StudyRow | None) -> Cell:
     """What a table shows of one row."""
     if row is None:
         return Cell(*NOT_SENT, "none", NOT_SENT[1])
-    run = row["run"]
+    run = row.run
     if run is None:
-        return Cell(*NOT_SENT, "none", str(row["reason"]))
-    sign, words = SYMBOLS.get(run["outcome"], FAILED)
+        return Cell(*NOT_SENT, "none", str(row.reason))
+    sign, words = SYMBOLS.get(run.outcome, FAILED)
     parts = [words]
-    if run["peak_theta_rad"] is not None and run["outcome"] == "stands":
-        parts.append(f"largest rotation {abs(run['peak_theta_rad']):.4f} rad")
-    if run["no_return_time_s"] is not None:
-        parts.append(f"passes its balance point at {run['no_return_time_s']:.3f} s")
-    if run["numerical_uncertainty_rad"] is not None:
-        parts.append(f"numerical error ±{run['numerical_uncertainty_rad']:.1e} rad")
-    return Cell(sign, words, family(run["outcome"]), "; ".join(parts))
+    if run.peak_theta_rad is not None and run.outcome == "stands":
+        parts.append(f"largest rotation {abs(run.peak_theta_rad):.4f} rad")
+    if run.no_return_time_s is not None:
+        parts.append(f"passes its balance point at {run.no_return_time_s:.3f} s")
+    if run.numerical_uncertainty_rad is not None:
+        parts.append(f"numerical error ±{run.numerical_uncertainty_rad:.1e} rad")
+    return Cell(sign, words, family(run.outcome), "; ".join(parts))
 
 
 def varying_keys(found: Sequence[Condition]) -> list[str]:
@@ -117,10 +118,10 @@ def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (Outcome(a["run"]["outcome"]), Outcome(b["run"]["outcome"]))
+                (Outcome(a.run.outcome), Outcome(b.run.outcome))
                 for item in found
                 for a, b in [(item.answers.get(first), item.answers.get(second))]
-                if a is not None and b is not None and a["run"] is not None and b["run"] is not None
+                if a is not None and b is not None and a.run is not None and b.run is not None
             ]
             if both:
                 pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))

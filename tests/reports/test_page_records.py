@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from harness.model.run import write_json
+from harness.records.base import as_file
 from harness.records.scores import Interval
 from harness.records.validation import ValidationRecord
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
@@ -31,24 +32,24 @@ def shown(folder: Path) -> str:
 
 def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
     folder = invented_study.write_table_study(tmp_path)
-    record, html = read_record(folder), shown(folder)
-    assert len(re.findall(r'<td class="claim ', html)) == len(record["claims"])
-    for item in record["claims"]:
-        assert item["evidence"] in html
+    record, html = invented_study.study(folder), shown(folder)
+    assert len(re.findall(r'<td class="claim ', html)) == len(record.claims or ())
+    for item in record.claims or ():
+        assert item.evidence in html
 
 
 def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
     folder = invented_study.write_table_study(tmp_path)
-    record = read_record(folder)
-    record["headline"] = dict.fromkeys(record["headline"], "holds")
-    write_json(folder / "result.json", record)
+    record = invented_study.study(folder)
+    record = replace(record, headline=dict.fromkeys(record.headline or (), "holds"))
+    write_json(folder / "result.json", as_file(record))
     assert "The paper's claims: (i), (ii), (iii), (iv), (v) and (vi) true in every model" in shown(folder).replace(
         "&#39;", "'"
     )
 
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
-    record = read_record(invented_study.write_table_study(tmp_path))
+    record = invented_study.study(invented_study.write_table_study(tmp_path))
     matrix = study_context(tmp_path, record)["matrix"]
     assert len(matrix) == 60
     differing = {tuple(row["keys"][2:]) for row in matrix if row["differs"]}
@@ -56,7 +57,7 @@ def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> No
 
 
 def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
-    models, found = conditions(read_record(invented_study.write_table_study(tmp_path))["rows"])
+    models, found = conditions(invented_study.study(invented_study.write_table_study(tmp_path)).rows)
     pairs = {(first, second): (same, total) for first, second, same, total in agreement(models, found)}
     assert pairs["analytic (own impact)", "pymunk (own impact)"] == (60, 60)
     assert pairs["analytic (own impact)", "pybullet (own impact)"] == (54, 60)
@@ -65,7 +66,7 @@ def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
 
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
-    charts = {name: figure for name, _, figure in study_context(tmp_path, read_record(folder))["charts"]}
+    charts = {name: figure for name, _, figure in study_context(tmp_path, invented_study.study(folder))["charts"]}
     whole, part = charts["map-1"]["data"][0]["z"], charts["map-2"]["data"][0]["z"]
     assert not any(code == 0 for row in whole for code in row)
     assert any(code == 0 for row in part for code in row)
@@ -74,7 +75,7 @@ def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
 
 
 def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
-    record = read_record(invented_study.write_rose_study(tmp_path))
+    record = invented_study.study(invented_study.write_rose_study(tmp_path))
     charts = {name: figure for name, _, figure in study_context(tmp_path, record)["charts"]}
     trace = charts["rose"]["data"][0]
     least = dict(zip(trace["theta"], trace["r"], strict=True))
@@ -150,7 +151,7 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
 
 def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
     rows = [
-        {"engine": "analytic", "varied": {"variant": "own"}, "run": {"validity": {"left_domain_by": cause}}}
+        invented_study.case_row("analytic", invented_study.case_run(validity={"left_domain_by": cause}))
         for cause in ("the statue slides", "the statue slides", "the pedestal tips", "", None)
     ]
     assert left_domain(rows) == [
@@ -161,7 +162,7 @@ def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
 
 def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
     texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
-    rows = [{"engine": "analytic", "run": {"warnings": [text]}} for text in texts]
+    rows = [invented_study.case_row("analytic", invented_study.case_run(warnings=[text])) for text in texts]
     assert study_warnings(rows) == ["analytic: From 1.5 to 2.25 s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
 
 

@@ -48,8 +48,8 @@ def rows(island: bool) -> list[dict[str, Any]]:
 def test_an_audit_of_a_map_finds_what_its_cells_hide(island: bool, differ: int) -> None:
     found = audit(study("adaptive"), rows(island))
     assert found is not None
-    assert found["audited"] > 5
-    assert found["differ"] == differ
+    assert found.audited > 5
+    assert found.differ == differ
 
 
 def test_near_a_boundary_the_audit_is_held_against_the_analytic_outcome() -> None:
@@ -57,8 +57,8 @@ def test_near_a_boundary_the_audit_is_held_against_the_analytic_outcome() -> Non
     audited = [row for row in other if row["reason"] == asking.AUDIT]
     found = audit(study("boundary"), other)
     assert found is not None
-    assert found["audited"] == len(audited)
-    assert found["differ"] == sum(outcome(2, int(row["varied"][KEYS[1]]) - 1, False) != "stands" for row in audited)
+    assert found.audited == len(audited)
+    assert found.differ == sum(outcome(2, int(row["varied"][KEYS[1]]) - 1, False) != "stands" for row in audited)
 
 
 def test_where_every_case_is_asked_there_is_no_audit() -> None:

@@ -61,7 +61,7 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     assert asking.NEAR in {row["reason"] for row in sent}
     found = audit(study, rows)
     assert found is not None
-    assert found["audited"] == sum(row["reason"] == asking.AUDIT for row in sent)
+    assert found.audited == sum(row["reason"] == asking.AUDIT for row in sent)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 from harness.studies import case_selection as asking
 from reports.charts.map_figures import CODES, map_figures
 from reports.text.study_rows import Condition
+from tests.reports.invented_study import case_row, case_run
 
 SIZE = 17
 BOUNDARY = {"analytic": 8.5, "pybullet": 9.5}
@@ -29,11 +30,11 @@ def explored() -> set[asking.Place]:
 
 
 def condition(x: int, y: int, asked: set[asking.Place]) -> Condition:
-    answers: dict[str, dict[str, Any]] = {}
+    answers = {}
     for engine in BOUNDARY:
-        run = {"outcome": outcome(engine, y), "peak_theta_rad": 0.1}
+        run = case_run(outcome(engine, y))
         known = engine == "analytic" or (x, y) in asked
-        answers[f"{engine} (own)"] = {"engine": engine, "reason": asking.SAME_CELL, "run": run if known else None}
+        answers[f"{engine} (own)"] = case_row(engine, run if known else None, asking.SAME_CELL)
     return Condition({"motion.x.frequency_hz": 1.0 + x, "motion.x.amplitude_g": float(y)}, answers)
 
 
