@@ -85,13 +85,13 @@ def _run(
     size = estimate.sentence(study, scene, pool.workers)
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
         summary = run_study(study, path, store, pool, on_progress, beside)
-        found = study_record(study, path, store, summary, time.perf_counter() - start)
+        plain = study_record(study, path, store, summary, time.perf_counter() - start)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
-            found["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
-        record.write_json(folder / RECORD, found)
-    return found, summary
+            plain["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
+        record.write_json(folder / RECORD, plain)
+    return plain, summary
 
 
 def _check_effects(export: Path | None, jobs: int | None) -> None:
@@ -152,8 +152,11 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
 
 def _exported(export: Path, folder: Path) -> bool:
     """Whether the study in `folder` wrote a file, and it is as it was written."""
-    told = (read_own(folder / RECORD) or {}).get("export")
-    return isinstance(told, dict) and told == {"file": str(export.resolve()), "sha256": checksum(export)}
+    export_record = (read_own(folder / RECORD) or {}).get("export")
+    return isinstance(export_record, dict) and export_record == {
+        "file": str(export.resolve()),
+        "sha256": checksum(export),
+    }
 
 
 def _check_jobs(jobs: int | None) -> None:

@@ -54,6 +54,11 @@ class DaskPool:
                 for future in self._finished(under_way):
                     task, _ = under_way.pop(future)
                     done(task, self._result(future))
+                for future in [
+                    f for f, (_, since_s) in under_way.items() if time.monotonic() - since_s > self._limit_s
+                ]:
+                    task, _ = under_way.pop(future)
+                    done(task, self._given_up(future))
         finally:
             self._client.cancel(list(under_way), force=True)
 
@@ -62,26 +67,32 @@ class DaskPool:
         self._client.close()
 
     def _finished(self, under_way: dict[Any, tuple[Any, float]]) -> list[Any]:
-        """Those that have an answer, or where none comes in time those that have had theirs."""
+        """Those that have an answer; none where there is none before the time of the oldest has passed."""
         from distributed import wait
 
         left_s = min(since_s for _, since_s in under_way.values()) + self._limit_s - time.monotonic()
         try:
             return list(wait(list(under_way), timeout=max(left_s, 0.01), return_when="FIRST_COMPLETED").done)
         except TimeoutError:
-            return [future for future, (_, since) in under_way.items() if time.monotonic() - since >= self._limit_s]
+            return []
 
     def _result(self, future: Any) -> Any:
+        """Its answer, which is computed once more where it was lost with its worker."""
         from distributed import KilledWorker
 
-        if future.done():
-            try:
-                return future.result()
-            except KilledWorker as error:
-                return Crash(str(error))
+        try:
+            return future.result(timeout=self._limit_s)
+        except KilledWorker as error:
+            return Crash(str(error))
+        except TimeoutError:
+            return self._given_up(future)
+
+    def _given_up(self, future: Any) -> Hung:
         self._client.cancel([future], force=True)
         self._hung += 1
+        got = f"no answer in {self._limit_s:g} s"
         if self._hung >= self.workers:
-            got = f"no answer in {self._limit_s:g} s on any of them"
-            raise InputError(Mistake("--dask", "", "workers that answer", got, "restart the cluster's workers"))
-        return Hung(f"no answer in {self._limit_s:g} s")
+            raise InputError(
+                Mistake("--dask", "", "workers that answer", f"{got} on any of them", "restart the cluster's workers")
+            )
+        return Hung(got)

@@ -177,12 +177,12 @@ def _tasks(part: Part, keys: Mapping[str, str]) -> list[Task]:
 def _alone(part: Part, keys: Mapping[str, str], store: Store, on_progress: Callable[[str], None]) -> None:
     left = {task: key for task, key in keys.items() if key not in store.known(keys.values())}
 
-    def told() -> Iterator[Task]:
+    def announced() -> Iterator[Task]:
         for number, task in enumerate(_tasks(part, left), 1):
             on_progress(f"{part.name} {number} of {len(left)}: {task.argument[1]}")
             yield task
 
-    Campaign(store, InlinePool()).run(told(), len(left))
+    Campaign(store, InlinePool()).run(announced(), len(left))
 
 
 def _together(
@@ -193,12 +193,12 @@ def _together(
 ) -> None:
     """The tasks of all these parts on all cores, in the order given: the longest should come first."""
 
-    def told(done: int, total: int) -> None:
+    def tell(done: int, total: int) -> None:
         if campaign.latest is not None and done:
             part, task = campaign.latest.argument
             on_progress(f"{done} of {total} done: {part.name}, {task}")
 
     tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
     with closing(LocalPool()) as pool:
-        campaign = Campaign(store, pool, told)
+        campaign = Campaign(store, pool, tell)
         campaign.run(tasks, len(tasks))

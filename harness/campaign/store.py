@@ -102,8 +102,8 @@ def packed(key: str, answer: Answer) -> Packed:
     if answer.history is None:
         return Packed(columns, answer.seconds, None)
     table = answer.history.columns()
-    kept = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
-    return Packed(columns, answer.seconds, (*kept, history_sum(key, *kept)))
+    row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
+    return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))
 
 
 class Store:

@@ -134,15 +134,15 @@ def without_meaning(scene: Scene) -> dict[str, str]:
     """The conditions that change nothing of this scene, each with the reason."""
     y, z = (isinstance(item, ZeroExcitation) for item in (scene.base_excitation.y, scene.base_excitation.z))
     flat = float(np.ptp(solid_of(scene).feet_m[:, 2])) < FLAT_M
-    found = {}
+    reasons = {}
     if z:
-        found["with the vertical component"] = "the scene's motion has none"
+        reasons["with the vertical component"] = "the scene's motion has none"
     if y:
-        found["with the second horizontal component"] = "the scene's motion has none"
+        reasons["with the second horizontal component"] = "the scene's motion has none"
     if y or z:
-        found["with all three components"] = "the scene's motion has fewer"
+        reasons["with all three components"] = "the scene's motion has fewer"
     if flat:
-        found["base planed flat"] = "the base is flat"
+        reasons["base planed flat"] = "the base is flat"
     else:
-        found["base ragged by 1 mm"] = "the base is uneven as it is"
-    return found
+        reasons["base ragged by 1 mm"] = "the base is uneven as it is"
+    return reasons

@@ -212,5 +212,5 @@ def side_azimuths(scene: Scene) -> list[float]:
     """Directions across the long sides of the footprint, both ways: where a planar model at a side is asked."""
     polygon = solid_of(scene).footprint_m
     lengths, towards = footprint.sides(polygon)
-    found = {round(float(a), 6) for a in towards[lengths > LONG_SIDE * lengths.sum()]}
-    return sorted(found | {round((a + 180.0) % 360.0, 6) for a in found})
+    azimuths = {round(float(a), 6) for a in towards[lengths > LONG_SIDE * lengths.sum()]}
+    return sorted(azimuths | {round((a + 180.0) % 360.0, 6) for a in azimuths})

@@ -152,13 +152,13 @@ def _iii(answers: Sequence[Answer]) -> tuple[int, int, str]:
     for restitution, amplitude in sorted({item.condition[:2] for item in answers}):
         mean: dict[bool, float] = {}
         for low in (True, False):
-            found = [
+            advantages = [
                 f.peak_rad - p.peak_rad
                 for f, p in _pairs(answers)
                 if f.condition[:2] == (restitution, amplitude) and (f.frequency_hz <= LOW_HZ) is low
             ]
-            gains[low] += found
-            mean[low] = float(np.mean(found)) if found else float("nan")
+            gains[low] += advantages
+            mean[low] = float(np.mean(advantages)) if advantages else float("nan")
         if np.isfinite(mean[True]) and np.isfinite(mean[False]):
             cases += 1
             held += mean[True] > mean[False]

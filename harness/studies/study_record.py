@@ -23,7 +23,7 @@ from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
-from harness.studies.random_rechecks import audit
+from harness.studies.random_rechecks import recheck
 from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
 
@@ -54,7 +54,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         seconds=seconds,
         engine_seconds=_seconds(rows, store),
         scores=score_sets(rows, history=store.history),
-        audit=audit(study, rows),
+        audit=recheck(study, rows),
         versions=record.versions(),
         machine=record.machine(),
         claims=verdicts if paper else None,
@@ -117,28 +117,28 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
     if size <= points:
         return np.arange(size)
     edges = np.linspace(0, size, points // 2 + 1).astype(int)
-    kept = {0, size - 1}
+    chosen = {0, size - 1}
     for low, high in pairwise(edges):
         for curve in curves:
-            kept |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
-    return np.array(sorted(kept))
+            chosen |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
+    return np.array(sorted(chosen))
 
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     """What is kept of a row; words that all rows share are one string, for there may be a million of them."""
     run = row["run"]
-    kept = None
+    shown = None
     if run is not None:
-        kept = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
-        kept["validity"] = _shared(run["validity"])
-        kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
+        shown = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
+        shown["validity"] = _shared(run["validity"])
+        shown["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {
         "number": row["number"],
         "engine": row["engine"],
         "key": row["key"],
         "reason": sys.intern(row["reason"]),
         "varied": _shared(row["varied"]),
-        "run": kept,
+        "run": shown,
     }
 
 

@@ -82,8 +82,8 @@ def validate(
             "machine": record.machine(),
             "files": listing(()),
         }
-        found = _record(store, trials, chosen, wanted, intensities, asked)
-    plain = as_file(replace(found, seconds=time.perf_counter() - start))
+        result = _record(store, trials, chosen, wanted, intensities, asked)
+    plain = as_file(replace(result, seconds=time.perf_counter() - start))
     record.write_json(folder / "result.json", plain)
     return plain
 
@@ -100,16 +100,16 @@ def _check(folder: Path, samples: int, jobs: int | None, resume: bool) -> None:
 
 def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     """Intensities of all tests; this reads every scene, mesh and motion, so that all mistakes come before any run."""
-    found: dict[str, Intensity] = {}
+    by_test: dict[str, Intensity] = {}
     mistakes: dict[str, Mistake] = {}
     for trial in trials:
         try:
-            found[trial.name] = intensity(trial)
+            by_test[trial.name] = intensity(trial)
         except InputError as error:
             mistakes |= {str(mistake): mistake for mistake in error.mistakes}
     if mistakes:
         raise InputError(mistakes.values())
-    return found
+    return by_test
 
 
 def _record(
@@ -158,13 +158,13 @@ def _unknown(trials: Sequence[Trial]) -> set[str]:
 
 
 def _answers(store: Store, wanted: Sequence[Job]) -> dict[str, Answers]:
-    found: dict[str, dict[tuple[str, Variant], Mapping[str, Any]]] = defaultdict(dict)
+    answers: dict[str, dict[tuple[str, Variant], Mapping[str, Any]]] = defaultdict(dict)
     for job in wanted:
         row = store.get(job.key)
         if row is None:
             raise InputError(Mistake(str(store.path), job.key, "the result of every run", "none", "run again"))
-        found[job.model.name][job.trial.name, job.variant] = row.record
-    return dict(found)
+        answers[job.model.name][job.trial.name, job.variant] = row.record
+    return dict(answers)
 
 
 def _histories(

@@ -44,20 +44,20 @@ STRENGTHS: Final = (
 
 def of_study(record: StudyRecord) -> dict[str, Any]:
     """Headline, points and pictures of a study."""
-    models, found = conditions(record.rows)
-    ends = {model: _ends(found, model) for model in models}
+    models, cases = conditions(record.rows)
+    ends = {model: _ends(cases, model) for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     return {
         "headline": _headline(ends),
         "tone": tone([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
-        "points": [*_asked(record, models), *_by_model(ends), *_bore(found), *_agree(models, found)],
-        "pictures": _pictures(record, models, found),
+        "points": [*_asked(record, models), *_by_model(ends), *_bore(cases), *_agree(models, cases)],
+        "pictures": _pictures(record, models, cases),
     }
 
 
-def _ends(found: Sequence[Condition], model: str) -> list[Outcome]:
+def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:
     """The outcomes of one model, condition after condition that it answered."""
-    rows = [item.answers.get(model) for item in found]
+    rows = [item.answers.get(model) for item in cases]
     return [Outcome(row.run.outcome) for row in rows if row is not None and row.run is not None]
 
 
@@ -103,16 +103,16 @@ def _asked(record: StudyRecord, models: Sequence[str]) -> list[str]:
     return [f"What was varied: {listed(each)}."] if each else []
 
 
-def _strength(found: Sequence[Condition]) -> str | None:
+def _strength(cases: Sequence[Condition]) -> str | None:
     """The key that varies the strength of the shaking."""
-    keys = found[0].varied if found else ()
+    keys = cases[0].varied if cases else ()
     return next((key for key in keys if key in STRENGTHS), None)
 
 
-def _borne(found: Sequence[Condition], key: str) -> float | None:
+def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
-    for item in found:
+    for item in cases:
         for row in item.answers.values():
             if row.run is not None:
                 ends.setdefault(abs(float(item.varied[key])), set()).add(family(row.run.outcome))
@@ -124,13 +124,13 @@ def _borne(found: Sequence[Condition], key: str) -> float | None:
     return safe
 
 
-def _bore(found: Sequence[Condition]) -> list[str]:
-    key = _strength(found)
+def _bore(cases: Sequence[Condition]) -> list[str]:
+    key = _strength(cases)
     if key is None:
         return []
-    safe = _borne(found, key)
+    safe = _borne(cases, key)
     if safe is None:
-        weakest = min(abs(float(item.varied[key])) for item in found)
+        weakest = min(abs(float(item.varied[key])) for item in cases)
         return [f"Already in the weakest shaking tried ({_level(key, weakest)}) not every answer is that it stands."]
     return [f"Up to a shaking of {_level(key, safe)} it stood in every situation that was tried, in every model."]
 
@@ -141,26 +141,26 @@ def _level(key: str, value: float) -> str:
     return f"{short(value)} times the record" if key.endswith("scale") else f"{heading(key)} {short(value)}"
 
 
-def _by_direction(record: StudyRecord, found: Sequence[Condition]) -> dict[float, float]:
+def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
     """The strongest shaking borne by direction of the push, where the study turned the statue and varied the amplitude in g.
 
     A statue turned by an angle under a shaking along x is one shaken along minus that angle, to both sides.
     """
-    turn = next((key for item in found for key in item.varied if key.endswith("azimuth_deg")), None)
-    strength = _strength(found)
+    turn = next((key for item in cases for key in item.varied if key.endswith("azimuth_deg")), None)
+    strength = _strength(cases)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
     own = scan_turn_deg(record.scene)
     borne = {}
-    for angle in {float(item.varied[turn]) for item in found}:
-        safe = _borne([item for item in found if float(item.varied[turn]) == angle], strength)
+    for angle in {float(item.varied[turn]) for item in cases}:
+        safe = _borne([item for item in cases if float(item.varied[turn]) == angle], strength)
         for side in (0.0, 180.0):
             borne[(own - angle + side) % 360.0] = safe or 0.0
     return borne
 
 
-def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
-    pairs = agreement(models, found)
+def _agree(models: Sequence[str], cases: Sequence[Condition]) -> list[str]:
+    pairs = agreement(models, cases)
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     if not total:
         return []
@@ -171,11 +171,11 @@ def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
     ]
 
 
-def _pictures(record: StudyRecord, models: Sequence[str], found: Sequence[Condition]) -> list[Picture]:
+def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, study_support(record)
-    push = push_picture(scene, support, borne=_by_direction(record, found))
-    effect = pedestal_effect(record, models, found)
+    push = push_picture(scene, support, borne=_by_direction(record, cases))
+    effect = pedestal_effect(record, models, cases)
     if effect is None:
         return [push, order_picture(scene, support)]
     if not effect.charts:
@@ -211,13 +211,14 @@ def of_effects(folder: Path, record: EffectsRecord) -> dict[str, Any]:
         pictures.insert(
             0, reach_picture(run_source(folder / record.replay.folder), "One case, replayed in the full report")
         )
-    cases = len({row.condition for row in record.rows})
+    variants = len({row.condition for row in record.rows})
     return {
         "headline": f"It stood in every shaking tried of up to {percent(borne[weak])} of its weight, from any direction",
         "tone": "agree",
         "points": [
             f"Least towards the {compass(weak)}; towards the {compass(strong)} it bears {percent(borne[strong])}.",
-            f"{len(borne)} directions were tried, each in up to {cases} variants of what is not known exactly about the statue.",
+            f"{len(borne)} directions were tried, each in up to {variants} variants"
+            " of what is not known exactly about the statue.",
             "The shaking is always of the same form; only its strength and direction were varied.",
         ],
         "pictures": pictures,

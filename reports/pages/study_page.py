@@ -42,12 +42,12 @@ MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐",
 
 def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
     """Everything that the study template shows."""
-    models, found = conditions(record.rows)
-    keys = varying_keys(found)
-    charts = study_charts(record, models, found, keys)
+    models, cases = conditions(record.rows)
+    keys = varying_keys(cases)
+    charts = study_charts(record, models, cases, keys)
     return {
         "title": record.title,
-        "verdict": study_verdict(record, models, found),
+        "verdict": study_verdict(record, models, cases),
         "chips": [],
         "picture": scene_svg(record.scene),
         "scene_title": record.scene.title,
@@ -55,12 +55,12 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "models": models,
         "claims": claim_rows(record.claims),
         "claim_models": list(dict.fromkeys(item.model for item in record.claims or ())),
-        "matrix": matrix(models, found, keys) if len(found) <= MOST_MATRIX_ROWS else None,
+        "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "pairs": agreement(models, found),
+        "pairs": agreement(models, cases),
         "panels": panel_data(record.panels) if record.panels else None,
-        "pedestal_effect": pedestal_effect(record, models, found),
+        "pedestal_effect": pedestal_effect(record, models, cases),
         "charts": charts,
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record.summary.sentence,
@@ -79,20 +79,20 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
 
 
 def study_charts(
-    record: StudyRecord, models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]
+    record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
 ) -> list[tuple[str, str, dict[str, Any]]]:
     """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
     axes = [key for key in record.vary if key in keys]
-    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, found, axes))]
-    designs = design_figures(models, found, map_axes(found, axes))
+    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
+    designs = design_figures(models, cases, map_axes(cases, axes))
     charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
-            figure = fragility_figure(models, found, key)
+            figure = fragility_figure(models, cases, key)
             if figure is not None:
                 charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
-    rose = rose_figure(models, found)
+    rose = rose_figure(models, cases)
     if rose is not None:
         charts.append(("rose", "Least amplitude that overturns the statue, by direction", rose))
     return charts
@@ -102,24 +102,24 @@ def _shown(value: Any) -> str:
     return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
 
 
-def study_verdict(record: StudyRecord, models: Sequence[str], found: Sequence[Condition]) -> Verdict:
+def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> Verdict:
     """The study in words: the claims where there are any, else how often the models agree."""
-    pairs = agreement(models, found)
+    pairs = agreement(models, cases)
     points = [
         f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
         for first, second, same, total in pairs
     ]
-    keys = [key for key in record.vary if key in varying_keys(found)]
-    points += best_designs(models, found, map_axes(found, keys))
+    keys = [key for key in record.vary if key in varying_keys(cases)]
+    points += best_designs(models, cases, map_axes(cases, keys))
     points += left_domain(record.rows)
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     agreed = "agree" if same == total else "differ"
     if record.headline:
         return Verdict(_claims_headline(record.headline), agreed, [*_claim_points(record), *points])
     if not pairs:
-        answers = [item.answers.get(model) for model in models for item in found]
+        answers = [item.answers.get(model) for model in models for item in cases]
         ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
-        return Verdict(_falls(models, found), tone(ends), points)
+        return Verdict(_falls(models, cases), tone(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, agreed, points)
 
@@ -137,11 +137,11 @@ def left_domain(rows: Sequence[StudyRow]) -> list[str]:
     return sentences
 
 
-def _falls(models: Sequence[str], found: Sequence[Condition]) -> str:
+def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     """In how many conditions each model lets the statue overturn."""
     parts = []
     for model in models:
-        rows = [row for item in found if (row := item.answers.get(model)) is not None]
+        rows = [row for item in cases if (row := item.answers.get(model)) is not None]
         ends = [family(row.run.outcome) for row in rows if row.run is not None]
         parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions ({model})")
     return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
@@ -180,11 +180,11 @@ def claim_rows(verdicts: Sequence[ClaimVerdict] | None) -> list[dict[str, Any]]:
     return list(rows.values())
 
 
-def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
+def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
     """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
     different sides do)."""
     rows = []
-    for item in found:
+    for item in cases:
         cells = [cell(item.answers.get(model)) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):

@@ -33,19 +33,19 @@ class PedestalEffect:
     charts: Sequence[tuple[str, str, Json]]
 
 
-def pedestal_effect(record: StudyRecord, models: Sequence[str], found: Sequence[Condition]) -> PedestalEffect | None:
+def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
     """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
-    keys = list(found[0].varied) if found else []
+    keys = list(cases[0].varied) if cases else []
     pace = next((key for key in keys if key.endswith("frequency_hz")), None)
-    if len({item.varied["pedestal"] for item in found if "pedestal" in keys}) < 2:
+    if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
         return None
     shape = section(record.scene)
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
-        return PedestalEffect(model, _saved_in_words(found, model), [])
+        return PedestalEffect(model, _saved_in_words(cases, model), [])
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
-    for item in found:
+    for item in cases:
         row = item.answers.get(model)
         if row is None or row.run is None:
             continue
@@ -64,13 +64,13 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], found: Sequence[
             _reach_by_setting(reach, heading(pace), record),
         ),
     ]
-    return PedestalEffect(model, _saved_in_words(found, model), charts)
+    return PedestalEffect(model, _saved_in_words(cases, model), charts)
 
 
-def _saved_in_words(found: Sequence[Condition], model: str) -> str:
+def _saved_in_words(cases: Sequence[Condition], model: str) -> str:
     """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
-    for item in found:
+    for item in cases:
         row = item.answers.get(model)
         if row is not None and row.run is not None:
             rest = tuple(value for key, value in item.varied.items() if key != "pedestal")

@@ -53,14 +53,14 @@ def model_name(row: StudyRow) -> str:
 def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
     """The models in their order, and all conditions in the study's order."""
     models: dict[str, None] = {}
-    found: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, StudyRow]]] = {}
+    by_keys: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, StudyRow]]] = {}
     for row in sorted(rows, key=lambda item: int(item.number)):
         varied = {key: value for key, value in row.varied.items() if key != "variant"}
         models[model_name(row)] = None
-        found.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
+        by_keys.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
     variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
     return sorted(models, key=lambda model: _order(model, variants)), [
-        Condition(varied, answers) for varied, answers in found.values()
+        Condition(varied, answers) for varied, answers in by_keys.values()
     ]
 
 
@@ -104,13 +104,13 @@ def cell(row: StudyRow | None) -> Cell:
     return Cell(sign, words, family(run.outcome), "; ".join(parts))
 
 
-def varying_keys(found: Sequence[Condition]) -> list[str]:
+def varying_keys(cases: Sequence[Condition]) -> list[str]:
     """The keys that take more than one value."""
-    keys = list(found[0].varied) if found else []
-    return [key for key in keys if len({repr(item.varied[key]) for item in found}) > 1]
+    keys = list(cases[0].varied) if cases else []
+    return [key for key in keys if len({repr(item.varied[key]) for item in cases}) > 1]
 
 
-def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
+def agreement(models: Sequence[str], cases: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
     """For each pair of models of one variant: both names, conditions with the same outcome, conditions answered by both."""
     pairs = []
     for k, first in enumerate(models):
@@ -119,7 +119,7 @@ def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[s
                 continue
             both = [
                 (Outcome(a.run.outcome), Outcome(b.run.outcome))
-                for item in found
+                for item in cases
                 for a, b in [(item.answers.get(first), item.answers.get(second))]
                 if a is not None and b is not None and a.run is not None and b.run is not None
             ]

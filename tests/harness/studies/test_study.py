@@ -15,11 +15,11 @@ from harness.model.errors import InputError
 from harness.model.run import impacts, to_plain
 from harness.model.scene import Scene
 from harness.records.run import EngineRunRecord
-from harness.studies import case_selection as asking
+from harness.studies import case_selection as selection
 from harness.studies import estimate
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import load_study
-from harness.studies.random_rechecks import audit
+from harness.studies.random_rechecks import recheck
 from harness.studies.study_run import Summary, run_study, study_name
 from tests.harness.studies.small_study import STUDY, contents, written
 
@@ -56,12 +56,12 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     sent = [row for row in rows if row["engine"] == "pymunk" and row["run"] is not None]
     left = [row for row in rows if row["engine"] == "pymunk" and row["run"] is None]
     assert summary.not_sent == len(left) > 0
-    assert {row["reason"] for row in left} == {asking.NOT_SENT}
-    assert {row["reason"] for row in sent} <= {asking.NEAR, asking.MARGIN, asking.AUDIT}
-    assert asking.NEAR in {row["reason"] for row in sent}
-    found = audit(study, rows)
+    assert {row["reason"] for row in left} == {selection.NOT_SENT}
+    assert {row["reason"] for row in sent} <= {selection.NEAR, selection.MARGIN, selection.RECHECK}
+    assert selection.NEAR in {row["reason"] for row in sent}
+    found = recheck(study, rows)
     assert found is not None
-    assert found.audited == sum(row["reason"] == asking.AUDIT for row in sent)
+    assert found.audited == sum(row["reason"] == selection.RECHECK for row in sent)
 
 
 @pytest.mark.parametrize(
