@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.input.mistakes import Contradiction
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene
-from harness.records.base import Table
+from harness.records.base import Positive, Table
 from harness.statics.push import Cause, peak_within_m_s2, push_of
 
 Array = NDArray[np.float64]
@@ -36,18 +38,18 @@ class MeshSize:
 class StatueRecord:
     """The statue as `harness.model.scene.Statue`, with its slendernesses; `mesh` None for a block by its numbers."""
 
-    mass_kg: float
-    centroid_height_m: float
+    mass_kg: Positive
+    centroid_height_m: Positive
     corner_left_m: float
     corner_right_m: float
-    slenderness_left_rad: float
-    slenderness_right_rad: float
+    slenderness_left_rad: Positive
+    slenderness_right_rad: Positive
     inertia_kg_m2: float
     inertia_tensor_kg_m2: tuple[Point3, Point3, Point3]
-    height_m: float
-    depth_m: float
-    section_m: Sequence[Point]
-    footprint_m: Sequence[Point3]
+    height_m: Positive
+    depth_m: Positive
+    section_m: Annotated[Sequence[Point], Field(min_length=3)]
+    footprint_m: Annotated[Sequence[Point3], Field(min_length=3)]
     mesh: MeshSize | None
 
     def slenderness_rad(self, side: int) -> float:
@@ -70,8 +72,8 @@ class SceneRecord:
 
     title: str
     file: str | None
-    duration_s: float
-    gravity_m_s2: float
+    duration_s: Positive
+    gravity_m_s2: Positive
     model: Form
     statue: StatueRecord
     pedestal: Pedestal | None
@@ -130,6 +132,10 @@ class PushRecord:
     shares: Mapping[Cause, float | None]
     first: Cause
 
+    def __post_init__(self) -> None:
+        if self.first not in self.shares:
+            raise Contradiction("first", "one of `shares`", repr(self.first))
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionRecord:
@@ -151,6 +157,11 @@ class MotionRecord:
     z_is: str | None = field(default=None, metadata=OMITTED)
     push: PushRecord | None = field(default=None, metadata=OMITTED)
     level_m_s2: Sequence[Point] | None = field(default=None, metadata=OMITTED)
+
+    def __post_init__(self) -> None:
+        for axis, values in self.accel_m_s2.items():
+            if len(values) != len(self.t_s):
+                raise Contradiction(f"{axis}_m_s2", f"{len(self.t_s)} values, as `t_s` has", f"{len(values)}")
 
     @property
     def accel_m_s2(self) -> dict[Axis, Sequence[float]]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.options import Capabilities
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
 NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given notes uncertainty", Statue: "solid"}
 """Fields of which a run does not depend; of a mesh its own digest is part of the key where an engine uses it."""
@@ -34,7 +34,8 @@ KEYED: Final[Mapping[type, tuple[str, str]]] = {
     Pedestal: ("pedestal", "mass_kg width_m depth_m height_m offset_m"),
     Contact: ("contact", "floor_static floor_kinetic statue restitution"),
     Wall: ("wall", "side distance_m"),
-    Initial: ("initial", "theta_rad theta_rate_rad_s"),
+    Initial: ("initial", "theta_rad theta_rate_rad_s pose"),
+    Pose: ("pose", "position_m quaternion_wxyz velocity_m_s angular_velocity_rad_s"),
     BaseExcitation: ("motion", "x y z"),
     ZeroExcitation: ("rest", ""),
     Harmonic: ("harmonic", "amplitude_m_s2 frequency_hz phase_rad ramp_s"),
@@ -45,13 +46,11 @@ KEYED: Final[Mapping[type, tuple[str, str]]] = {
 
 
 def _named(kind: type, tag: str, text: str) -> tuple[str, list[tuple[str, str]]]:
-    """The name of a class in the key, and of its fields. Raises `TypeError` for a field that is in no table."""
+    """The name of a class in the key, and of its fields; one that is not in the table yet counts by its own name."""
     members = [(item.partition("=")[0], item.partition("=")[2] or item) for item in text.split()]
     said = {attribute for attribute, _ in members}.union(NOT_PHYSICS.get(kind, "").split())
-    missing = [item.name for item in fields(kind) if item.name not in said and not item.name.startswith("_")]
-    if missing:
-        raise TypeError(f"no name in the cache key for {', '.join(missing)} of {kind.__name__}")
-    return tag, members
+    rest = [item.name for item in fields(kind) if item.name not in said and not item.name.startswith("_")]
+    return tag, [*members, *((name, name) for name in rest)]
 
 
 _NAMED: Final = {kind: _named(kind, *names) for kind, names in KEYED.items()}
@@ -114,7 +113,9 @@ def _parts(name: str, value: Any) -> Iterator[bytes]:
     elif isinstance(value, np.ndarray):
         yield f"{name}:{value.dtype}{value.shape}=".encode()
         yield np.ascontiguousarray(value).tobytes()
-    elif isinstance(value, bool) or value is None or isinstance(value, (str, int)):
+    elif isinstance(value, tuple):
+        yield from (part for item in (len(value), *value) for part in _parts(name, item))
+    elif isinstance(value, (bool, str, int)):
         yield f"{name}={value!r};".encode()
     elif isinstance(value, float):
         # −0.0 and 0.0 are the same physics.
@@ -127,5 +128,7 @@ def _members(name: str, value: Any) -> Iterator[bytes]:
     tag, members = _NAMED[type(value)]
     yield f"{name}:{tag}{{".encode()
     for attribute, key in members:
-        yield from _parts(key, getattr(value, attribute))
+        # What is not given has no part in the key: a new thing that may be given changes no key of scenes without it.
+        if (member := getattr(value, attribute)) is not None:
+            yield from _parts(key, member)
     yield b"}"

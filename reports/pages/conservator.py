@@ -89,11 +89,14 @@ def _headline(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> tup
 
 def _begins(source: RunSource) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
-    lean, rate = source.scene.initial.theta_rad, source.scene.initial.theta_rate_rad_s
-    start = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
-    if source.record.motion.accel_m_s2:
-        return f"In this shaking, begun {start}," if start else "In this shaking"
-    return f"Let go {start}, without any shaking," if start else "Left alone"
+    start, shaking = source.scene.initial, bool(source.record.motion.accel_m_s2)
+    if start.pose is not None:
+        return "Let go from its pose in space," if not shaking else "In this shaking, begun from a pose in space,"
+    lean, rate = start.theta_rad, start.theta_rate_rad_s
+    begun = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
+    if shaking:
+        return f"In this shaking, begun {begun}," if begun else "In this shaking"
+    return f"Let go {begun}, without any shaking," if begun else "Left alone"
 
 
 def end_words(outcome: str) -> str:

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.model.run import PATTERN_NAMES
+from harness.model.scene import Initial
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import MotionRecord, SceneRecord
+from harness.records.witness import sentences
 from reports.charts.histories import histories_figure
 from reports.charts.palette import PATTERN_LOOKS, look
 from reports.drawing.replay import default_model, replay_payload
@@ -78,6 +80,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
             (pair.replace("_vs_", " against "), scores.verdict, scores.verdict_sentence)
             for pair, scores in record.scores.items()
         ],
+        "witness": sentences(record.witness or {}),
         "validity": limit_rows(source),
         "fall": fall_sentence(source),
         "plan": plan_rows(record.plan),
@@ -150,10 +153,23 @@ def scene_rows(source: RunSource) -> list[tuple[str, str]]:
     rows.append(("Impact", "angular momentum" if law is None else f"prescribed ratio {short(law)}"))
     if scene.wall is not None:
         rows.append(("Wall", f"{scene.wall.side}, {length(scene.wall.distance_m)} from the base"))
-    if any(vars(scene.initial).values()):
-        start = scene.initial
-        rows.append(("Start", f"{unit(start.theta_rad, 'rad')}, {unit(start.theta_rate_rad_s, 'rad/s')}"))
+    if scene.initial != Initial():
+        rows.append(("Start", start_words(scene.initial)))
     return rows
+
+
+def start_words(start: Initial) -> str:
+    """How the statue begins: rotation and rate in the plane, or the centroid's place and velocities in space."""
+    pose = start.pose
+    if pose is None:
+        return f"{unit(start.theta_rad, 'rad')}, {unit(start.theta_rate_rad_s, 'rad/s')}"
+    parts = (
+        (pose.position_m, "m"),
+        (pose.quaternion_wxyz, "(w first)"),
+        (pose.velocity_m_s, "m/s"),
+        (pose.angular_velocity_rad_s, "rad/s"),
+    )
+    return "; ".join(f"({', '.join(short(value) for value in values)}) {name}" for values, name in parts)
 
 
 def motion_rows(motion: MotionRecord, scene: SceneRecord) -> list[tuple[str, str]]:

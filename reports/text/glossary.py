@@ -45,9 +45,12 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
 }
 """Words of each score and what it means, in the order of the table."""
 SCORES_LEFT_OUT: Final = frozenset(
-    {"a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"}
+    {
+        *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
+        *("numerical_uncertainty", "evidence", "iso", "warnings"),
+    }
 )
-"""Keys whose content stands elsewhere on the page."""
+"""Keys whose content stands elsewhere on the page, or in the record alone."""
 
 VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "peak_over_slenderness": "largest rotation over the balance point's",
@@ -110,7 +113,7 @@ def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]
     known = dict.fromkeys([*SCORE_WORDS, *(each.name for each in fields(Scores))])
     rows = []
     for key in known:
-        if key in SCORES_LEFT_OUT or key not in Scores.__dataclass_fields__:
+        if key in SCORES_LEFT_OUT:
             continue
         values = [getattr(item, key) for item in scores.values()]
         if all(value is None or value == [] for value in values):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from typing import Final
 
 import numpy as np
 
 from harness.model.history import History
 from harness.model.interventions import Intervention
+from harness.records.base import Table
 from harness.records.run import EngineRunRecord
 from harness.statics.plan import Step
 from reports.source import RunSource
@@ -32,23 +32,26 @@ def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
         if not run.validity:
             continue
         before = before_fall(run, source.histories.get(name))
-        found[name] = [*validity_rows(run.validity, before, run.no_return_time_s), *interventions_row(run)]
+        rows = validity_rows(run.validity, before, run.no_return_time_s)
+        found[name] = [*rows, *interventions_row(run.interventions, run.validity)]
     return found
 
 
-def interventions_row(run: EngineRunRecord) -> list[tuple[str, str]]:
+def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
     """What was written to the engine's bodies on the way, in one line; none for an engine as it comes."""
-    written = run.interventions or {}
     if not written:
         return []
-    total = {item.name: sum(getattr(each, item.name) for each in written.values()) for item in fields(Intervention)}
+    every = written.values()
     kinds = listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
-    lost = run.validity.get("lost_in_impacts_j")
+    lost = validity.get("lost_in_impacts_j")
     beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
     told = (
-        f"{kinds} times: in all {digits(total['moved_m'], 2)} m, {digits(total['velocity_m_s'], 2)} m/s, "
-        f"{digits(total['rate_rad_s'], 2)} rad/s; {digits(total['given_j'], 2)} J given and {digits(total['taken_j'], 2)} J taken"
-        f"{beside}; {total['steps_again']} steps solved again"
+        f"{kinds} times: in all {digits(sum(item.moved_m for item in every), 2)} m, "
+        f"{digits(sum(item.velocity_m_s for item in every), 2)} m/s, "
+        f"{digits(sum(item.rate_rad_s for item in every), 2)} rad/s; "
+        f"{digits(sum(item.given_j for item in every), 2)} J given and "
+        f"{digits(sum(item.taken_j for item in every), 2)} J taken"
+        f"{beside}; {sum(item.steps_again for item in every)} steps solved again"
     )
     return [("written to its bodies", told)]
 

@@ -51,7 +51,11 @@ def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
 def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, History], tmp_path: Path) -> None:
     run, history = fallen
     source = run_source(write_invented(tmp_path))
-    fall = replace(source, record=replace(source.record, runs={"pybullet": run}), histories={"pybullet": history})
+    fall = replace(
+        source,
+        record=replace(source.record, runs={"pybullet": run}, histories=["pybullet"]),
+        histories={"pybullet": history},
+    )
     rows = dict(limit_rows(fall)["pybullet"])
     until = run.no_return_time_s
     assert rows["turn about the vertical"] == f"0.0030 rad until {until:.3f} s; with the fall 0.9000 rad"
@@ -76,16 +80,15 @@ def test_a_skips_name_becomes_words_and_other_sentences_stay() -> None:
     ]
 
 
-def test_what_was_written_to_bodies_is_one_line(fallen: tuple[EngineRunRecord, History]) -> None:
+def test_what_was_written_to_bodies_is_one_line() -> None:
     written = {
         "turn_on": Intervention(count=4, velocity_m_s=0.25, given_j=2.0),
         "friction_release": Intervention(steps_again=3),
     }
-    run = replace(fallen[0], interventions=written, validity={"lost_in_impacts_j": 13.0})
-    ((words, told),) = interventions_row(run)
+    ((words, told),) = interventions_row(written, {"lost_in_impacts_j": 13.0})
     assert words == "written to its bodies"
     assert told == (
         "turn on 4 and friction release 3 times: in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
         "where impacts lost 13 J; 3 steps solved again"
     )
-    assert interventions_row(replace(run, interventions={})) == []
+    assert interventions_row({}, {}) == []
