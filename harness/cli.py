@@ -162,9 +162,9 @@ def salvage(
     quiet: Quiet = False,
 ) -> None:
     """Copy what can still be read of a damaged store into a new one."""
-    from harness.studies.recover import salvage as rescue
+    from harness.campaign.recover import recover
 
-    saved = rescue(damaged, fresh)
+    saved = recover(damaged, fresh)
     found = {**vars(saved), "store": str(fresh)}
     say(found, f"{fresh}: {saved}", as_json, quiet)
 

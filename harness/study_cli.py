@@ -13,18 +13,21 @@ from pathlib import Path
 from typing import Any
 
 from harness import effects3d
-from harness.campaign.executors import LIMIT_S, DaskPool, LocalPool, Pool
+from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
+from harness.campaign.runner import LIMIT_S, LocalPool, Pool
+from harness.campaign.store import STORE_NAME, Store
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import RECORD, checksum, listing, read_own
+from harness.records.base import as_file
+from harness.records.effects3d import EffectsSummary
+from harness.records.result_folder import RECORD, checksum, read_own
 from harness.studies import estimate
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
-from harness.studies.store import STORE_NAME, Store
 from harness.studies.study_record import study_record
-from harness.studies.study_run import Summary, run_study, study_name
+from harness.studies.study_run import Beside, Summary, run_study, study_name
 
 
 def run(
@@ -38,11 +41,13 @@ def run(
     large: bool = False,
     quiet: bool = False,
     pool: Pool | None = None,
-) -> tuple[dict[str, Any], Summary | effects3d.Summary]:
+    beside: Beside | None = None,
+) -> tuple[dict[str, Any], Summary | EffectsSummary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
-    `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one. Raises
-    `InputError` for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
+    `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
+    `beside` are tasks to run with it. Raises `InputError` for a wrong study, a store that cannot be used, or `resume` where
+    there is nothing to go on with.
     """
     with ExitStack() as stack:
         if effects3d.asked(path):
@@ -53,16 +58,24 @@ def run(
             _check(study, folder, jobs, resume, export)
         if pool is None:
             limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
-            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask)))
+            pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
         stack.enter_context(ending_cleanly())
         if study is None:
-            told = stack.enter_context(progress(path.stem, quiet))
-            return effects3d.run_effects(path, folder, pool, told, resume=resume)
-        return _run(study, path, folder, pool, export, large, quiet)
+            on_progress = stack.enter_context(progress(path.stem, quiet))
+            effects = effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
+            return as_file(effects), effects.summary
+        return _run(study, path, folder, pool, export, large, quiet, beside)
 
 
 def _run(
-    study: StudyFile, path: Path, folder: Path, pool: Pool, export: Path | None, large: bool, quiet: bool
+    study: StudyFile,
+    path: Path,
+    folder: Path,
+    pool: Pool,
+    export: Path | None,
+    large: bool,
+    quiet: bool,
+    beside: Beside | None,
 ) -> tuple[dict[str, Any], Summary]:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
@@ -70,15 +83,15 @@ def _run(
     if not large:
         estimate.check(study, scene, pool.workers, str(path))
     size = estimate.sentence(study, scene, pool.workers)
-    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as told:
-        summary = run_study(study, path, store, pool, told)
-        found = study_record(study, path, store, summary, time.perf_counter() - start) | {"files": listing(())}
+    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
+        summary = run_study(study, path, store, pool, on_progress, beside)
+        plain = study_record(study, path, store, summary, time.perf_counter() - start)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
-            found["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
-        record.write_json(folder / RECORD, found)
-    return found, summary
+            plain["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
+        record.write_json(folder / RECORD, plain)
+    return plain, summary
 
 
 def _check_effects(export: Path | None, jobs: int | None) -> None:
@@ -120,7 +133,7 @@ def unbegun(folder: Path) -> Iterator[None]:
 
 def _is_empty(path: Path) -> bool:
     with closing(sqlite3.connect(path)) as store:
-        return store.execute("SELECT 1 FROM run LIMIT 1").fetchone() is None
+        return store.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
 
 
 def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:
@@ -139,8 +152,11 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
 
 def _exported(export: Path, folder: Path) -> bool:
     """Whether the study in `folder` wrote a file, and it is as it was written."""
-    told = (read_own(folder / RECORD) or {}).get("export")
-    return isinstance(told, dict) and told == {"file": str(export.resolve()), "sha256": checksum(export)}
+    export_record = (read_own(folder / RECORD) or {}).get("export")
+    return isinstance(export_record, dict) and export_record == {
+        "file": str(export.resolve()),
+        "sha256": checksum(export),
+    }
 
 
 def _check_jobs(jobs: int | None) -> None:

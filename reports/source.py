@@ -16,7 +16,7 @@ from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
 from harness.model.run import SCHEMA_VERSION
-from harness.records.base import REWRITE, Record, part, validated
+from harness.records.base import REWRITE, Record, validated
 from harness.records.kinds import CLASSES, class_of
 from harness.records.result_folder import KINDS, RECORD, as_written, owned
 from harness.records.run import EngineRunRecord, RunRecord
@@ -24,31 +24,6 @@ from harness.records.scene import SceneRecord
 
 RECORD_NAME: Final = RECORD
 DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
-
-_TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
-_EVERY: Final = {
-    "title": _TEXT,
-    "scene": _TABLE,
-    "notes": _LIST,
-    "seconds": _NUMBER,
-    "versions": _TABLE,
-    "machine": _TABLE,
-}
-PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
-    "study": _EVERY | {"file": _TEXT, "vary": _TABLE, "summary": _TABLE, "engine_seconds": _TABLE, "rows": _LIST},
-    "effects3d": _EVERY
-    | {
-        "file": _TEXT,
-        "study": _TABLE,
-        "rows": _LIST,
-        "static": _LIST,
-        "bands": _LIST,
-        "departures": _LIST,
-        "effects": _LIST,
-    }
-    | {"left_out": _TABLE, "summary": _TABLE},
-}
-"""What a record of each kind must hold for its page, and in which form."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,24 +65,12 @@ def read_record(folder: Path) -> Record | dict[str, Any]:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
     if kind in CLASSES:
         return validated(class_of(kind), text, path)
-    _check_parts(path, record)
     return record
 
 
 def kind_of(record: Record | Mapping[str, Any]) -> str:
     """The kind of a record."""
     return record.kind if isinstance(record, Record) else str(record["kind"])
-
-
-def _check_parts(path: Path, record: dict[str, Any]) -> None:
-    """Raise `InputError` naming every part that a page needs and the record lacks or holds in another form."""
-    mistakes = [
-        Mistake(str(path), key, words, "nothing" if key not in record else type(record[key]).__name__, REWRITE)
-        for key, (form, words) in PARTS.get(record["kind"], {}).items()
-        if not isinstance(record.get(key), form)
-    ]
-    if mistakes:
-        raise InputError(mistakes)
 
 
 @contextmanager
@@ -159,8 +122,3 @@ def source_of(folder: Path, record: RunRecord) -> RunSource:
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
-
-
-def scene_of(record: Mapping[str, Any]) -> SceneRecord:
-    """The scene of a record that was read as plain values."""
-    return part(SceneRecord, record["scene"], Path(RECORD_NAME))

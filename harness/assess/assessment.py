@@ -12,7 +12,7 @@ from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.stratified import LEVEL, Estimate, estimate
 from harness.assess.variation import varied
-from harness.campaign.executors import Crash, LocalPool
+from harness.campaign.runner import Crash, LocalPool
 from harness.comparison.statistics.distributions import wilson
 from harness.engines.base import EngineFailure
 from harness.model.errors import InputError, Mistake

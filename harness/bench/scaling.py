@@ -108,9 +108,9 @@ def _ensemble(runs: int) -> tuple[float, float, float]:
 
 def _workers(jobs: int) -> tuple[float, float, float]:
     from harness.bench.skip_savings import write_study
-    from harness.campaign.executors import LocalPool
+    from harness.campaign.runner import LocalPool
+    from harness.campaign.store import Store
     from harness.studies.file import load_study
-    from harness.studies.store import Store
     from harness.studies.study_run import run_study
 
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:

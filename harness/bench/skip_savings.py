@@ -192,9 +192,9 @@ def _fresh_s(code: str) -> float:
 
 def _cached() -> Row:
     """A study of sixteen runs, then the same study again from its store."""
-    from harness.campaign.executors import LocalPool
+    from harness.campaign.runner import LocalPool
+    from harness.campaign.store import Store
     from harness.studies.file import load_study
-    from harness.studies.store import Store
     from harness.studies.study_run import run_study
 
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:

@@ -1,4 +1,5 @@
-"""Where runs are computed: pools of processes or a cluster, one run alone in a process, and what a process that died had at work.
+"""Many tasks, each with a key: callers list them, a campaign computes what the store does not hold, callers read the store.
 
-`executors.py` holds the pools, `batches.py` what studies and validations hand to them, `isolate.py` one run apart.
+`task.py` has what is computed, `runner.py` and `dask_pool.py` where, `store.py` what is kept, `campaign.py` all three together;
+`isolate.py` one run apart, `parts.py` measurements in parts, `progress.py` what is said meanwhile.
 """

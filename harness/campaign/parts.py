@@ -6,18 +6,21 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import closing
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.executors import LocalPool
+from harness.campaign.campaign import Campaign
+from harness.campaign.runner import Crash, InlinePool, LocalPool
+from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.task import Answer, Task
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_folder, listing
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
-FOLDER: Final = "parts"
 PACKAGES: Final = ("analytic", "meshes", "harness")
 
 
@@ -59,18 +62,18 @@ def source() -> str:
 
 
 def session(
-    folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, told: Callable[[str], None]
+    folder: Path, parts: Sequence[Part], quick: bool, only: Sequence[str] | None, on_progress: Callable[[str], None]
 ) -> dict[str, Measured]:
     """Measure as `measure` does, into a folder that can be written, under the versions, source, machine and option of now."""
     check_folder(folder, ("bench", "stress"))
     stamp = {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
-    return measure(folder, parts, only, stamp, told)
+    return measure(folder, parts, only, stamp, on_progress)
 
 
-def written(folder: Path, found: Mapping[str, Any]) -> dict[str, Any]:
+def written(folder: Path, measured: Mapping[str, Any]) -> dict[str, Any]:
     """The record of all parts as plain values, written into `folder` as `result.json`."""
     about = {"versions": record.versions(), "machine": record.machine(), "files": listing(())}
-    plain: dict[str, Any] = record.to_plain({**found, **about})
+    plain: dict[str, Any] = record.to_plain({**measured, **about})
     record.write_json(folder / "result.json", plain)
     return plain
 
@@ -80,41 +83,45 @@ def measure(
     parts: Sequence[Part],
     only: Sequence[str] | None,
     stamp: Mapping[str, Any],
-    told: Callable[[str], None],
+    on_progress: Callable[[str], None],
 ) -> dict[str, Measured]:
-    """Measure the parts (of them `only` these), keeping every finished task in `folder`/parts; the others as they are kept.
+    """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
 
     A part that was interrupted goes on; one that is finished is measured anew, when asked by name or when all are finished.
-    What was kept under another `stamp` (versions, options) is not used. Raises `InputError` for an unknown part.
+    What was measured under another `stamp` (versions, options) is removed. Raises `InputError` for an unknown part.
     """
-    kept = folder / FOLDER
     chosen = _chosen(parts, only)
-    found = {part.name: _read(kept, part, stamp) for part in parts}
-    whole = not any(found[part.name].left for part in (chosen if only else parts))
-    for part in chosen:
-        if not found[part.name].left and (whole or only):
-            _path(kept, part).unlink(missing_ok=True)
-    kept.mkdir(parents=True, exist_ok=True)
-    begin = {part.name: _read(kept, part, stamp) for part in parts}
-    _together([part for part in chosen if part.died is not None], begin, kept, stamp, told)
-    for part in chosen:
-        if part.died is None:
-            _alone(part, begin[part.name].left, kept, stamp, told)
-    return {part.name: _read(kept, part, stamp) for part in parts}
+    keys = {part.name: {task: _key(part, task, stamp) for task in part.tasks} for part in parts}
+    folder.mkdir(parents=True, exist_ok=True)
+    with Store(folder / STORE_NAME) as store:
+        own = {key for of_part in keys.values() for key in of_part.values()}
+        store.remove(store.keys() - own)
+        # Read now, so that damage is told before hours of work.
+        stored = {key for key in store.known(own) if store.get(key) is not None}
+        left = {name: not stored.issuperset(of_part.values()) for name, of_part in keys.items()}
+        whole = not any(left[part.name] for part in (chosen if only else parts))
+        for part in chosen:
+            if not left[part.name] and (whole or only):
+                store.remove(keys[part.name].values())
+        _together([part for part in chosen if part.died is not None], keys, store, on_progress)
+        for part in chosen:
+            if part.died is None:
+                _alone(part, keys[part.name], store, on_progress)
+        return {part.name: _measured(part, keys[part.name], store) for part in parts}
 
 
-def seconds(found: Mapping[str, Measured]) -> list[Row]:
+def seconds(measured: Mapping[str, Measured]) -> list[Row]:
     """What each part took: by the clock, and summed over its tasks."""
     return [
         {"part": name, "wall_s": item.wall_s, "busy_s": item.busy_s, "tasks": len(item.rows), "left": list(item.left)}
-        for name, item in found.items()
+        for name, item in measured.items()
     ]
 
 
-def command(name: str, quick: bool, found: Mapping[str, Measured]) -> str:
+def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
     """What measures again all that was measured: `rockcheck NAME` with the options that it takes."""
-    done = [part for part, item in found.items() if item.rows or not item.left]
-    some = f" --parts {','.join(done)}" if 0 < len(done) < len(found) else ""
+    done = [part for part, item in measured.items() if item.rows or not item.left]
+    some = f" --parts {','.join(done)}" if 0 < len(done) < len(measured) else ""
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
 
 
@@ -133,101 +140,65 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     return [part for part in parts if only is None or part.name in only]
 
 
-def _path(kept: Path, part: Part) -> Path:
-    return kept / f"{part.name}.jsonl"
+def _key(part: Part, task: str, stamp: Mapping[str, Any]) -> str:
+    text = json.dumps(record.to_plain([part.name, task, stamp]), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _lines(path: Path) -> Iterator[dict[str, Any]]:
-    """The whole lines of a file: one may have been torn when a run was killed."""
-    if not path.exists():
-        return
-    for line in path.read_text(encoding="utf-8").splitlines():
-        try:
-            yield dict(json.loads(line))
-        except (TypeError, ValueError):
-            continue
+def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
+    measured = Measured()
+    for task, key in keys.items():
+        row, timing = store.get(key), store.timing(key)
+        if row is not None and timing is not None:
+            measured.rows[task] = row.record["rows"]
+            measured.busy_s += timing[0]
+            measured.wall_s += timing[1]
+    measured.left = tuple(task for task in part.tasks if task not in measured.rows)
+    return measured
 
 
-def _read(kept: Path, part: Part, stamp: Mapping[str, Any]) -> Measured:
-    found = Measured()
-    plain = record.to_plain(stamp)
-    for line in _lines(_path(kept, part)):
-        if line.get("stamp") == plain and line.get("task") in part.tasks:
-            found.rows[line["task"]] = line["rows"]
-            found.busy_s += line["busy_s"]
-            found.wall_s += line["wall_s"]
-    found.left = tuple(task for task in part.tasks if task not in found.rows)
-    if not found.rows:
-        _path(kept, part).unlink(missing_ok=True)
-    return found
-
-
-class _Keeper:
-    """Appends finished tasks to their part's file; the clock runs from one to the next."""
-
-    def __init__(self, kept: Path, stamp: Mapping[str, Any]) -> None:
-        self._kept, self._stamp = kept, stamp
-        self._last = time.perf_counter()
-
-    def keep(self, part: Part, task: str, rows: list[Row], busy_s: float) -> None:
-        now = time.perf_counter()
-        line = {"task": task, "stamp": self._stamp, "busy_s": busy_s, "wall_s": now - self._last, "rows": rows}
-        self._last = now
-        text = json.dumps(record.to_plain(line), ensure_ascii=False, allow_nan=False)
-        path = _path(self._kept, part)
-        torn = path.exists() and not path.read_bytes().endswith(b"\n")
-        with path.open("a", encoding="utf-8") as stream:
-            stream.write(("\n" if torn else "") + text + "\n")
-
-
-def _alone(part: Part, tasks: Sequence[str], kept: Path, stamp: Mapping[str, Any], told: Callable[[str], None]) -> None:
-    keeper = _Keeper(kept, stamp)
-    for number, task in enumerate(tasks, 1):
-        told(f"{part.name} {number} of {len(tasks)}: {task}")
-        begin = time.perf_counter()
-        rows = part.work(task)
-        keeper.keep(part, task, rows, time.perf_counter() - begin)
-
-
-@dataclass(frozen=True)
-class _Job:
-    """One task for a worker; the part by number, since its work alone must travel."""
-
-    part: int
-    task: str
-    work: Work
-
-
-def _compute(job: _Job) -> tuple[float, list[Row]]:
+def _rows(asked: tuple[Part, str]) -> Answer:
+    """What a worker does: the rows of one task of a part."""
+    part, task = asked
     begin = time.perf_counter()
-    rows = job.work(job.task)
-    return time.perf_counter() - begin, rows
+    rows = record.to_plain(part.work(task))
+    return Answer(part.name, {"rows": rows}, time.perf_counter() - begin)
+
+
+def _died(asked: tuple[Part, str], crash: Crash) -> Answer:
+    part, task = asked
+    return Answer(part.name, {"rows": record.to_plain((part.died or part.work)(task))}, 0.0)
+
+
+def _tasks(part: Part, keys: Mapping[str, str]) -> list[Task]:
+    return [Task(key, _rows, (replace(part, tasks=()), task), part.name, _died) for task, key in keys.items()]
+
+
+def _alone(part: Part, keys: Mapping[str, str], store: Store, on_progress: Callable[[str], None]) -> None:
+    left = {task: key for task, key in keys.items() if key not in store.known(keys.values())}
+
+    def announced() -> Iterator[Task]:
+        for number, task in enumerate(_tasks(part, left), 1):
+            on_progress(f"{part.name} {number} of {len(left)}: {task.argument[1]}")
+            yield task
+
+    Campaign(store, InlinePool()).run(announced(), len(left))
 
 
 def _together(
     parts: Sequence[Part],
-    begin: Mapping[str, Measured],
-    kept: Path,
-    stamp: Mapping[str, Any],
-    told: Callable[[str], None],
+    keys: Mapping[str, Mapping[str, str]],
+    store: Store,
+    on_progress: Callable[[str], None],
 ) -> None:
     """The tasks of all these parts on all cores, in the order given: the longest should come first."""
-    jobs = [_Job(k, task, part.work) for k, part in enumerate(parts) for task in begin[part.name].left]
-    if not jobs:
-        return
-    keeper = _Keeper(kept, stamp)
-    finished = 0
 
-    def done(job: _Job, result: Any) -> None:
-        nonlocal finished
-        part = parts[job.part]
-        if isinstance(result, BaseException):
-            rows = (part.died or part.work)(job.task)
-            busy_s = 0.0
-        else:
-            busy_s, rows = result
-        finished += 1
-        told(f"{finished} of {len(jobs)} done: {part.name}, {job.task}")
-        keeper.keep(part, job.task, rows, busy_s)
+    def tell(done: int, total: int) -> None:
+        if campaign.latest is not None and done:
+            part, task = campaign.latest.argument
+            on_progress(f"{done} of {total} done: {part.name}, {task}")
 
-    LocalPool().run(_compute, jobs, done)
+    tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
+    with closing(LocalPool()) as pool:
+        campaign = Campaign(store, pool, tell)
+        campaign.run(tasks, len(tasks))

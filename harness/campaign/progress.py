@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import Any, Final
@@ -12,6 +12,8 @@ from harness.model.terminal import printable
 
 SILENT_S: Final = 10.0
 """Off a terminal, where nothing can turn, a line comes at least this often."""
+RATE_S: Final = 1800.0
+"""The rate is that of so long: a task may take minutes, and the machine's load changes within the hour."""
 
 
 class ProgressMessages:
@@ -27,6 +29,8 @@ class ProgressMessages:
         self._task = self._progress.add_task("reading", total=None)
         self._lines = not quiet and not self._console.is_terminal
         self._silent_s = silent_s
+        self.left: Callable[[], str] = lambda: ""
+        """What a reminder says of the time that is left."""
         self._done = Event()
         self._now = ("reading", time.monotonic())
         self._said = time.monotonic()
@@ -68,12 +72,15 @@ class ProgressMessages:
         while not self._done.wait(max(0.01, self._said + self._silent_s - time.monotonic())):
             if time.monotonic() - self._said >= self._silent_s:
                 words, since = self._now
-                self.say(f"{words}: {time.monotonic() - since:.0f} s so far")
+                self.say(f"{words}: {time.monotonic() - since:.0f} s so far{self.left()}")
 
 
 @contextmanager
 def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
-    """A bar with the time left on a terminal, a line every tenth elsewhere; yields `told(done, all)`; `size` is said first."""
+    """A bar with the time left on a terminal, lines elsewhere; yields `on_progress(done, all)`; `size` is said first.
+
+    The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does.
+    """
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -96,17 +103,38 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
         TimeRemainingColumn(),
     )
     with ExitStack() as stack:
-        bar = stack.enter_context(Progress(*columns, console=console, disable=quiet or not console.is_terminal))
+        bar = Progress(
+            *columns, console=console, disable=quiet or not console.is_terminal, speed_estimate_period=RATE_S
+        )
+        bar = stack.enter_context(bar)
         lines = ProgressMessages(quiet or console.is_terminal)
         stack.enter_context(lines)
         task = bar.add_task(title, total=None)
         said = -1
 
-        def told(done: int, total: int) -> None:
+        def on_progress(done: int, total: int) -> None:
             nonlocal said
             bar.update(task, completed=done, total=total)
             tenth = 10 * done // total if total else 10
-            (lines.now if tenth != said else lines.later)(f"{title}: {done} of {total} runs")
+            words = f"{title}: {done} of {total} runs"
+            if tenth != said:
+                lines.now(words + left())
+            # A reminder says the time that is left as it is then.
+            lines.later(words)
             said = tenth
 
-        yield told
+        def left() -> str:
+            return time_left(bar.tasks[task].time_remaining)
+
+        lines.left = left
+        yield on_progress
+
+
+def time_left(seconds: float | None) -> str:
+    """`, about 12 min left`; empty where nothing is known, or nothing is left."""
+    if not seconds:
+        return ""
+    for size, unit in ((86_400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 1.5 * size:
+            return f", about {seconds / size:.0f} {unit} left"
+    return f", about {seconds:.0f} s left"

@@ -5,10 +5,11 @@ floor shakes. The statue is turned, not the floor: shaking stays along x, so eve
 """
 
 from harness.effects3d.conditions import BASELINE, CONDITIONS, Condition, amplified, changed_scene, turned, with_solid
-from harness.effects3d.departure import Departure, departure, tilt_along
+from harness.effects3d.departure import departure, tilt_along
 from harness.effects3d.file import asked
-from harness.effects3d.search import Amplitude, Search, find, start_factor
-from harness.effects3d.study import Summary, run_effects
+from harness.effects3d.search import Search, find, start_factor
+from harness.effects3d.study import run_effects
+from harness.records.effects3d import Amplitude, Departure
 
 __all__ = [
     "BASELINE",
@@ -17,7 +18,6 @@ __all__ = [
     "Condition",
     "Departure",
     "Search",
-    "Summary",
     "amplified",
     "asked",
     "changed_scene",

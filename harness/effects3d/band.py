@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -11,22 +10,11 @@ import numpy as np
 from harness.effects3d.conditions import BASELINE, GEOMETRY_REL, changed_scene
 from harness.effects3d.search import STEPS, Search, peak_g, start_factor
 from harness.model.scene import Scene
+from harness.records.effects3d import Band
 
 SIGMAS: Final = 2.0
 """The stated uncertainty of a length or an inertia is this many standard deviations."""
 ACCURACY_RAD: Final = 1e-6
-
-
-@dataclass(frozen=True)
-class Band:
-    """Overturning peaks, g, of statues drawn at one azimuth: quantiles 5, 50 and 95 % (None: those stand), share that stands."""
-
-    azimuth_deg: float
-    low_g: float | None
-    middle_g: float | None
-    high_g: float | None
-    stands_share: float
-    runs: int
 
 
 def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: int) -> Band:
@@ -53,7 +41,7 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
     count = math.ceil(math.log(most / least) / math.log(STEPS["analytic"]))
     factors = np.geomspace(least, most, count + 1)
     given: dict[str, Any] = {name: value for name, value in keywords(changed).items() if name not in UNUSED}
-    found = ensemble(
+    drawn = ensemble(
         block,
         changed.base_excitation.x,
         sweep={
@@ -67,13 +55,13 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
         threads=1,
         **given,
     )
-    falls = found.overturned.any(axis=1)
-    first = np.where(falls, factors[np.argmax(found.overturned, axis=1)] * unit, np.inf)
+    falls = drawn.overturned.any(axis=1)
+    first = np.where(falls, factors[np.argmax(drawn.overturned, axis=1)] * unit, np.inf)
     low, middle, high = (
         None if math.isinf(value) else value
         for value in (float(np.quantile(first, q, method="inverted_cdf")) for q in (0.05, 0.5, 0.95))
     )
-    return Band(float(azimuth_deg), low, middle, high, float(np.mean(~falls)), int(found.steps.size))
+    return Band(float(azimuth_deg), low, middle, high, float(np.mean(~falls)), int(drawn.steps.size))
 
 
 UNUSED: Final = frozenset({"statue_friction", "pedestal", "wall"})

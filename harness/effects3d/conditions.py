@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from analytic.excitation import ZeroExcitation
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.records.effects3d import Group
 from meshes import MeshError, Solid
 from meshes.roughening import ragged
 from meshes.survey import adjusted
@@ -28,8 +29,6 @@ RAGGED_SPACING_M: Final = 0.05
 RAGGED_SEED: Final = 1
 FLAT_M: Final = 1e-6
 """A base that is more even than this is flat."""
-
-Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "numerical"]
 
 
 @dataclass(frozen=True)
@@ -135,15 +134,15 @@ def without_meaning(scene: Scene) -> dict[str, str]:
     """The conditions that change nothing of this scene, each with the reason."""
     y, z = (isinstance(item, ZeroExcitation) for item in (scene.base_excitation.y, scene.base_excitation.z))
     flat = float(np.ptp(solid_of(scene).feet_m[:, 2])) < FLAT_M
-    found = {}
+    reasons = {}
     if z:
-        found["with the vertical component"] = "the scene's motion has none"
+        reasons["with the vertical component"] = "the scene's motion has none"
     if y:
-        found["with the second horizontal component"] = "the scene's motion has none"
+        reasons["with the second horizontal component"] = "the scene's motion has none"
     if y or z:
-        found["with all three components"] = "the scene's motion has fewer"
+        reasons["with all three components"] = "the scene's motion has fewer"
     if flat:
-        found["base planed flat"] = "the base is flat"
+        reasons["base planed flat"] = "the base is flat"
     else:
-        found["base ragged by 1 mm"] = "the base is uneven as it is"
-    return found
+        reasons["base ragged by 1 mm"] = "the base is uneven as it is"
+    return reasons

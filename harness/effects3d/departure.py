@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from harness.effects3d.search import peak_g, run_once
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.model.scene import Scene
+from harness.records.effects3d import Departure
 
 Array = NDArray[np.float64]
 
@@ -25,26 +25,6 @@ EDGE_M: Final = 5e-4
 """Another foot as near to the lowest as this shares the load: the statue turns about an edge, not about one corner."""
 APART_SHARE: Final = 0.1
 """Feet nearer to each other than this share of the base are one corner."""
-
-
-@dataclass(frozen=True)
-class Departure:
-    """How far a 3D run left the plane of shaking, and what stayed of it at the end.
-
-    `corner_share` is the share of the rocking time spent on a single corner, the rest on an edge.
-    """
-
-    azimuth_deg: float
-    engine: str
-    peak_g: float
-    outcome: str
-    peak_theta_rad: float
-    out_of_plane_rad: float
-    yaw_rad: float
-    across_m: float
-    yaw_left_rad: float
-    walked_m: float
-    corner_share: float
 
 
 def departure(scene: Scene, azimuth_deg: float, engine: str, floor_g: float, dt_s: float) -> Departure:
@@ -62,7 +42,7 @@ def departure(scene: Scene, azimuth_deg: float, engine: str, floor_g: float, dt_
         azimuth_deg=float(azimuth_deg),
         engine=engine,
         peak_g=floor_g,
-        outcome=run.outcome.value,
+        outcome=run.outcome,
         peak_theta_rad=float(np.abs(theta[:until]).max()),
         out_of_plane_rad=float(np.abs(extra["out_of_plane_rad"][:until]).max()),
         yaw_rad=float(np.abs(yaw).max()),

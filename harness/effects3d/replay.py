@@ -3,48 +3,42 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from harness.effects3d.conditions import BASELINE, amplified, changed_scene
 from harness.effects3d.search import peak_g
 from harness.model.scene import Scene
+from harness.records.effects3d import Amplitude, Departure, ReplayRecord
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.statics.standstill import motion_sized
 
 PLANAR: Final = "analytic"
 
 
-def write_replay(found: Mapping[str, Any], scene: Scene, folder: Path) -> dict[str, Any] | None:
+def write_replay(
+    scene: Scene, rows: Sequence[Amplitude], departures: Sequence[Departure], dt_s: float, folder: Path
+) -> ReplayRecord | None:
     """Run the direction whose motion turns most about the vertical, at its overturning amplitude, into `folder`; say what it is.
 
     None when no 3D engine overturned the statue at any direction.
     """
-    if not found["departures"]:
+    if not departures:
         return None
-    engine = found["departures"][0]["engine"]
-    mine = [row for row in found["departures"] if row["engine"] == engine]
-    azimuth = max(mine, key=lambda row: abs(row["yaw_rad"]))["azimuth_deg"]
-    peak = next(
-        row["peak_g"]
-        for row in found["rows"]
-        if (row["condition"], row["engine"], row["azimuth_deg"]) == (BASELINE, engine, azimuth)
-    )
+    engine = departures[0].engine
+    azimuth = max((row for row in departures if row.engine == engine), key=lambda row: abs(row.yaw_rad)).azimuth_deg
+    case = BASELINE, engine, azimuth
+    peak = next(row.peak_g for row in rows if (row.condition, row.engine, row.azimuth_deg) == case)
+    if peak is None:
+        return None
     turned = changed_scene(scene, BASELINE, azimuth)
     shaken = amplified(turned, peak / peak_g(turned))
     shaken = shaken.but(title=f"{scene.title}, shaken towards {azimuth:g}° with {peak:.3g} g")
-    dt_s = float(found["study"]["search"]["dt_s"])
     result = run_scene(shaken, [PLANAR, engine], dt_s=dt_s)
     write_result(result, folder)
-    return {
-        "azimuth_deg": azimuth,
-        "engine": engine,
-        "peak_g": peak,
-        "outcomes": {name: run.outcome.value for name, run in result.runs.items()},
-        "folder": folder.name,
-        "command": _command(scene, azimuth, peak, engine, dt_s),
-    }
+    outcomes = {name: run.outcome for name, run in result.runs.items()}
+    return ReplayRecord(azimuth, engine, peak, outcomes, folder.name, _command(scene, azimuth, peak, engine, dt_s))
 
 
 def _command(scene: Scene, azimuth_deg: float, peak: float, engine: str, dt_s: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.effects3d import Amplitude
 from harness.statics.plan import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
@@ -36,49 +37,40 @@ class Search:
     dt_s: float = 1e-3
     steps: Mapping[str, float] = field(default_factory=lambda: dict(STEPS))
 
+    def key(self) -> list[Any]:
+        """What of it names a result."""
+        return [self.most_g, self.resolution, self.dt_s, dict(self.steps)]
+
 
 @dataclass(frozen=True)
-class Found:
+class Crossing:
     """A crossing: the amplitude that overturns (None: none up to the most tried), the largest tried below it that stands."""
 
     above: float | None
     below: float
-    outcome: str
-    runs: int
-
-
-@dataclass(frozen=True)
-class Amplitude:
-    """The least peak acceleration of the floor, g, at which an engine's statue overturns under a condition at an azimuth."""
-
-    condition: str
-    azimuth_deg: float
-    engine: str
-    peak_g: float | None
-    stands_at_g: float
-    outcome: str
+    outcome: Outcome | None
     runs: int
 
 
 class Trials:
     """Asks whether a factor overturns, each factor once, and counts."""
 
-    def __init__(self, outcome_at: Callable[[float], str | None]) -> None:
+    def __init__(self, outcome_at: Callable[[float], Outcome | None]) -> None:
         self._outcome_at = outcome_at
-        self._known: dict[float, str | None] = {}
+        self._known: dict[float, Outcome | None] = {}
 
     @property
     def runs(self) -> int:
         """Factors asked so far."""
         return len(self._known)
 
-    def outcome(self, factor: float) -> str | None:
+    def outcome(self, factor: float) -> Outcome | None:
         """How it overturns, None when it does not."""
         if factor not in self._known:
             self._known[factor] = self._outcome_at(factor)
         return self._known[factor]
 
-    def halve(self, below: float, above: float, resolution: float) -> Found:
+    def halve(self, below: float, above: float, resolution: float) -> Crossing:
         """The crossing between a factor that stands (or 0) and one that overturns, to the resolution."""
         while below > 0.0 and above / below > 1.0 + resolution:
             middle = math.sqrt(above * below)
@@ -86,12 +78,12 @@ class Trials:
                 below = middle
             else:
                 above = middle
-        return Found(above, below, self.outcome(above) or "", self.runs)
+        return Crossing(above, below, self.outcome(above), self.runs)
 
 
 def first_crossing(
-    outcome_at: Callable[[float], str | None], least: float, most: float, step: float, resolution: float
-) -> Found:
+    outcome_at: Callable[[float], Outcome | None], least: float, most: float, step: float, resolution: float
+) -> Crossing:
     """The least factor of a geometric grid from `least` to `most` that overturns, bracketed from below."""
     trials, below = Trials(outcome_at), 0.0
     count = max(math.ceil(math.log(most / least) / math.log(step)), 1)
@@ -99,12 +91,12 @@ def first_crossing(
         if trials.outcome(factor) is not None:
             return trials.halve(below, factor, resolution)
         below = factor
-    return Found(None, below, "", trials.runs)
+    return Crossing(None, below, None, trials.runs)
 
 
 def nearest_crossing(
-    outcome_at: Callable[[float], str | None], near: float, least: float, most: float, resolution: float
-) -> Found:
+    outcome_at: Callable[[float], Outcome | None], near: float, least: float, most: float, resolution: float
+) -> Crossing:
     """The crossing next to `near`, by strides that double away from it; between `least` and `most`."""
     trials, stride = Trials(outcome_at), 1.0 + 4.0 * resolution
     above, below = None, 0.0
@@ -125,7 +117,7 @@ def nearest_crossing(
         if trials.outcome(higher) is not None:
             return trials.halve(below, higher, resolution)
         below = higher
-    return Found(None, below, "", trials.runs)
+    return Crossing(None, below, None, trials.runs)
 
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
@@ -161,15 +153,15 @@ def find(
     changed = changed_scene(scene, condition, azimuth_deg)
     unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
 
-    def outcome_at(factor: float) -> str | None:
-        found = run_once(amplified(changed, factor), engine, dt_s).outcome
-        return found.value if Outcome(found).overturned else None
+    def outcome_at(factor: float) -> Outcome | None:
+        outcome = run_once(amplified(changed, factor), engine, dt_s).outcome
+        return outcome if outcome.overturned else None
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
     if near_g is None:
         step = search.steps.get(engine, max(STEPS.values()))
-        found = first_crossing(outcome_at, least, most, step, search.resolution)
+        crossing = first_crossing(outcome_at, least, most, step, search.resolution)
     else:
-        found = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
-    above = None if found.above is None else found.above * unit
-    return Amplitude(condition, float(azimuth_deg), engine, above, found.below * unit, found.outcome, found.runs)
+        crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
+    above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
+    return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs)

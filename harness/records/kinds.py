@@ -13,6 +13,9 @@ from harness.records.base import SCHEMAS, Record, schema_name, schema_of
 CLASSES: Final[Mapping[str, str]] = {
     "run": "harness.records.run:RunRecord",
     "assess": "harness.records.assess:AssessRecord",
+    "study": "harness.records.study:StudyRecord",
+    "effects3d": "harness.records.effects3d:EffectsRecord",
+    "validation": "harness.records.validation:ValidationRecord",
 }
 """By kind the module and the class of its record, imported where one is read."""
 

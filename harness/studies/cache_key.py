@@ -1,32 +1,66 @@
-"""A name for what is computed: the hash of a scene's physics, as far as an engine looks at it."""
+"""The cache key: the hash of a scene's physics, as far as an engine looks at it.
+
+It is made of names that stand here and of exact numbers, so that renaming a class or a field in the code leaves it as it is.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator
-from dataclasses import fields, is_dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, replace
 from typing import Any, Final
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from analytic.excitation import ZeroExcitation
+from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.options import Capabilities
-from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
-NOT_PHYSICS: Final = frozenset({"title", "source", "given", "notes", "solid", "uncertainty"})
+NOT_PHYSICS: Final[Mapping[type, str]] = {Scene: "title source given notes uncertainty", Statue: "solid"}
+"""Fields of which a run does not depend; of a mesh its own digest is part of the key where an engine uses it."""
+KEYED: Final[Mapping[type, tuple[str, str]]] = {
+    Scene: (
+        "scene",
+        "duration_s gravity_m_s2 form statue pedestal contact base_excitation=motion wall initial table output_dt_s",
+    ),
+    Form: ("model", "friction_normal pedestal_at_impact"),
+    Statue: (
+        "statue",
+        "mass_kg centroid_height_m corner_left_m corner_right_m inertia_kg_m2 height_m depth_m section_m footprint_m "
+        "inertia_tensor_kg_m2",
+    ),
+    Pedestal: ("pedestal", "mass_kg width_m depth_m height_m offset_m"),
+    Contact: ("contact", "floor_static floor_kinetic statue restitution"),
+    Wall: ("wall", "side distance_m"),
+    Initial: ("initial", "theta_rad theta_rate_rad_s pose"),
+    Pose: ("pose", "position_m quaternion_wxyz velocity_m_s angular_velocity_rad_s"),
+    BaseExcitation: ("motion", "x y z"),
+    ZeroExcitation: ("rest", ""),
+    Harmonic: ("harmonic", "amplitude_m_s2 frequency_hz phase_rad ramp_s"),
+    Pulse: ("pulse", "shape amplitude_m_s2 duration_s start_s"),
+    SampledAcceleration: ("record", "t_s samples_m_s2=accel_m_s2"),
+}
+"""Name in the key of each class and its fields, which is the field's own but where it was renamed: `field=name`."""
 
 
-def scene_digest(scene: Scene, capabilities: Capabilities) -> str:
+def _named(kind: type, tag: str, text: str) -> tuple[str, list[tuple[str, str]]]:
+    """The name of a class in the key, and of its fields; one that is not in the table yet counts by its own name."""
+    members = [(item.partition("=")[0], item.partition("=")[2] or item) for item in text.split()]
+    said = {attribute for attribute, _ in members}.union(NOT_PHYSICS.get(kind, "").split())
+    rest = [item.name for item in fields(kind) if item.name not in said and not item.name.startswith("_")]
+    return tag, [*members, *((name, name) for name in rest)]
+
+
+_NAMED: Final = {kind: _named(kind, *names) for kind, names in KEYED.items()}
+
+
+def scene_key(scene: Scene, capabilities: Capabilities) -> str:
     """SHA-256 of the scene as an engine of these capabilities sees it; equal digests are the same run by physics."""
     state = hashlib.sha256()
-    seen = relevant(scene, capabilities)
-    for item in fields(seen):
-        if item.name == "statue":
-            state.update(_statue_bytes(seen.statue))
-        elif item.name not in NOT_PHYSICS:
-            state.update(b"".join(_parts(item.name, getattr(seen, item.name))))
+    for part in _parts("", relevant(scene, capabilities)):
+        state.update(part)
     solid = scene.statue.solid
     if solid is not None and capabilities.uses_mesh:
         state.update(solid.digest.encode())
@@ -63,31 +97,38 @@ def _planar(statue: Statue) -> Statue:
     return _PLANAR[statue]
 
 
-def _statue_bytes(statue: Statue) -> bytes:
-    if statue not in _BYTES:
-        _BYTES[statue] = b"".join(_parts("statue", statue))
-    return _BYTES[statue]
-
-
 _PLANAR: Final[WeakKeyDictionary[Statue, Statue]] = WeakKeyDictionary()
 _BYTES: Final[WeakKeyDictionary[Statue, bytes]] = WeakKeyDictionary()
 
 
 def _parts(name: str, value: Any) -> Iterator[bytes]:
     """The bytes that stand for a value: names, types and exact numbers, so that no two values share them."""
-    if is_dataclass(value) and not isinstance(value, type):
-        yield f"{name}:{type(value).__name__}{{".encode()
-        for item in fields(value):
-            if item.name not in NOT_PHYSICS and not item.name.startswith("_"):
-                yield from _parts(item.name, getattr(value, item.name))
-        yield b"}"
+    if isinstance(value, Statue):
+        # Its section and footprint are long, and thousands of scenes may share it.
+        if value not in _BYTES:
+            _BYTES[value] = b"".join(_members(name, value))
+        yield _BYTES[value]
+    elif type(value) in KEYED:
+        yield from _members(name, value)
     elif isinstance(value, np.ndarray):
         yield f"{name}:{value.dtype}{value.shape}=".encode()
         yield np.ascontiguousarray(value).tobytes()
-    elif isinstance(value, bool) or value is None or isinstance(value, (str, int)):
+    elif isinstance(value, tuple):
+        yield from (part for item in (len(value), *value) for part in _parts(name, item))
+    elif isinstance(value, (bool, str, int)):
         yield f"{name}={value!r};".encode()
     elif isinstance(value, float):
         # −0.0 and 0.0 are the same physics.
         yield f"{name}={(value + 0.0).hex() if math.isfinite(value) else value};".encode()
     else:
-        raise TypeError(f"no digest for {name}: {type(value).__name__}")
+        raise TypeError(f"no name in the cache key for {name}: {type(value).__name__}")
+
+
+def _members(name: str, value: Any) -> Iterator[bytes]:
+    tag, members = _NAMED[type(value)]
+    yield f"{name}:{tag}{{".encode()
+    for attribute, key in members:
+        # What is not given has no part in the key: a new thing that may be given changes no key of scenes without it.
+        if (member := getattr(value, attribute)) is not None:
+            yield from _parts(key, member)
+    yield b"}"

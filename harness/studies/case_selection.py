@@ -19,7 +19,7 @@ REFERENCE: Final = "analytic"
 EVERY: Final = "every case is asked"
 NEAR: Final = "near a change of the analytic outcome"
 MARGIN: Final = "the analytic peak is near the balance point"
-AUDIT: Final = "random audit"
+RECHECK: Final = "random recheck"
 COARSE: Final = "on the map's coarse grid"
 REFINED: Final = "beside a change of this engine's outcome on the map"
 NOT_SENT: Final = "not sent: the analytic outcome is far from a change"
@@ -47,7 +47,7 @@ def wanted(study: StudyFile, places: Sequence[Place], engine: str, variant: str,
     if study.ask.cases == "boundary":
         return near_boundary(answers.get((REFERENCE, variant), {}), study.ask.margin, study.ask.audit, study.seed)
     axes = map_axes(study)
-    return refined(places, answers.get((engine, variant), {}), axes) | audited(places, study.ask.audit, study.seed)
+    return refined(places, answers.get((engine, variant), {}), axes) | rechecked(places, study.ask.audit, study.seed)
 
 
 def left_out(study: StudyFile) -> str:
@@ -63,24 +63,24 @@ def map_axes(study: StudyFile) -> tuple[int, int]:
 
 def near_boundary(known: Mapping[Place, Answer], margin: float, share: float, seed: int) -> dict[Place, str]:
     """Places whose neighbour's outcome differs or whose peak is near the balance point; of the rest a random share."""
-    found = {}
+    reasons = {}
     stream = random.Random(seed)
     for place in sorted(known):
         draw = stream.random()
         around = (known[other] for other in neighbours(place) if other in known)
         if any(other.outcome != known[place].outcome for other in around):
-            found[place] = NEAR
+            reasons[place] = NEAR
         elif abs(known[place].share - 1.0) <= margin:
-            found[place] = MARGIN
+            reasons[place] = MARGIN
         elif draw < share:
-            found[place] = AUDIT
-    return found
+            reasons[place] = RECHECK
+    return reasons
 
 
-def audited(places: Iterable[Place], share: float, seed: int) -> dict[Place, str]:
+def rechecked(places: Iterable[Place], share: float, seed: int) -> dict[Place, str]:
     """A random share of all places, the same for every engine and every call."""
     stream = random.Random(seed)
-    return {place: AUDIT for place in sorted(set(places)) if stream.random() < share}
+    return {place: RECHECK for place in sorted(set(places)) if stream.random() < share}
 
 
 def neighbours(place: Place) -> list[Place]:
@@ -90,11 +90,11 @@ def neighbours(place: Place) -> list[Place]:
 
 def refined(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
     """The map's places to compute: a coarse grid first, then the halves of every cell whose known corners differ."""
-    found: dict[Place, str] = {}
+    reasons: dict[Place, str] = {}
     for fixed, plane in slices(places, axes).items():
         for cell in _coarse(plane, axes):
-            _refine(cell, fixed, axes, known, found, COARSE)
-    return found
+            _refine(cell, fixed, axes, known, reasons, COARSE)
+    return reasons
 
 
 def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[int, int]) -> dict[Place, str]:
@@ -114,18 +114,23 @@ def filled(places: Sequence[Place], known: Mapping[Place, Answer], axes: tuple[i
 
 
 def _refine(
-    cell: Cell, fixed: Place, axes: tuple[int, int], known: Mapping[Place, Answer], found: dict[Place, str], reason: str
+    cell: Cell,
+    fixed: Place,
+    axes: tuple[int, int],
+    known: Mapping[Place, Answer],
+    reasons: dict[Place, str],
+    reason: str,
 ) -> None:
     corners = _corners(cell, fixed, axes)
     for corner in corners:
-        found.setdefault(corner, reason)
+        reasons.setdefault(corner, reason)
     outcomes = {known[corner].outcome for corner in corners if corner in known}
     unknown = any(corner not in known for corner in corners)
     # A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
     if unknown or len(outcomes) == 1:
         return
     for part in _parts(cell):
-        _refine(part, fixed, axes, known, found, REFINED)
+        _refine(part, fixed, axes, known, reasons, REFINED)
 
 
 def _coarse(plane: Sequence[Place], axes: tuple[int, int]) -> list[Cell]:

@@ -110,14 +110,14 @@ def expand(study: StudyFile, base: Base) -> Iterator[Case]:
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Any]) -> dict[str, float]:
     """The further keys that follow a varied one. Raises `InputError` where that one is no number."""
-    found = {}
+    further = {}
     for item in axes:
         for key, factor in item.also.items():
             value = varied[item.key]
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise InputError(Mistake("study", f"vary {item.key}.also", "numbers to multiply", repr(value)))
-            found[key] = factor * value
-    return found
+            further[key] = factor * value
+    return further
 
 
 def _values(item: Vary) -> Sequence[Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any, Final
@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.records.study import ClaimAnswer, ClaimVerdict
 
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
@@ -21,10 +22,10 @@ WALL_M: Final = 0.70
 WALL_SLACK: Final = 0.05
 """The paper rounds its distance to the wall to a decimetre."""
 
-HOLDS: Final = "holds"
-FAILS: Final = "does not hold"
-SOME: Final = "holds for some"
-UNTESTED: Final = "not tested"
+HOLDS: Final[ClaimAnswer] = "holds"
+FAILS: Final[ClaimAnswer] = "does not hold"
+SOME: Final[ClaimAnswer] = "holds for some"
+UNTESTED: Final[ClaimAnswer] = "not tested"
 
 SENTENCES: Final[Mapping[str, str]] = {
     "i": "up to 3 Hz the statue without pedestal rotates more and overturns sooner",
@@ -59,25 +60,7 @@ class Answer:
         return self.restitution, self.amplitude_g, self.frequency_hz
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """One claim by one model: the verdict, its number and what the number counts."""
-
-    claim: str
-    sentence: str
-    model: str
-    imposed: bool
-    verdict: str
-    held: int
-    cases: int
-    evidence: str
-
-    def as_dict(self) -> dict[str, Any]:
-        """The verdict as plain values."""
-        return asdict(self)
-
-
-def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float], float]) -> list[Verdict]:
+def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float], float]) -> list[ClaimVerdict]:
     """All claims by all models of a study's rows.
 
     Where an engine had the impact law imposed on it, all models of that variant count as imposed: they are there to be compared
@@ -100,18 +83,18 @@ def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float
         for claim, test in zip(SENTENCES, tests, strict=True):
             held, cases, evidence = test(answers)
             verdicts.append(
-                Verdict(claim, SENTENCES[claim], model, imposed, _verdict(held, cases), held, cases, evidence)
+                ClaimVerdict(claim, SENTENCES[claim], model, imposed, _verdict(held, cases), held, cases, evidence)
             )
     return verdicts
 
 
-def headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
+def headline(verdicts: Sequence[ClaimVerdict]) -> dict[str, str]:
     """One verdict for each claim from the models whose impact was not imposed: what they all say, or that they differ."""
-    found = {}
+    said_by_claim: dict[str, str] = {}
     for claim in SENTENCES:
         said = {v.verdict for v in verdicts if v.claim == claim and not v.imposed and v.verdict != UNTESTED}
-        found[claim] = said.pop() if len(said) == 1 else ("the models differ" if said else UNTESTED)
-    return found
+        said_by_claim[claim] = said.pop() if len(said) == 1 else ("the models differ" if said else UNTESTED)
+    return said_by_claim
 
 
 def _answer(row: Mapping[str, Any]) -> Answer:
@@ -132,7 +115,7 @@ def _answer(row: Mapping[str, Any]) -> Answer:
     )
 
 
-def _verdict(held: int, cases: int) -> str:
+def _verdict(held: int, cases: int) -> ClaimAnswer:
     if cases == 0:
         return UNTESTED
     return HOLDS if held == cases else (SOME if held else FAILS)
@@ -169,13 +152,13 @@ def _iii(answers: Sequence[Answer]) -> tuple[int, int, str]:
     for restitution, amplitude in sorted({item.condition[:2] for item in answers}):
         mean: dict[bool, float] = {}
         for low in (True, False):
-            found = [
+            advantages = [
                 f.peak_rad - p.peak_rad
                 for f, p in _pairs(answers)
                 if f.condition[:2] == (restitution, amplitude) and (f.frequency_hz <= LOW_HZ) is low
             ]
-            gains[low] += found
-            mean[low] = float(np.mean(found)) if found else float("nan")
+            gains[low] += advantages
+            mean[low] = float(np.mean(advantages)) if advantages else float("nan")
         if np.isfinite(mean[True]) and np.isfinite(mean[False]):
             cases += 1
             held += mean[True] > mean[False]

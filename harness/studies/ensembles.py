@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any, Final
 
 from harness.comparison.scores.pointwise import Peak
@@ -14,6 +13,7 @@ from harness.comparison.verdict import Side, judge, shares
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.records.scores import Verdict
+from harness.records.sets import SetScores
 
 LEAST: Final = 8
 """Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
@@ -26,12 +26,11 @@ Row = Mapping[str, Any]
 
 def score_sets(
     rows: Sequence[Row], reference: str = "analytic", history: Callable[[str], History | None] = lambda key: None
-) -> dict[str, Any]:
+) -> dict[str, SetScores]:
     """Scores of every other model against the reference over the cases that both answered, by model's name.
 
     `history(key)` gives a run's history where one was kept: verdicts then rest on the histories, otherwise on peaks and
-    outcomes alone. A model's entry holds `cases`, `outcomes`, `verdicts` (share of each verdict), `flips` (cases whose
-    outcomes differ within the stated uncertainty) and, from 8 cases on, `peaks` (the distributions of the peak rotation).
+    outcomes alone. The distributions of the peaks are compared from 8 cases on.
     """
     cases: dict[tuple[Any, Any], dict[str, Row]] = defaultdict(dict)
     for row in rows:
@@ -41,23 +40,21 @@ def score_sets(
     return {name: _score(name, reference, cases.values(), history) for name in names}
 
 
-def _score(name: str, reference: str, cases: Any, history: Callable[[str], History | None]) -> dict[str, Any]:
+def _score(name: str, reference: str, cases: Any, history: Callable[[str], History | None]) -> SetScores:
     both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
     judged = [_judged(a, b, history) for a, b in both]
-    record: dict[str, Any] = {
-        "reference": reference,
-        "cases": len(both),
-        "outcomes": score_outcomes([case for case, _ in judged]).as_dict(),
-        "verdicts": shares([verdict for _, verdict in judged]),
-        "flips": sum(case.within_uncertainty for case, _ in judged),
-        "peaks": None,
-    }
+    peaks = None
     if len(both) >= LEAST:
-        peaks = [[abs(run["run"]["peak_theta_rad"]) for run in side] for side in zip(*both, strict=True)]
-        record["peaks"] = asdict(
-            compare_distributions(*peaks, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
-        )
-    return record
+        sides = [[abs(run["run"]["peak_theta_rad"]) for run in side] for side in zip(*both, strict=True)]
+        peaks = compare_distributions(*sides, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
+    return SetScores(
+        reference=reference,
+        cases=len(both),
+        outcomes=score_outcomes([case for case, _ in judged]),
+        verdicts=shares([verdict for _, verdict in judged]),
+        flips=sum(case.within_uncertainty for case, _ in judged),
+        peaks=peaks,
+    )
 
 
 def _judged(a: Row, b: Row, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
@@ -66,15 +63,15 @@ def _judged(a: Row, b: Row, history: Callable[[str], History | None]) -> tuple[C
         Peak(run_a["peak_theta_rad"], run_a["peak_time_s"]),
         Peak(run_b["peak_theta_rad"], run_b["peak_time_s"]),
     )
-    found = judge(_side(a), _side(b), _paired(a, b, history), peaks)
+    judgement = judge(_side(a), _side(b), _paired(a, b, history), peaks)
     case = Case(
         Outcome(run_a["outcome"]),
         Outcome(run_b["outcome"]),
-        found.evidence.outcome_flips_within_uncertainty,
-        found.evidence.side_flips_within_uncertainty,
+        judgement.evidence.outcome_flips_within_uncertainty,
+        judgement.evidence.side_flips_within_uncertainty,
         (run_a["no_return_time_s"], run_b["no_return_time_s"]),
     )
-    return case, found.verdict
+    return case, judgement.verdict
 
 
 def _paired(a: Row, b: Row, history: Callable[[str], History | None]) -> Pair | None:

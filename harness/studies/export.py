@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import impacts
 from harness.records.result_folder import writing
-from harness.studies.store import Store
 
 FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""

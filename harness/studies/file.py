@@ -80,7 +80,7 @@ class Ask(Table):
 
     `all`; `boundary`: those whose analytic outcome is near a change (a neighbour on the grid differs, or the peak lies within
     `margin` of the balance point), and of the rest a random `audit` share; `adaptive`: a map over the two axes given as grids,
-    refined for each engine where its own outcome changes, with the same audit.
+    refined for each engine where its own outcome changes, with the same rechecks.
     """
 
     cases: Literal["all", "boundary", "adaptive"] = "all"

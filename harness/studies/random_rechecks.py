@@ -1,4 +1,4 @@
-"""What a study's random audit found: whether the runs that were left out would have said anything new."""
+"""What random rechecks say: whether the runs that were left out would have said anything new."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.studies import case_selection as asking
+from harness.records.study import RecheckRecord
+from harness.studies import case_selection as selection
 from harness.studies.file import StudyFile
 
 Row = Mapping[str, Any]
 
 
-def audit(study: StudyFile, rows: Sequence[Row]) -> dict[str, Any] | None:
-    """How the audited cases came out, in numbers and one sentence; None where every case was asked.
+def recheck(study: StudyFile, rows: Sequence[Row]) -> RecheckRecord | None:
+    """How the rechecked cases came out, in numbers and one sentence; None where every case was asked.
 
     Near a boundary the engine's outcome is held against the analytic one, on a refined map against the outcome that its cell was
     taken to have.
@@ -26,10 +27,8 @@ def audit(study: StudyFile, rows: Sequence[Row]) -> dict[str, Any] | None:
     against = (
         "the analytic model's" if study.ask.cases == "boundary" else "the one that the map would have taken for it"
     )
-    sentence = (
-        f"Of the cases left out, {len(asked)} were audited at random: {differ} had another outcome than {against}."
-    )
-    return {"audited": len(asked), "differ": differ, "sentence": sentence}
+    sentence = f"Of the cases left out, {len(asked)} were run at random after all: {differ} had another outcome than {against}."
+    return RecheckRecord(len(asked), differ, sentence)
 
 
 def _place(row: Row) -> tuple[int, str]:
@@ -37,39 +36,39 @@ def _place(row: Row) -> tuple[int, str]:
 
 
 def _of_reference(rows: Sequence[Row]) -> dict[tuple[int, str], str]:
-    """The analytic outcome of every audited case, by the case and the engine that was asked."""
+    """The analytic outcome of every rechecked case, by the case and the engine that was asked."""
     known = {row["number"]: str(row["run"]["outcome"]) for row in rows if _is_reference(row)}
     return {
         _place(row): known[row["number"]]
         for row in rows
-        if row["reason"] == asking.AUDIT and not _is_reference(row) and row["number"] in known
+        if row["reason"] == selection.RECHECK and not _is_reference(row) and row["number"] in known
     }
 
 
 def _is_reference(row: Row) -> bool:
-    return bool(row["engine"] == asking.REFERENCE and row["run"] is not None)
+    return bool(row["engine"] == selection.REFERENCE and row["run"] is not None)
 
 
 def _of_cells(study: StudyFile, rows: Sequence[Row]) -> dict[tuple[int, str], str]:
-    """What a map refined without the audit says of every audited case, by case and engine."""
+    """What a map refined without the rechecks says of every rechecked case, by case and engine."""
     values = {item.key: sorted({row["varied"][item.key] for row in rows}, key=repr) for item in study.vary}
-    index = {key: {repr(value): k for k, value in enumerate(_in_order(found))} for key, found in values.items()}
-    axes = asking.map_axes(study)
-    groups: dict[tuple[str, str], list[tuple[asking.Place, Row]]] = defaultdict(list)
+    index = {key: {repr(value): k for k, value in enumerate(_in_order(own))} for key, own in values.items()}
+    axes = selection.map_axes(study)
+    groups: dict[tuple[str, str], list[tuple[selection.Place, Row]]] = defaultdict(list)
     for row in rows:
-        if row["engine"] != asking.REFERENCE:
+        if row["engine"] != selection.REFERENCE:
             place = tuple(index[item.key][repr(row["varied"][item.key])] for item in study.vary)
             groups[row["engine"], row["varied"]["variant"]].append((place, row))
-    found: dict[tuple[int, str], str] = {}
+    expected: dict[tuple[int, str], str] = {}
     for members in groups.values():
         places = [place for place, _ in members]
-        known = {p: asking.Answer(str(row["run"]["outcome"]), 0.0) for p, row in members if row["run"] is not None}
-        needed = asking.refined(places, known, axes)
-        taken = asking.filled(places, {place: known[place] for place in needed if place in known}, axes)
+        known = {p: selection.Answer(str(row["run"]["outcome"]), 0.0) for p, row in members if row["run"] is not None}
+        needed = selection.refined(places, known, axes)
+        taken = selection.filled(places, {place: known[place] for place in needed if place in known}, axes)
         for place, row in members:
-            if row["reason"] == asking.AUDIT and place not in needed and place in taken:
-                found[_place(row)] = taken[place]
-    return found
+            if row["reason"] == selection.RECHECK and place not in needed and place in taken:
+                expected[_place(row)] = taken[place]
+    return expected
 
 
 def _in_order(values: Sequence[Any]) -> list[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -11,16 +12,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.campaign.store import Store
 from harness.model import run as record
-from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
+from harness.records.base import as_file
+from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
+from harness.records.study import CaseRun, Curve, Panel, StudyRecord, StudySummary, UsageRecord
 from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
-from harness.studies.random_rechecks import audit
-from harness.studies.store import Store
+from harness.studies.random_rechecks import recheck
 from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
 
@@ -28,25 +31,8 @@ Array = NDArray[np.float64]
 
 CURVE_POINTS: Final = 400
 """Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
-SHOWN: Final = (
-    "engine",
-    "outcome",
-    "peak_theta_rad",
-    "peak_time_s",
-    "end_s",
-    "no_return_time_s",
-    "overturn_time_s",
-    "peak_slip_m",
-    "residual_slip_m",
-    "numerical_uncertainty_rad",
-    "slip_uncertainty_m",
-    "reliable_until_s",
-    "steps",
-    "labels",
-    "warnings",
-    "validity",
-    "motion_axes",
-)
+SHOWN: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")
+"""What is kept of each run."""
 
 
 def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float) -> dict[str, Any]:
@@ -54,33 +40,31 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
     base = base_of(study, path)
     scene = base.scene({})
     rows = [_shown(row) for row in store.rows(study_name(study))]
-    found: dict[str, Any] = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "study",
-        "title": study.title,
-        "file": path.name,
-        "scene": SceneRecord.of(scene),
-        "notes": scene.notes,
-        "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
-        "supports": supports(study, scene, rows),
-        "summary": summary.as_dict(),
-        "usage": summary.usage.as_dict(),
-        "seconds": seconds,
-        "engine_seconds": _seconds(rows, store),
-        "scores": score_sets(rows, history=store.history),
-        "audit": audit(study, rows),
-        "versions": record.versions(),
-        "machine": record.machine(),
-    }
-    if study.claims == "paper":
-        verdicts = claims.judge(rows, top_displacement(scene))
-        found["claims"] = [verdict.as_dict() for verdict in verdicts]
-        found["headline"] = claims.headline(verdicts)
-        found["panels"] = panels(rows, store)
-    plain: dict[str, Any] = record.to_plain(found)
-    # They come from the store, plain already.
-    plain["rows"] = [{name: value for name, value in row.items() if name != "key"} for row in rows]
-    return plain
+    paper = study.claims == "paper"
+    verdicts = claims.judge(rows, top_displacement(scene)) if paper else []
+    finished = StudyRecord(
+        title=study.title,
+        file=path.name,
+        scene=SceneRecord.of(scene),
+        notes=scene.notes,
+        vary={item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
+        supports=supports(study, scene, rows),
+        summary=StudySummary(**summary.as_dict()),
+        usage=UsageRecord(**summary.usage.as_dict()),
+        seconds=seconds,
+        engine_seconds=_seconds(rows, store),
+        scores=score_sets(rows, history=store.history),
+        audit=recheck(study, rows),
+        versions=record.versions(),
+        machine=record.machine(),
+        claims=verdicts if paper else None,
+        headline=claims.headline(verdicts) if paper else None,
+        panels=panels(rows, store) if paper else None,
+        rows=(),
+        files=listing(()),
+    )
+    # There may be a million rows: they come from the store, plain already, with the fields of their class.
+    return as_file(finished) | {"rows": [{name: value for name, value in row.items() if name != "key"} for row in rows]}
 
 
 def top_displacement(scene: Scene) -> Any:
@@ -98,10 +82,10 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
-def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[dict[str, Any]]:
+def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
-    found: dict[tuple[float, float, float], dict[str, Any]] = {}
-    drawn: dict[str, Any] = {}
+    by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
+    drawn: dict[str, Curve] = {}
     for row in rows:
         varied, key = row["varied"], row["key"]
         if row["run"] is None or key is None:
@@ -112,22 +96,19 @@ def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[dict[str, An
                 continue
             drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
         place = (varied["contact.restitution"], varied["motion.x.amplitude_g"], varied["motion.x.frequency_hz"])
-        panel = found.setdefault(
-            place, {"restitution": place[0], "amplitude_g": place[1], "frequency_hz": place[2], "curves": {}}
-        )
-        model = f"{row['engine']} ({varied['variant']})"
         setting = "floor" if varied["pedestal"] == "none" else "pedestal"
-        panel["curves"].setdefault(model, {})[setting] = drawn[key]
-    return [found[place] for place in sorted(found)]
+        curves = by_condition.setdefault(place, {})
+        curves.setdefault(f"{row['engine']} ({varied['variant']})", {})[setting] = drawn[key]
+    return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
 
 
-def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> dict[str, list[float]]:
+def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> Curve:
     keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
-    return {
-        "t_s": [round(float(value), 4) for value in t_s[keep]],
-        "theta_rad": [float(f"{value:.5g}") for value in theta_rad[keep]],
-        "slip_m": [float(f"{value:.5g}") for value in slip_m[keep]],
-    }
+    return Curve(
+        [round(float(value), 4) for value in t_s[keep]],
+        [float(f"{value:.5g}") for value in theta_rad[keep]],
+        [float(f"{value:.5g}") for value in slip_m[keep]],
+    )
 
 
 def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
@@ -136,28 +117,28 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
     if size <= points:
         return np.arange(size)
     edges = np.linspace(0, size, points // 2 + 1).astype(int)
-    kept = {0, size - 1}
+    chosen = {0, size - 1}
     for low, high in pairwise(edges):
         for curve in curves:
-            kept |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
-    return np.array(sorted(kept))
+            chosen |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
+    return np.array(sorted(chosen))
 
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     """What is kept of a row; words that all rows share are one string, for there may be a million of them."""
     run = row["run"]
-    kept = None
+    shown = None
     if run is not None:
-        kept = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
-        kept["validity"] = _shared(run["validity"])
-        kept["warnings"] = [sys.intern(text) for text in run["warnings"]]
+        shown = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
+        shown["validity"] = _shared(run["validity"])
+        shown["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {
         "number": row["number"],
         "engine": row["engine"],
         "key": row["key"],
         "reason": sys.intern(row["reason"]),
         "varied": _shared(row["varied"]),
-        "run": kept,
+        "run": shown,
     }
 
 

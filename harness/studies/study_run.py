@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.batches import batches, run_batches
-from harness.campaign.executors import Crash, Pool
+from harness.campaign.campaign import Campaign, OnProgress, silent
+from harness.campaign.runner import Pool
+from harness.campaign.store import Store
+from harness.campaign.task import Answer, Task
+from harness.campaign.usage import Usage
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile
-from harness.studies.jobs import Finished, Job, compute, lost
-from harness.studies.store import Store
 from harness.studies.study_plan import Plan
-from harness.studies.usage import Usage
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
@@ -51,35 +51,54 @@ class Summary:
         return {**{name: value for name, value in vars(self).items() if name != "usage"}, "sentence": str(self)}
 
 
+@dataclass
+class Beside:
+    """Tasks without a key that use the workers of a study: some before its own, some when those are handed out; their answers."""
+
+    before: Iterable[Task]
+    after: Callable[[], Iterable[Task]]
+    answers: list[tuple[Task, Answer]] = field(default_factory=list)
+
+    def around(self, tasks: Iterable[Task]) -> Iterator[Task]:
+        """The tasks of a study among these, which come once; the last are made when all others are handed out."""
+        before, after, self.before, self.after = self.before, self.after, (), tuple
+        yield from before
+        yield from tasks
+        yield from after()
+
+
 def run_study(
     study: StudyFile,
     path: Path,
     store: Store,
     pool: Pool,
-    told: Callable[[int, int], None] = lambda done, all_: None,
+    on_progress: OnProgress = silent,
+    beside: Beside | None = None,
 ) -> Summary:
-    """Run what the study asks and the store does not hold; `told(done, all)` hears of progress.
+    """Run what the study asks and the store does not hold; `on_progress(done, all)` hears of progress.
 
     The analytic model runs first where the question needs its answers, then the others in as many rounds as it takes. Every
     result is in the store as soon as it is finished. Raises `InputError` for a case that is no scene.
     """
     plan = Plan(study, base_of(study, path))
-    work = _Work(store, pool, told)
-    for expected, jobs in plan.rounds():
-        work.compute(expected, jobs)
+    campaign = Campaign(store, pool, on_progress, BATCH)
+    for expected, tasks in plan.rounds():
+        campaign.run(tasks if beside is None else beside.around(tasks), expected)
         plan.learn(store)
-    work.usage.stop()
+    if beside is not None:
+        beside.answers += campaign.aside
+    campaign.usage.stop()
     store.write_plan(study_name(study), plan.rows())
     totals = plan.totals()
     return Summary(
         cases=totals.cases,
         wanted=totals.wanted,
         distinct=totals.distinct,
-        found=len(work.found),
-        computed=work.computed,
+        found=len(campaign.reused),
+        computed=campaign.computed,
         not_sent=totals.not_sent,
-        failed=work.failed,
-        usage=work.usage,
+        failed=campaign.failed,
+        usage=campaign.usage,
     )
 
 
@@ -87,43 +106,3 @@ def study_name(study: StudyFile) -> str:
     """What names a study in its store: its title and the hash of its content."""
     digest = hashlib.sha256(study.model_dump_json().encode()).hexdigest()
     return f"{study.title} [{digest[:12]}]"
-
-
-class _Work:
-    """The work of one call: each job that the store does not hold, once."""
-
-    def __init__(self, store: Store, pool: Pool, told: Callable[[int, int], None]) -> None:
-        self._store, self._pool, self._told = store, pool, told
-        self._expected = self._settled = 0
-        self._kept = store.keys()
-        self._seen: set[str] = set()
-        self.found: set[str] = set()
-        self.computed = self.failed = 0
-        self.usage = Usage(pool.workers)
-
-    def compute(self, expected: int, jobs: Iterator[Job]) -> None:
-        """Run jobs (of which so many are expected) in batches, in the order in which they come."""
-        self._expected += expected
-        self._told(self._settled, self._expected)
-        run_batches(self._pool, compute, batches(self._left(jobs), BATCH, otherwise=1), self._done)
-        self._told(self._settled, self._expected)
-
-    def _left(self, jobs: Iterator[Job]) -> Iterator[Job]:
-        """The jobs of which nobody has a result yet, and nobody is at work on."""
-        for job in jobs:
-            if job.key in self._kept:
-                self.found.add(job.key)
-            elif job.key not in self._seen:
-                self._seen.add(job.key)
-                yield job
-                continue
-            self._settled += 1
-
-    def _done(self, batch: Sequence[Job], result: Finished | Crash) -> None:
-        finished = lost(batch, result) if isinstance(result, Crash) else result
-        self._store.add(finished.results)
-        self.computed += len(batch)
-        self.failed += finished.failed
-        self.usage.note(len(batch), finished.busy_s, finished.outside_s)
-        self._settled += len(batch)
-        self._told(self._settled, self._expected)

@@ -7,12 +7,13 @@ from typing import Any
 
 from harness.input.tables import ContactTable
 from harness.model.scene import Scene
+from harness.records.study import SupportRecord
 from harness.studies.file import StudyFile, Variant
 
 Rows = Sequence[Mapping[str, Any]]
 
 
-def supports(study: StudyFile, scene: Scene, rows: Rows) -> dict[str, Any]:
+def supports(study: StudyFile, scene: Scene, rows: Rows) -> SupportRecord:
     """Whether cases have a pedestal, least and greatest static frictions, and the keys of the statue that vary.
 
     `scene` is the study's own; a variant's keys go before those that follow a varied one, and these before the varied.
@@ -30,12 +31,12 @@ def supports(study: StudyFile, scene: Scene, rows: Rows) -> dict[str, Any]:
         if True in here:
             floor |= _frictions(study, variant, own, "floor_static", scene.contact.floor_static)
         statue |= _frictions(study, variant, own, "statue", scene.contact.statue)
-    return {
-        "pedestal": sorted(stones),
-        "floor_static": [min(floor), max(floor)] if floor else None,
-        "statue": [min(statue), max(statue)],
-        "statue_keys": sorted(key for key in _keys(study) if key.startswith("statue.")),
-    }
+    return SupportRecord(
+        pedestal=sorted(stones),
+        floor_static=(min(floor), max(floor)) if floor else None,
+        statue=(min(statue), max(statue)),
+        statue_keys=sorted(key for key in _keys(study) if key.startswith("statue.")),
+    )
 
 
 def _keys(study: StudyFile) -> set[str]:

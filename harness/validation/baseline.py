@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.comparison.statistics import fragility
 from harness.model.history import Array
+from harness.records.validation import ContourLine, ContourRecord
 from harness.validation.scenes import Intensity
 
 Flags = NDArray[np.bool_]
@@ -57,13 +58,13 @@ def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
     """
     x, y, at = (np.asarray(values, dtype=np.float64) for values in (intensity, fell, asked))
     shaken = x > 0.0
-    found = np.full(at.shape, (y.sum() + 1.0) / (y.size + 2.0))
+    p = np.full(at.shape, (y.sum() + 1.0) / (y.size + 2.0))
     if shaken.any():
         curve = fragility.fit(x[shaken], y[shaken])
         if curve.median is not None:
-            found[at > 0.0] = curve.probability(at[at > 0.0])
-    found[at <= 0.0] = 0.0
-    return found
+            p[at > 0.0] = curve.probability(at[at > 0.0])
+    p[at <= 0.0] = 0.0
+    return p
 
 
 def chances_left_out(intensity: ArrayLike, fell: ArrayLike) -> Array:
@@ -95,10 +96,10 @@ class Contour:
         level = NormalDist().inv_cdf(probability)
         return np.asarray(np.exp((level - c0 - c2 * np.log(ratio_s)) / c1))
 
-    def as_dict(self, ratios_s: ArrayLike) -> dict[str, Any]:
-        """Plain values, with the contour of 50 % at the given ratios."""
-        curve = {"ratio_s": np.asarray(ratios_s).tolist(), "pga_g": self.pga_g(ratios_s).tolist()}
-        return asdict(self) | {"contour_50": curve}
+    def record(self, ratios_s: ArrayLike) -> ContourRecord:
+        """The record, with the contour of 50 % at the given ratios."""
+        line = ContourLine(np.asarray(ratios_s).tolist(), self.pga_g(ratios_s).tolist())
+        return ContourRecord(self.cases, self.fell, self.coefficients, self.separated, line)
 
 
 def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> Contour | None:
@@ -109,12 +110,12 @@ def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> Contour |
     logs = np.log([[each.pga_g, each.ratio_s] for each in intensities])
     middle = logs.mean(axis=0)
     design = np.column_stack((np.ones(y.size), logs - middle))
-    found = _probit(design, y)
-    c1, c2 = float(found[1]), float(found[2])
+    beta = _probit(design, y)
+    c1, c2 = float(beta[1]), float(beta[2])
     if c1 <= 0.0:
         return None
-    c0 = float(found[0] - found[1:] @ middle)
-    separated = bool(np.all((design @ found > 0.0) == (y > 0.5)))
+    c0 = float(beta[0] - beta[1:] @ middle)
+    separated = bool(np.all((design @ beta > 0.0) == (y > 0.5)))
     return Contour(y.size, int(y.sum()), (c0, c1, c2), separated)
 
 

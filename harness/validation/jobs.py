@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
-from harness.campaign.batches import batches, crashed, run_batches
-from harness.campaign.executors import Crash, Pool
+from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions
-from harness.model.run import Run
-from harness.studies.store import Store
 from harness.validation.scenes import Variant, digest_of, scene_of, variants
 from harness.validation.table import Trial
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
-"""Runs handed to a worker at a time: enough that sending them costs little beside computing them."""
+"""Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""
+BATCH_OTHERWISE: Final = 2
 
 
 @dataclass(frozen=True)
@@ -54,6 +52,10 @@ class Job:
         """Whether the history is wanted: where a measured one is there to compare, in the nominal run."""
         return self.trial.history is not None and self.variant.sample == 0
 
+    def task(self) -> Task:
+        """The task that gives its run."""
+        return Task(self.key, run_job, self, self.engine, lost_answer)
+
 
 def parse_model(text: str) -> Model:
     """A model as written on the command line. Raises `InputError`."""
@@ -75,15 +77,15 @@ def parse_model(text: str) -> Model:
 
 def jobs_of(trials: Sequence[Trial], models: Sequence[Model], samples: int, seed: int) -> list[Job]:
     """All runs wanted, those of one body and azimuth side by side."""
-    found = []
+    jobs = []
     for model in models:
         versions = record.versions()
         mine = [versions.get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
         for trial in sorted(trials, key=lambda each: each.body):
             digest = digest_of(trial)
             for variant in variants(trial, samples):
-                found.append(Job(_key(digest, trial, variant, model, seed, mine), trial, variant, model, seed))
-    return found
+                jobs.append(Job(_key(digest, trial, variant, model, seed, mine), trial, variant, model, seed))
+    return jobs
 
 
 def _key(digest: str, trial: Trial, variant: Variant, model: Model, seed: int, versions: Sequence[Any]) -> str:
@@ -93,33 +95,9 @@ def _key(digest: str, trial: Trial, variant: Variant, model: Model, seed: int, v
     return hashlib.sha256(json.dumps([digest, inputs, drawn, setting, versions]).encode()).hexdigest()
 
 
-def compute(store: Store, pool: Pool, jobs: Sequence[Job], told: Callable[[int, int], None]) -> int:
-    """Run the jobs that the store does not hold; each result is stored as soon as it is there. Returns how many ran."""
-    distinct = {job.key: job for job in jobs}
-    known = store.known(distinct)
-    left = [job for key, job in distinct.items() if key not in known]
-    finished = 0
-
-    def done(batch: Sequence[Job], results: list[Run] | Crash) -> None:
-        nonlocal finished
-        runs = crashed(batch, results) if isinstance(results, Crash) else results
-        for job, run in zip(batch, runs, strict=True):
-            store.put([(job.key, run)], histories=job.history)
-        finished += len(batch)
-        told(finished, len(left))
-
-    if left:
-        told(0, len(left))
-        run_batches(pool, work, batches(left, BATCH, otherwise=2), done)
-    return len(left)
-
-
-def work(batch: Sequence[Job]) -> list[Run]:
-    """What a worker does: make each scene and run it (a failure is a `Run` that says so)."""
-    return [_one(job) for job in batch]
-
-
-def _one(job: Job) -> Run:
+def run_job(job: Job) -> Answer:
+    """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
     want = RunOptions(history=job.history)
-    return simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, want=want)
+    run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, want=want)
+    return answer_of(run, job.history)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from harness.records.validation import PairScores
 from harness.studies.ensembles import score_sets
 from harness.validation.jobs import Model
 from harness.validation.scoring import Answers, Choice
@@ -16,22 +18,19 @@ def score_pairs(
     models: Sequence[Model],
     choices: Mapping[str, Choice],
     answers: Mapping[str, Answers],
-) -> list[dict[str, Any]]:
+) -> list[PairScores]:
     """One entry for each two models, the later of the two against the earlier, over the tests that both answered.
 
-    It holds what `harness.studies.ensembles.score_sets` gives (outcomes, shares of the verdicts, flips, peaks), `a` and
-    `b`, and in `unstated` those whose numerical error is not stated in every run: their verdicts take it as zero. No histories
-    are kept of a validation's runs: verdicts rest on the peaks and the times at which they are reached.
+    The verdicts take a numerical error that is not stated as zero. No histories are kept of a validation's runs: verdicts rest on
+    the peaks and the times at which they are reached.
     """
     rows = {model.name: [_row(trial, model, choices, answers) for trial in trials] for model in models}
-    names = list(rows)
-    found = []
-    for index, b in enumerate(names):
-        for a in names[index + 1 :]:
-            scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
-            unstated = [name for name in (a, b) if any(_unstated(row["run"]) for row in rows[name])]
-            found.append({"a": a, "b": b, **scores, "unstated": unstated})
-    return found
+    pairs = []
+    for b, a in itertools.combinations(rows, 2):
+        scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
+        unstated = [name for name in (a, b) if any(_unstated(row["run"]) for row in rows[name])]
+        pairs.append(PairScores(a=a, b=b, unstated=unstated, **vars(scores)))
+    return pairs
 
 
 def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from harness.input.motions.spec import RecordSpec
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.scene import Array, BaseExcitation, Contact, Form, Scene, Statue
-from harness.studies.cache_key import scene_digest
+from harness.studies.cache_key import scene_key
 from harness.validation.table import Trial
 
 RING_DOWN_S: Final = 5.0
@@ -218,4 +218,4 @@ def _file_digest(path: Path) -> str:
 @lru_cache(maxsize=64)
 def _scene_digest(path: Path) -> str:
     # An engine that looks at everything: the digest then covers all that any engine could see.
-    return scene_digest(load.load_scene(path), Capabilities(3, uses_mesh=True, statue_slips=True))
+    return scene_key(load.load_scene(path), Capabilities(3, uses_mesh=True, statue_slips=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +14,15 @@ from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.outcomes import FELL, Case, brier, brier_skill, score_outcomes
 from harness.comparison.verdict import COVERAGE
 from harness.model.history import Outcome
+from harness.records.validation import (
+    BaselineOutcomes,
+    BaselineRecord,
+    Curves,
+    Fitted,
+    IntensityClass,
+    ModelScores,
+    ProbabilityScores,
+)
 from harness.validation import baseline
 from harness.validation.scenes import Intensity, Variant, scene_of
 from harness.validation.table import Trial
@@ -105,73 +114,63 @@ def score_model(
     answers: Answers,
     intensities: Mapping[str, Intensity],
     samples: int,
-) -> dict[str, Any]:
-    """All scores of one model on the `scored` tests, as plain values; curves are over all `trials`."""
+) -> ModelScores:
+    """All scores of one model on the `scored` tests; curves are over all `trials`."""
     nominal = {trial.name: answers[trial.name, choice.variant(trial)] for trial in trials}
     cases = {trial.name: case_of(trial, choice.variant(trial), nominal[trial.name]) for trial in scored}
     chances = {trial.name: probability(trial, choice, answers, samples) for trial in scored}
     sure = [(chance, trial.fell) for trial in scored if (chance := chances[trial.name]) is not None]
-    p, seen = [chance for chance, _ in sure], [fell for _, fell in sure]
-    return {
-        "tests": len(scored),
-        "failed": sum(Outcome(nominal[trial.name]["outcome"]).failed for trial in scored),
-        "fitted": _fitted(trials, choice),
-        "outcomes": score_outcomes(list(cases.values())).as_dict(),
-        "probability": {"samples": samples, **_brier(p, seen)},
-        "by_intensity": by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
-        **curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).fell),
-    }
+    drawn = curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).fell)
+    return ModelScores(
+        tests=len(scored),
+        failed=sum(Outcome(nominal[trial.name]["outcome"]).failed for trial in scored),
+        fitted=_fitted(trials, choice),
+        outcomes=score_outcomes(list(cases.values())),
+        probability=replace(_brier([chance for chance, _ in sure], [fell for _, fell in sure]), samples=samples),
+        by_intensity=by_intensity(scored, intensities, lambda trial: _right(cases[trial.name])),
+        fragility_pgv=drawn.fragility_pgv,
+        contour=drawn.contour,
+    )
 
 
-def _brier(p: Sequence[float], seen: Sequence[bool]) -> dict[str, Any]:
+def _brier(p: Sequence[float], seen: Sequence[bool]) -> ProbabilityScores:
     known = len(p) > 0
-    return {
-        "tests": len(p),
-        "brier": brier(p, seen) if known else None,
-        "brier_skill": brier_skill(p, seen) if known else None,
-    }
+    return ProbabilityScores(len(p), brier(p, seen) if known else None, brier_skill(p, seen) if known else None)
 
 
 def _right(case: Case) -> bool | None:
     return None if not case.decided or case.within_uncertainty else case.predicted.overturned == case.fell
 
 
-def _fitted(trials: Sequence[Trial], choice: Choice) -> dict[str, Any]:
+def _fitted(trials: Sequence[Trial], choice: Choice) -> Fitted:
     frictions = next((trial.frictions for trial in trials if len(trial.frictions) > 1), None)
     azimuths = next((trial.azimuths_deg for trial in trials if len(trial.azimuths_deg) > 1), None)
-    return {
-        "tests": choice.fitted_on,
-        "accuracy": choice.accuracy,
-        "friction": None if frictions is None else frictions[choice.friction],
-        "azimuth_deg": {} if azimuths is None else {body: azimuths[i] for body, i in choice.azimuths.items()},
-    }
+    return Fitted(
+        choice.fitted_on,
+        choice.accuracy,
+        None if frictions is None else frictions[choice.friction],
+        {} if azimuths is None else {body: azimuths[i] for body, i in choice.azimuths.items()},
+    )
 
 
 def by_intensity(
     trials: Sequence[Trial], intensities: Mapping[str, Intensity], right: Callable[[Trial], bool | None]
-) -> list[dict[str, Any]]:
+) -> list[IntensityClass]:
     """Accuracy in classes of PGV of equal size; tests of which nothing is known (None) are left out."""
     ordered = sorted(trials, key=lambda trial: intensities[trial.name].pgv_m_s)
-    found = []
+    classes = []
     for part in np.array_split(np.arange(len(ordered)), BINS):
         group = [ordered[int(i)] for i in part]
-        known = [verdict for trial in group if (verdict := right(trial)) is not None]
-        interval = wilson(sum(known), len(known))
         if group:
-            found.append(
-                {
-                    "pgv_from_m_s": intensities[group[0].name].pgv_m_s,
-                    "pgv_to_m_s": intensities[group[-1].name].pgv_m_s,
-                    "tests": len(group),
-                    "accuracy": None if interval is None else asdict(interval),
-                }
-            )
-    return found
+            known = [verdict for trial in group if (verdict := right(trial)) is not None]
+            low, high = (intensities[trial.name].pgv_m_s for trial in (group[0], group[-1]))
+            classes.append(IntensityClass(low, high, len(group), wilson(sum(known), len(known))))
+    return classes
 
 
 def curves(
     trials: Sequence[Trial], intensities: Mapping[str, Intensity], fell: Callable[[Trial], bool | None]
-) -> dict[str, Any]:
+) -> Curves:
     """Fragility in PGV with its band, and the contour in PGA against PGV/PGA, of what is predicted or observed.
 
     Tests of which it is not known whether the body fell (None) are left out.
@@ -180,20 +179,20 @@ def curves(
         trial: fall for trial in trials if intensities[trial.name].pga_g > 0.0 and (fall := fell(trial)) is not None
     }
     if not known:
-        return {"fragility_pgv": None, "contour": None}
+        return Curves(None, None)
     each, fallen = [intensities[trial.name] for trial in known], list(known.values())
     pgv = np.array([one.pgv_m_s for one in each])
     ratio = np.array([one.ratio_s for one in each])
-    found = baseline.contour(each, fallen)
-    return {
-        "fragility_pgv": fragility.fit(pgv, fallen).as_dict(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS)),
-        "contour": None if found is None else found.as_dict(np.geomspace(ratio.min(), ratio.max(), CURVE_POINTS)),
-    }
+    contour = baseline.contour(each, fallen)
+    return Curves(
+        fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS)),
+        None if contour is None else contour.record(np.geomspace(ratio.min(), ratio.max(), CURVE_POINTS)),
+    )
 
 
 def score_baseline(
     fitted: Sequence[Trial], scored: Sequence[Trial], intensities: Mapping[str, Intensity]
-) -> dict[str, Any]:
+) -> BaselineRecord:
     """The bare PGV threshold, and the probability by PGV alone.
 
     Fitted on their own share, or where there is none for each test on all others.
@@ -216,13 +215,13 @@ def score_baseline(
         Case(Outcome.OVERTURNED_RIGHT if fall else Outcome.STANDS, FELL if fell else Outcome.STANDS)
         for fall, fell in zip(predicted, seen, strict=True)
     ]
-    scores = score_outcomes(cases).as_dict()
+    scores = score_outcomes(cases)
     right = dict(zip((trial.name for trial in scored), (predicted == seen).tolist(), strict=True))
-    return {
-        "rule": "overturns when PGV reaches the threshold",
-        "threshold_m_s": threshold,
-        "fitted_on": "the named share" if apart else "all tests but the one that is predicted",
-        "outcomes": {name: scores[name] for name in ("cases", "accuracy", "precision", "recall", "f1", "matthews")},
-        "probability": _brier(likely.tolist(), seen.tolist()),
-        "by_intensity": by_intensity(scored, intensities, lambda trial: right[trial.name]),
-    }
+    return BaselineRecord(
+        rule="overturns when PGV reaches the threshold",
+        threshold_m_s=threshold,
+        fitted_on="the named share" if apart else "all tests but the one that is predicted",
+        outcomes=BaselineOutcomes(**{item.name: getattr(scores, item.name) for item in fields(BaselineOutcomes)}),
+        probability=_brier(likely.tolist(), seen.tolist()),
+        by_intensity=by_intensity(scored, intensities, lambda trial: right[trial.name]),
+    )

@@ -216,7 +216,7 @@ class _Row:
         return otherwise or known[0]
 
     def _numbers(self, column: str, above: float = -math.inf) -> list[float]:
-        found = []
+        numbers = []
         for text in self._cell(column).split(LIST_SEPARATOR) if self._cell(column) else []:
             try:
                 value = decimal(text)
@@ -227,11 +227,11 @@ class _Row:
                 wanted = f"a finite number{limit}, at most {LARGEST:g} (several with {LIST_SEPARATOR})"
                 self._wrong(column, wanted, repr(text.strip()))
                 continue
-            found.append(value)
-        return found
+            numbers.append(value)
+        return numbers
 
     def _number_in(self, column: str, otherwise: float, above: float) -> float:
-        found = self._numbers(column, above)
-        if len(found) > 1:
+        numbers = self._numbers(column, above)
+        if len(numbers) > 1:
             self._wrong(column, "one number", self._cell(column))
-        return found[0] if found else otherwise
+        return numbers[0] if numbers else otherwise

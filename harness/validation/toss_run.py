@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.campaign.executors import Crash, LocalPool
+from harness.campaign.runner import Crash, LocalPool
 from harness.engines import REGISTRY
 from harness.input.scene_file import load_scene
 from harness.model import run as record

@@ -5,20 +5,31 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 from harness import engines
-from harness.campaign.executors import LocalPool
+from harness.campaign.campaign import Campaign
 from harness.campaign.progress import progress
+from harness.campaign.runner import LocalPool
+from harness.campaign.store import STORE_NAME, Store
 from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.run import SCHEMA_VERSION
+from harness.records.base import as_file
 from harness.records.result_folder import listing
-from harness.studies.store import STORE_NAME, Store
-from harness.validation.jobs import Job, Model, compute, jobs_of, parse_model
+from harness.records.validation import (
+    FitShare,
+    MeasuredHistory,
+    ModelRecord,
+    RunCounts,
+    TestRow,
+    ValidationRecord,
+)
+from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Job, Model, jobs_of, parse_model
 from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Intensity, Variant, intensity
 from harness.validation.scoring import Answers, Choice, choose, curves, probability, score_baseline, score_model
@@ -54,20 +65,26 @@ def validate(
     intensities = _intensities(trials)
     wanted = jobs_of(trials, chosen, samples, seed)
     with Store(folder / STORE_NAME) as store:
-        with progress(experiments.name, quiet) as told:
-            computed = compute(store, LocalPool(jobs), wanted, told)
-        found = _record(store, trials, chosen, wanted, intensities, samples, fit_share)
-    found |= {
-        "experiments": experiments.name,
-        "runs": {"wanted": len(wanted), "computed": computed},
-        "seed": seed,
-        "versions": record.versions(),
-        "machine": record.machine(),
-        "seconds": time.perf_counter() - start,
-        "files": listing(()),
-    }
-    record.write_json(folder / "result.json", found)
-    plain: dict[str, Any] = record.to_plain(found)
+        with progress(experiments.name, quiet) as on_progress, closing(LocalPool(jobs)) as pool:
+            campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
+            campaign.run((job.task() for job in wanted), len(wanted))
+        asked = {
+            "title": f"Validation against {len(trials)} measured tests",
+            "tests": len(trials),
+            "bodies": len({trial.body for trial in trials}),
+            "fit_share": FitShare(fit_share, sum(trial.share == fit_share for trial in trials)),
+            "samples": samples,
+            "unknown": sorted(_unknown(trials)),
+            "experiments": experiments.name,
+            "runs": RunCounts(len(wanted), campaign.computed),
+            "seed": seed,
+            "versions": record.versions(),
+            "machine": record.machine(),
+            "files": listing(()),
+        }
+        result = _record(store, trials, chosen, wanted, intensities, asked)
+    plain = as_file(replace(result, seconds=time.perf_counter() - start))
+    record.write_json(folder / "result.json", plain)
     return plain
 
 
@@ -83,16 +100,16 @@ def _check(folder: Path, samples: int, jobs: int | None, resume: bool) -> None:
 
 def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     """Intensities of all tests; this reads every scene, mesh and motion, so that all mistakes come before any run."""
-    found: dict[str, Intensity] = {}
+    by_test: dict[str, Intensity] = {}
     mistakes: dict[str, Mistake] = {}
     for trial in trials:
         try:
-            found[trial.name] = intensity(trial)
+            by_test[trial.name] = intensity(trial)
         except InputError as error:
             mistakes |= {str(mistake): mistake for mistake in error.mistakes}
     if mistakes:
         raise InputError(mistakes.values())
-    return found
+    return by_test
 
 
 def _record(
@@ -101,39 +118,38 @@ def _record(
     models: Sequence[Model],
     wanted: Sequence[Job],
     intensities: Mapping[str, Intensity],
-    samples: int,
-    fit_share: str,
-) -> dict[str, Any]:
-    """Everything that a page shows of a validation (kind "validation")."""
+    asked: Mapping[str, Any],
+) -> ValidationRecord:
+    """Everything that a page shows of a validation; `asked` are the fields that are known without a run."""
+    samples, fit_share = asked["samples"], asked["fit_share"].name
     answers = _answers(store, wanted)
     fitted = [trial for trial in trials if trial.share == fit_share]
     scored = [trial for trial in trials if trial.share != fit_share] or list(trials)
     choices = {model.name: choose(fitted, answers[model.name]) for model in models}
     keys = {(job.model.name, job.trial.name, job.variant): job.key for job in wanted}
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "validation",
-        "tests": len(trials),
-        "bodies": len({trial.body for trial in trials}),
-        "fit_share": {"name": fit_share, "tests": len(fitted)},
-        "samples": samples,
-        "unknown": sorted(_unknown(trials)),
-        "unfitted": sorted(_unknown(trials)) if not fitted else [],
-        "models": {
-            model.name: {
-                "engine": model.engine,
-                "accuracy_rad": model.accuracy_rad,
-                "dt_s": model.dt_s,
-                **score_model(trials, scored, choices[model.name], answers[model.name], intensities, samples),
-                "histories": _histories(store, trials, model, choices[model.name], keys),
-            }
+    scores = {
+        model.name: score_model(trials, scored, choices[model.name], answers[model.name], intensities, samples)
+        for model in models
+    }
+    return ValidationRecord(
+        unfitted=[] if fitted else asked["unknown"],
+        seconds=0.0,
+        models={
+            model.name: ModelRecord(
+                engine=model.engine,
+                accuracy_rad=model.accuracy_rad,
+                dt_s=model.dt_s,
+                histories=_histories(store, trials, model, choices[model.name], keys),
+                **vars(scores[model.name]),
+            )
             for model in models
         },
-        "pairs": score_pairs(trials, models, choices, answers),
-        "observed": curves(trials, intensities, lambda trial: trial.fell),
-        "baseline": score_baseline(fitted if len(scored) < len(trials) else [], scored, intensities),
-        "rows": _rows(trials, models, choices, answers, intensities, samples),
-    }
+        pairs=score_pairs(trials, models, choices, answers),
+        observed=curves(trials, intensities, lambda trial: trial.fell),
+        baseline=score_baseline(fitted if len(scored) < len(trials) else [], scored, intensities),
+        rows=_rows(trials, choices, answers, intensities, samples),
+        **asked,
+    )
 
 
 def _unknown(trials: Sequence[Trial]) -> set[str]:
@@ -142,56 +158,50 @@ def _unknown(trials: Sequence[Trial]) -> set[str]:
 
 
 def _answers(store: Store, wanted: Sequence[Job]) -> dict[str, Answers]:
-    found: dict[str, dict[tuple[str, Variant], Mapping[str, Any]]] = defaultdict(dict)
+    answers: dict[str, dict[tuple[str, Variant], Mapping[str, Any]]] = defaultdict(dict)
     for job in wanted:
         row = store.get(job.key)
         if row is None:
             raise InputError(Mistake(str(store.path), job.key, "the result of every run", "none", "run again"))
-        found[job.model.name][job.trial.name, job.variant] = row.record
-    return dict(found)
+        answers[job.model.name][job.trial.name, job.variant] = row.record
+    return dict(answers)
 
 
 def _histories(
     store: Store, trials: Sequence[Trial], model: Model, choice: Choice, keys: Mapping[Any, str]
-) -> list[dict[str, Any]]:
+) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
-    found: list[dict[str, Any]] = []
+    histories = []
     for trial in trials:
-        if trial.history is None:
-            continue
-        computed = store.run(keys[model.name, trial.name, choice.variant(trial)])
-        if computed is None or computed.outcome.failed:
-            found.append({"test": trial.name, "scores": None})
-            continue
-        scores = compare(computed, read_history(trial.history), names=(model.name, f"measured {trial.name}"))
-        found.append({"test": trial.name, "scores": record.to_plain(scores)})
-    return found
+        if trial.history is not None:
+            computed = store.run(keys[model.name, trial.name, choice.variant(trial)])
+            scores = None
+            if computed is not None and not computed.outcome.failed:
+                names = model.name, f"measured {trial.name}"
+                scores = compare(computed, read_history(trial.history), names=names)
+            histories.append(MeasuredHistory(trial.name, scores))
+    return histories
 
 
 def _rows(
     trials: Sequence[Trial],
-    models: Sequence[Model],
     choices: Mapping[str, Choice],
     answers: Mapping[str, Answers],
     intensities: Mapping[str, Intensity],
     samples: int,
-) -> list[dict[str, Any]]:
-    rows = []
-    for trial in trials:
-        shaking = intensities[trial.name]
-        row: dict[str, Any] = {
-            "test": trial.name,
-            "body": Path(trial.body).name,
-            "share": trial.share,
-            "observed": trial.observed,
-            "pga_g": shaking.pga_g,
-            "pgv_m_s": shaking.pgv_m_s,
-            "predicted": {},
-            "probability": {},
-        }
-        for model in models:
-            choice, known = choices[model.name], answers[model.name]
-            row["predicted"][model.name] = known[trial.name, choice.variant(trial)]["outcome"]
-            row["probability"][model.name] = probability(trial, choice, known, samples)
-        rows.append(row)
-    return rows
+) -> list[TestRow]:
+    return [
+        TestRow(
+            test=trial.name,
+            body=Path(trial.body).name,
+            share=trial.share,
+            observed=trial.observed,
+            pga_g=intensities[trial.name].pga_g,
+            pgv_m_s=intensities[trial.name].pgv_m_s,
+            predicted={
+                name: str(known[trial.name, choices[name].variant(trial)]["outcome"]) for name, known in answers.items()
+            },
+            probability={name: probability(trial, choices[name], known, samples) for name, known in answers.items()},
+        )
+        for trial in trials
+    ]

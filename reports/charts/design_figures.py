@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 
+from harness.records.study import CaseRun
 from reports.charts.palette import INK
 from reports.text.numbers import heading, short
 from reports.text.study_rows import Condition
@@ -40,27 +41,27 @@ def best_designs(models: Sequence[str], found: Sequence[Condition], axes: tuple[
         return []
     sentences = []
     for model in models:
-        runs = [(row["run"], item) for item in found for row in [item.answers.get(model)] if row and row["run"]]
-        if not any(run["peak_slip_m"] > 0.0 for run, _ in runs):
+        runs = [(row.run, item) for item in found for row in [item.answers.get(model)] if row and row.run]
+        if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
-        good = [(run, item) for run, item in runs if run["outcome"] == "stands" and not _tips(run)]
+        good = [(run, item) for run, item in runs if run.outcome == "stands" and not _tips(run)]
         if not good:
             sentences.append(
                 f"In none of {len(runs)} designs does the statue stand on a pedestal that does not tip ({model})."
             )
             continue
-        run, item = min(good, key=lambda pair: float(pair[0]["peak_slip_m"]))
+        run, item = min(good, key=lambda pair: float(pair[0].peak_slip_m))
         where = " and ".join(f"{heading(key)} = {short(float(item.varied[key]))}" for key in axes)
         sentences.append(
             f"The statue stands and the pedestal does not tip in {len(good)} of {len(runs)} designs; of these the pedestal moves "
-            f"least, {1000.0 * float(run['peak_slip_m']):.0f} mm, at {where} ({model})."
+            f"least, {1000.0 * float(run.peak_slip_m):.0f} mm, at {where} ({model})."
         )
     return sentences
 
 
-def _tips(run: Mapping[str, Any]) -> bool:
-    margins = [run["validity"].get(name) for name in TIPPING]
-    return any(margin is not None and margin < 0.0 for margin in margins)
+def _tips(run: CaseRun) -> bool:
+    margins = [run.validity.get(name) for name in TIPPING]
+    return any(isinstance(margin, float) and margin < 0.0 for margin in margins)
 
 
 def _design_map(model: str, found: Sequence[Condition], axes: tuple[str, str]) -> Json | None:
@@ -69,10 +70,10 @@ def _design_map(model: str, found: Sequence[Condition], axes: tuple[str, str]) -
     tips: list[tuple[float, float]] = []
     for item in found:
         row = item.answers.get(model)
-        if row is None or row["run"] is None:
+        if row is None or row.run is None:
             continue
-        run = row["run"]
-        slip[ys.index(item.varied[axes[1]]), xs.index(item.varied[axes[0]])] = 1000.0 * float(run["peak_slip_m"])
+        run = row.run
+        slip[ys.index(item.varied[axes[1]]), xs.index(item.varied[axes[0]])] = 1000.0 * float(run.peak_slip_m)
         if _tips(run):
             tips.append((item.varied[axes[0]], item.varied[axes[1]]))
     if not np.nanmax(slip, initial=0.0) > 0.0:

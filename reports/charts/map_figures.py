@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.records.study import CaseRun
 from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
 from reports.charts.palette import look
 from reports.text.numbers import heading
@@ -81,14 +82,14 @@ def _grid(
 ) -> Grid | None:
     """Outcomes by place; where a place holds several random samples, the most frequent one and its share in words."""
     rows, columns = ({value: k for k, value in enumerate(values)} for values in (ys, xs))
-    samples: dict[Place, list[Mapping[str, Any]]] = {}
+    samples: dict[Place, list[CaseRun]] = {}
     agreed: list[Place] = []
     for item in members:
         row = item.answers.get(model)
         place: Place = (rows[item.varied[axes[1]]], columns[item.varied[axes[0]]])
-        if row is not None and row["run"] is not None:
-            samples.setdefault(place, []).append(row["run"])
-        elif row is not None and row["reason"] == SAME_CELL:
+        if row is not None and row.run is not None:
+            samples.setdefault(place, []).append(row.run)
+        elif row is not None and row.reason == SAME_CELL:
             agreed.append(place)
     if not samples:
         return None
@@ -96,11 +97,11 @@ def _grid(
     tips = [["not asked"] * len(xs) for _ in ys]
     known: dict[Place, Answer] = {}
     for place, runs in samples.items():
-        most, count = Counter(run["outcome"] for run in runs).most_common(1)[0]
+        most, count = Counter(run.outcome for run in runs).most_common(1)[0]
         known[place] = Answer(family(most), 0.0)
         codes[place] = CODES.index(family(most))
         words = SYMBOLS.get(most, ("", most))[1]
-        peak = max(float(run["peak_theta_rad"]) for run in runs)
+        peak = max(float(run.peak_theta_rad) for run in runs)
         tip = f"{words}, |θ| ≤ {peak:.3f} rad" if len(runs) == 1 else f"{words} in {count} of {len(runs)}"
         tips[place[0]][place[1]] = tip
     outcomes = filled([*samples, *agreed], known, (0, 1))

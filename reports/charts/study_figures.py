@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
+from harness.records.study import Panel
 from reports.charts.palette import HAIRLINE, INK, MUTED, Look, faint, look
 from reports.pages.assets import packed_array
 from reports.text.numbers import heading
@@ -25,20 +26,20 @@ LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
 
 
-def panel_data(panels: Sequence[Mapping[str, Any]]) -> Json:
+def panel_data(panels: Sequence[Panel]) -> Json:
     """The paper's figures 7 to 9: per restitution a grid of amplitude by frequency, for every model that has curves."""
     models: dict[str, None] = {}
     groups: dict[float, list[Json]] = {}
     for panel in panels:
         curves = {}
-        for model, settings in panel["curves"].items():
+        for model, settings in panel.curves.items():
             models[model] = None
             curves[model] = {
-                setting: {name: packed_array(values, "f4") for name, values in curve.items()}
+                setting: {name: packed_array(values, "f4") for name, values in vars(curve).items()}
                 for setting, curve in settings.items()
             }
-        place = {key: panel[key] for key in ("amplitude_g", "frequency_hz")}
-        groups.setdefault(float(panel["restitution"]), []).append({**place, "curves": curves})
+        place = {"amplitude_g": panel.amplitude_g, "frequency_hz": panel.frequency_hz}
+        groups.setdefault(float(panel.restitution), []).append({**place, "curves": curves})
     return {
         "models": list(models),
         "groups": [{"restitution": value, "panels": groups[value]} for value in sorted(groups)],
@@ -58,8 +59,8 @@ def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str
         levels: dict[float, list[bool]] = {}
         for item in found:
             row = item.answers.get(model)
-            if row is not None and row["run"] is not None and family(row["run"]["outcome"]) != "failed":
-                levels.setdefault(float(item.varied[key]), []).append(family(row["run"]["outcome"]) == "overturns")
+            if row is not None and row.run is not None and family(row.run.outcome) != "failed":
+                levels.setdefault(float(item.varied[key]), []).append(family(row.run.outcome) == "overturns")
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             data += _fragility(model, look(engines[number], engines), levels)
     if not data:
@@ -114,7 +115,7 @@ def rose_figure(models: Sequence[str], found: Sequence[Condition]) -> Json | Non
         least: dict[float, float] = {}
         for item in found:
             row = item.answers.get(model)
-            if row is not None and row["run"] is not None and family(row["run"]["outcome"]) == "overturns":
+            if row is not None and row.run is not None and family(row.run.outcome) == "overturns":
                 angle = float(item.varied[turn])
                 least[angle] = min(least.get(angle, np.inf), float(item.varied[size]))
         if len(least) < 4:

@@ -6,11 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from markupsafe import Markup
 
+from harness.records.effects3d import Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 
 SIZE: Final = 640.0
@@ -38,27 +39,23 @@ class Curve:
     width: float
 
 
-def curves(record: Mapping[str, Any]) -> list[Curve]:
+def curves(record: EffectsRecord) -> list[Curve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
-    engines = list(dict.fromkeys(row["engine"] for row in record["rows"]))
+    engines = record.engines
     found = []
     for name in engines[::-1]:
-        points = [
-            (row["azimuth_deg"], row["peak_g"])
-            for row in record["rows"]
-            if row["engine"] == name and row["condition"] == BASELINE
-        ]
+        points = [(row.azimuth_deg, row.peak_g) for row in record.amplitudes(name, BASELINE)]
         style = look(name, engines)
         found.append(Curve(name, points, style.colour, style.dash.replace("px", ""), style.width + 0.4))
-    sides = [(row["azimuth_deg"], row["projected_g"]) for row in record["static"]]
+    sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
     return [*found, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
 
 
-def rose(record: Mapping[str, Any]) -> Markup:
+def rose(record: EffectsRecord) -> Markup:
     """The least peak that overturns by direction; curves end on the rim where the statue stands up to the most tried."""
-    most = float(record["study"]["search"]["most_g"])
-    parts = [*_rings(most), _base(record), *_band(record["bands"], most)]
-    lifts = [_place(row["azimuth_deg"], row["lifts_g"], most) for row in record["static"]]
+    most = record.study.search.most_g
+    parts = [*_rings(most), _base(record), *_band(record.bands, most)]
+    lifts = [_place(row.azimuth_deg, row.lifts_g, most) for row in record.static]
     parts.append(f'<polygon points="{_joined(lifts)}" fill="#cdd3da" fill-opacity=".55" stroke="none"/>')
     for curve in curves(record):
         parts += _curve(curve, most)
@@ -105,24 +102,23 @@ def _rings(most_g: float) -> list[str]:
     return parts
 
 
-def _base(record: Mapping[str, Any]) -> str:
+def _base(record: EffectsRecord) -> str:
     """The footprint seen from above, not to the scale of the rings: which side is which."""
-    outline = np.asarray(record["scene"]["statue"]["footprint_m"], dtype=np.float64)[:, :2]
+    outline = np.asarray(record.scene.statue.footprint_m, dtype=np.float64)[:, :2]
     scale = 0.26 * RADIUS / float(np.abs(outline).max())
     points = [(SIZE / 2.0 + scale * x, SIZE / 2.0 - scale * y) for x, y in outline]
     cross = f'<circle cx="{SIZE / 2}" cy="{SIZE / 2}" r="2.5" fill="{INK}"/>'
     return f'<polygon points="{_joined(points)}" fill="none" stroke="#6d6353" stroke-width="1.2"/>{cross}'
 
 
-def _band(bands: Sequence[Mapping[str, Any]], most_g: float) -> list[str]:
+def _band(bands: Sequence[Band], most_g: float) -> list[str]:
     """At each direction a bar from the 5 % to the 95 % quantile of the drawn statues."""
     parts = []
     for row in bands:
-        if row["low_g"] is None:
+        if row.low_g is None:
             continue
         (x1, y1), (x2, y2) = (
-            _place(row["azimuth_deg"], value if value is not None else most_g, most_g)
-            for value in (row["low_g"], row["high_g"])
+            _place(row.azimuth_deg, value if value is not None else most_g, most_g) for value in (row.low_g, row.high_g)
         )
         line = f'x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}"'
         parts.append(f'<line {line} stroke="{INK}" stroke-opacity=".28" stroke-width="9"/>')
@@ -142,12 +138,12 @@ def _curve(curve: Curve, most_g: float) -> list[str]:
     return parts
 
 
-def changes(record: Mapping[str, Any], words: Mapping[str, str]) -> Markup:
+def changes(record: EffectsRecord, words: Mapping[str, str]) -> Markup:
     """Each condition's change of the overturning amplitude: one dot for a direction, a bar for the median, by engine."""
-    items = record["effects"]
-    conditions = list(dict.fromkeys(item["condition"] for item in items))
-    engines = list(dict.fromkeys(item["engine"] for item in items))
-    values = [abs(change["relative"]) for item in items for change in item["changes"]]
+    items = record.effects
+    conditions = list(dict.fromkeys(item.condition for item in items))
+    engines = list(dict.fromkeys(item.engine for item in items))
+    values = [abs(change.relative) for item in items for change in item.changes]
     most = max(0.05, math.ceil(20.0 * float(np.quantile(values, 0.9))) / 20.0) if values else 0.05
     height = 46.0 + ROW * len(conditions)
     parts = [*_scale(most, height), _uncertainty(items, most, height)]
@@ -158,9 +154,9 @@ def changes(record: Mapping[str, Any], words: Mapping[str, str]) -> Markup:
             f'<line x1="0" x2="{WIDE}" y1="{top + ROW:g}" y2="{top + ROW:g}" stroke="{HAIRLINE}" opacity=".6"/>'
         )
         for item in items:
-            if item["condition"] == condition:
-                shift = (engines.index(item["engine"]) + 1.0) / (len(engines) + 1.0)
-                parts += _dots(item, top + ROW * shift, most, look(item["engine"], engines).colour)
+            if item.condition == condition:
+                shift = (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
+                parts += _dots(item, top + ROW * shift, most, look(item.engine, engines).colour)
     said = "Change of the overturning amplitude under each condition, in per cent, one dot for each direction."
     return _svg(WIDE, height, said, parts, ' style="min-width: 700px"')
 
@@ -181,20 +177,20 @@ def _scale(most: float, height: float) -> list[str]:
     return parts
 
 
-def _uncertainty(items: Sequence[Mapping[str, Any]], most: float, height: float) -> str:
+def _uncertainty(items: Sequence[Effect], most: float, height: float) -> str:
     """The range in which a survey's and friction's errors move the amplitude: quantiles 5 and 95 % of those changes."""
-    moved = [c["relative"] for item in items if item["group"] == "uncertainty" for c in item["changes"]]
+    moved = [c.relative for item in items if item.group == "uncertainty" for c in item.changes]
     if not moved:
         return ""
     low, high = (_x(float(np.quantile(moved, q)), most) for q in (0.05, 0.95))
     return f'<rect x="{low:.1f}" y="26" width="{high - low:.1f}" height="{height - 38:g}" fill="{INK}" opacity=".07"/>'
 
 
-def _dots(item: Mapping[str, Any], y: float, most: float, colour: str) -> list[str]:
+def _dots(item: Effect, y: float, most: float, colour: str) -> list[str]:
     parts = []
-    for change in item["changes"]:
-        relative = change["relative"]
-        x, tip = _x(relative, most), f"{item['engine']}, {change['azimuth_deg']:g}°: {100.0 * relative:+.1f} %"
+    for change in item.changes:
+        relative = change.relative
+        x, tip = _x(relative, most), f"{item.engine}, {change.azimuth_deg:g}°: {100.0 * relative:+.1f} %"
         if abs(relative) > most:
             d = 5.0 if relative > 0 else -5.0
             mark = (
@@ -204,8 +200,8 @@ def _dots(item: Mapping[str, Any], y: float, most: float, colour: str) -> list[s
         else:
             mark = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}" fill-opacity=".5">'
             parts.append(f"{mark}<title>{escape(tip)}</title></circle>")
-    if item["median"] is not None:
-        x = _x(item["median"], most)
+    if item.median is not None:
+        x = _x(item.median, most)
         parts.append(
             f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{y - 5:.1f}" y2="{y + 5:.1f}" stroke="{colour}" stroke-width="3"/>'
         )

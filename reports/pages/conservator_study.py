@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from harness.model.history import Outcome
+from harness.records.effects3d import EffectsRecord
+from harness.records.study import StudyRecord
 from reports.charts.static_svg import still
 from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import LIMITS, Picture, end_words, order_picture, push_picture
-from reports.source import run_source, scene_of
+from reports.source import run_source
 from reports.text.chance import tone_of_outcomes
 from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
 from reports.text.numbers import count_word, heading, listed, percent, short
@@ -41,29 +44,29 @@ STRENGTHS: Final = (
 """Keys that vary the strength of a level shaking."""
 
 
-def context(folder: Path, record: Mapping[str, Any]) -> dict[str, object]:
+def context(folder: Path, record: StudyRecord | EffectsRecord) -> dict[str, object]:
     """Everything that the conservator's template shows of a study."""
-    page = of_study(record) if record["kind"] == "study" else of_effects(folder, record)
-    return page | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
+    page = of_study(record) if isinstance(record, StudyRecord) else of_effects(folder, record)
+    return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
 
 
-def of_study(record: Mapping[str, Any]) -> dict[str, Any]:
+def of_study(record: StudyRecord) -> dict[str, Any]:
     """Headline, points and pictures of a study."""
-    models, found = conditions(record["rows"])
-    ends = {model: _ends(found, model) for model in models}
+    models, cases = conditions(record.rows)
+    ends = {model: _ends(cases, model) for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     return {
         "headline": _headline(ends),
         "tone": tone_of_outcomes([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
-        "points": [*_asked(record, models), *_by_model(ends), *_bore(found), *_agree(models, found)],
-        "pictures": _pictures(record, models, found),
+        "points": [*_asked(record, models), *_by_model(ends), *_bore(cases), *_agree(models, cases)],
+        "pictures": _pictures(record, models, cases),
     }
 
 
-def _ends(found: Sequence[Condition], model: str) -> list[Outcome]:
+def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:
     """The outcomes of one model, condition after condition that it answered."""
-    rows = [item.answers.get(model) for item in found]
-    return [Outcome(row["run"]["outcome"]) for row in rows if row is not None and row["run"] is not None]
+    rows = [item.answers.get(model) for item in cases]
+    return [Outcome(row.run.outcome) for row in rows if row is not None and row.run is not None]
 
 
 def _headline(ends: Mapping[str, Sequence[Outcome]]) -> str:
@@ -100,27 +103,27 @@ def _falls(outcomes: Sequence[Outcome]) -> int:
     return sum(outcome.overturned for outcome in outcomes)
 
 
-def _asked(record: Mapping[str, Any], models: Sequence[str]) -> list[str]:
-    varied = [PLAIN.get(key.rsplit(".", 1)[-1], heading(key).partition(" [")[0]) for key in record["vary"]]
+def _asked(record: StudyRecord, models: Sequence[str]) -> list[str]:
+    varied = [PLAIN.get(key.rsplit(".", 1)[-1], heading(key).partition(" [")[0]) for key in record.vary]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
     named = f"the variants {listed(f'“{name}”' for name in variants)}" if len(variants) > 1 else ""
     each = [*dict.fromkeys(varied), *([named] if named else [])]
     return [f"What was varied: {listed(each)}."] if each else []
 
 
-def _strength(found: Sequence[Condition]) -> str | None:
+def _strength(cases: Sequence[Condition]) -> str | None:
     """The key that varies the strength of the shaking."""
-    keys = found[0].varied if found else ()
+    keys = cases[0].varied if cases else ()
     return next((key for key in keys if key in STRENGTHS), None)
 
 
-def _borne(found: Sequence[Condition], key: str) -> float | None:
+def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
     ends: dict[float, set[str]] = {}
-    for item in found:
+    for item in cases:
         for row in item.answers.values():
-            if row["run"] is not None:
-                ends.setdefault(abs(float(item.varied[key])), set()).add(family(row["run"]["outcome"]))
+            if row.run is not None:
+                ends.setdefault(abs(float(item.varied[key])), set()).add(family(row.run.outcome))
     safe = None
     for level in sorted(ends):
         if ends[level] != {"stands"}:
@@ -129,13 +132,13 @@ def _borne(found: Sequence[Condition], key: str) -> float | None:
     return safe
 
 
-def _bore(found: Sequence[Condition]) -> list[str]:
-    key = _strength(found)
+def _bore(cases: Sequence[Condition]) -> list[str]:
+    key = _strength(cases)
     if key is None:
         return []
-    safe = _borne(found, key)
+    safe = _borne(cases, key)
     if safe is None:
-        weakest = min(abs(float(item.varied[key])) for item in found)
+        weakest = min(abs(float(item.varied[key])) for item in cases)
         return [f"Already in the weakest shaking tried ({_level(key, weakest)}) not every answer is that it stands."]
     return [f"Up to a shaking of {_level(key, safe)} it stood in every situation that was tried, in every model."]
 
@@ -146,26 +149,26 @@ def _level(key: str, value: float) -> str:
     return f"{short(value)} times the record" if key.endswith("scale") else f"{heading(key)} {short(value)}"
 
 
-def _by_direction(record: Mapping[str, Any], found: Sequence[Condition]) -> dict[float, float]:
+def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
     """The strongest shaking borne by direction of the push, where the study turned the statue and varied the amplitude in g.
 
     A statue turned by an angle under a shaking along x is one shaken along minus that angle, to both sides.
     """
-    turn = next((key for item in found for key in item.varied if key.endswith("azimuth_deg")), None)
-    strength = _strength(found)
+    turn = next((key for item in cases for key in item.varied if key.endswith("azimuth_deg")), None)
+    strength = _strength(cases)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
-    own = scan_turn_deg(scene_of(record))
+    own = scan_turn_deg(record.scene)
     borne = {}
-    for angle in {float(item.varied[turn]) for item in found}:
-        safe = _borne([item for item in found if float(item.varied[turn]) == angle], strength)
+    for angle in {float(item.varied[turn]) for item in cases}:
+        safe = _borne([item for item in cases if float(item.varied[turn]) == angle], strength)
         for side in (0.0, 180.0):
             borne[(own - angle + side) % 360.0] = safe or 0.0
     return borne
 
 
-def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
-    pairs = agreement(models, found)
+def _agree(models: Sequence[str], cases: Sequence[Condition]) -> list[str]:
+    pairs = agreement(models, cases)
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     if not total:
         return []
@@ -176,11 +179,11 @@ def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
     ]
 
 
-def _pictures(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> list[Picture]:
+def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
-    scene, support = scene_of(record), study_support(record)
-    push = push_picture(scene, support, borne=_by_direction(record, found))
-    effect = pedestal_effect(record, models, found)
+    scene, support = record.scene, study_support(record)
+    push = push_picture(scene, support, borne=_by_direction(record, cases))
+    effect = pedestal_effect(record, models, cases)
     if effect is None:
         return [push, order_picture(scene, support)]
     if not effect.charts:
@@ -204,27 +207,26 @@ def _plainly(figure: Mapping[str, Any]) -> dict[str, Any]:
     return {"data": figure["data"], "layout": layout}
 
 
-def of_effects(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
+def of_effects(folder: Path, record: EffectsRecord) -> dict[str, Any]:
     """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
     borne: dict[float, float] = {}
-    for row in record["rows"]:
-        azimuth = float(row["azimuth_deg"])
-        borne[azimuth] = min(borne.get(azimuth, float("inf")), float(row["stands_at_g"]))
+    for row in record.rows:
+        borne[row.azimuth_deg] = min(borne.get(row.azimuth_deg, math.inf), row.stands_at_g)
     weak, strong = (choose(borne, key=lambda key: borne[key]) for choose in (min, max))
-    scene = scene_of(record)
-    support = support_of(scene)
+    scene, support = record.scene, support_of(record.scene)
     pictures = [push_picture(scene, support, borne=borne), order_picture(scene, support)]
-    if record["replay"]:
+    if record.replay:
         pictures.insert(
-            0, reach_picture(run_source(folder / record["replay"]["folder"]), "One case, replayed in the full report")
+            0, reach_picture(run_source(folder / record.replay.folder), "One case, replayed in the full report")
         )
-    cases = len({row["condition"] for row in record["rows"]})
+    variants = len({row.condition for row in record.rows})
     return {
         "headline": f"It stood in every shaking tried of up to {percent(borne[weak])} of its weight, from any direction",
         "tone": "agree",
         "points": [
             f"Least towards the {compass(weak)}; towards the {compass(strong)} it bears {percent(borne[strong])}.",
-            f"{len(borne)} directions were tried, each in up to {cases} variants of what is not known exactly about the statue.",
+            f"{len(borne)} directions were tried, each in up to {variants} variants"
+            " of what is not known exactly about the statue.",
             "The shaking is always of the same form; only its strength and direction were varied.",
         ],
         "pictures": pictures,

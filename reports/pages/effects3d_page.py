@@ -1,9 +1,4 @@
-"""The page of an effects study: what the third dimension changes, by direction, against what a survey does not know.
-
-The record (`kind` "effects3d"): `rows` (each `condition`, `azimuth_deg`, `engine`, `peak_g` or None, `stands_at_g`,
-`outcome`), `static` (by direction: `lifts_g`, `planar_lifts_g`, `projected_g`), `sides`, `bands`, `departures`, `effects`,
-`left_out`, `replay`, `study`.
-"""
+"""The page of an effects study: what the third dimension changes, by direction, against what a survey does not know."""
 
 from __future__ import annotations
 
@@ -15,12 +10,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.history import Outcome
+from harness.records.effects3d import Band, EffectsRecord
 from reports.charts.palette import look
 from reports.drawing.effects_figures import BASELINE, changes, curves, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import replay_values
-from reports.source import run_source, scene_of
+from reports.source import run_source
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
 
@@ -36,62 +31,58 @@ GROUPS: Final = {
 }
 LEAVES_RAD: Final = 1e-3
 
-Row = Mapping[str, Any]
 Peaks = Mapping[float, float]
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
     """Everything that the template shows."""
-    engines = list(dict.fromkeys(row["engine"] for row in record["rows"]))
-    source = run_source(folder / record["replay"]["folder"]) if record["replay"] else None
+    engines = record.engines
+    source = run_source(folder / record.replay.folder) if record.replay else None
     replay = replay_values(source) if source is not None and source.histories else None
     return {
-        "title": record["title"],
+        "title": record.title,
         "verdict": effects_verdict(record),
         "chips": [
             {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
             for name in engines
         ],
-        "picture": scene_svg(scene_of(record)),
-        "scene_title": record["scene"]["title"],
+        "picture": scene_svg(record.scene),
+        "scene_title": record.scene.title,
         "rose": rose(record),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
         "engines": engines,
         "direction_rows": direction_rows(record, engines),
         "changes": changes(record, {}),
-        "effect_engines": list(dict.fromkeys(item["engine"] for item in record["effects"])),
+        "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
         "effect_rows": effect_rows(record),
-        "left_out": [(name, why) for name, why in record["left_out"].items()],
+        "left_out": [(name, why) for name, why in record.left_out.items()],
         "departure_rows": departure_rows(record),
-        "share": f"{100.0 * record['study']['share']:g}",
+        "share": f"{100.0 * record.study.share:g}",
         "replay": replay,
         "replay_words": replay_words(record),
-        "summary": record["summary"]["sentence"],
-        "notes": record["notes"],
-        "resolution": f"{100.0 * record['study']['search']['resolution']:g}",
-        "most": f"{record['study']['search']['most_g']:g}",
-        "command": f"rockcheck study {shlex.quote(record['file'])}",
-        "replay_command": (record["replay"] or {}).get("command", ""),
-        "versions": record["versions"],
-        "machine": record["machine"],
-        "seconds": unit(record["seconds"], "s"),
+        "summary": record.summary.sentence,
+        "notes": record.notes,
+        "resolution": f"{100.0 * record.study.search.resolution:g}",
+        "most": f"{record.study.search.most_g:g}",
+        "command": f"rockcheck study {shlex.quote(record.file)}",
+        "replay_command": "" if record.replay is None else record.replay.command,
+        "versions": record.versions,
+        "machine": record.machine,
+        "seconds": unit(record.seconds, "s"),
     }
 
 
-def _peaks(record: Row, engine: str) -> dict[float, float]:
+def _peaks(record: EffectsRecord, engine: str) -> dict[float, float]:
     """Overturning peak by direction of one engine, infinite where it stands up to the most tried."""
-    return {
-        row["azimuth_deg"]: math.inf if row["peak_g"] is None else float(row["peak_g"])
-        for row in record["rows"]
-        if row["engine"] == engine and row["condition"] == BASELINE
-    }
+    rows = record.amplitudes(engine, BASELINE)
+    return {row.azimuth_deg: math.inf if row.peak_g is None else row.peak_g for row in rows}
 
 
-def _solid_engine(record: Row) -> str:
-    return next(name for name in SOLID if any(row["engine"] == name for row in record["rows"]))
+def _solid_engine(record: EffectsRecord) -> str:
+    return next(name for name in SOLID if name in record.engines)
 
 
-def effects_verdict(record: Row) -> Verdict:
+def effects_verdict(record: EffectsRecord) -> Verdict:
     """What the roses say of the planar model, and each effect against the uncertainty of a survey."""
     engine = _solid_engine(record)
     solid, planar = _peaks(record, engine), _peaks(record, "analytic")
@@ -126,12 +117,12 @@ def _worst(over: Sequence[float], solid: Peaks, planar: Peaks, engine: str) -> l
     return said
 
 
-def _by_sides(record: Row, solid: Peaks, engine: str) -> list[str]:
+def _by_sides(record: EffectsRecord, solid: Peaks, engine: str) -> list[str]:
     """How well the planar model does when asked at the base's sides: the median in per cent, and the sentence; or nothing."""
     ratios = [
-        row["projected_g"] / solid[row["azimuth_deg"]] - 1.0
-        for row in record["static"]
-        if row["projected_g"] is not None and math.isfinite(solid.get(row["azimuth_deg"], math.inf))
+        row.projected_g / solid[row.azimuth_deg] - 1.0
+        for row in record.static
+        if row.projected_g is not None and math.isfinite(solid.get(row.azimuth_deg, math.inf))
     ]
     if not ratios:
         return []
@@ -145,8 +136,8 @@ def _by_sides(record: Row, solid: Peaks, engine: str) -> list[str]:
     ]
 
 
-def _solid_pair(record: Row) -> list[str]:
-    names = [name for name in SOLID if any(row["engine"] == name for row in record["rows"])]
+def _solid_pair(record: EffectsRecord) -> list[str]:
+    names = [name for name in SOLID if name in record.engines]
     if len(names) < 2:
         return []
     one, other = (_peaks(record, name) for name in names)
@@ -169,10 +160,10 @@ def _least(solid: Peaks, planar: Peaks) -> list[str]:
     return [f"The least peak that overturns, over all directions: {listed(said)}."] if said else []
 
 
-def _effect_points(record: Row, engine: str) -> list[str]:
+def _effect_points(record: EffectsRecord, engine: str) -> list[str]:
     """The medians' sizes by group, beside the range of what a survey does not know."""
-    mine = [item for item in record["effects"] if item["engine"] == engine and item["median"] is not None]
-    unknown = [change["relative"] for item in mine if item["group"] == "uncertainty" for change in item["changes"]]
+    mine = [item for item in record.effects if item.engine == engine and item.median is not None]
+    unknown = [change.relative for item in mine if item.group == "uncertainty" for change in item.changes]
     said = []
     if unknown:
         low, high = (float(np.quantile(unknown, q)) for q in (0.05, 0.95))
@@ -180,96 +171,94 @@ def _effect_points(record: Row, engine: str) -> list[str]:
             f"3 % of error in height, base or inertia and 10 % in friction, one at a time, move the amplitude by {_change(low)}"
             f" to {_change(high)} (5 to 95 % of directions; {engine})."
         )
-    shown = [item for item in mine if item["group"] != "uncertainty"]
+    shown = [item for item in mine if item.group != "uncertainty"]
     if shown:
-        each = listed(f"{item['condition']} {_change(item['median'])}" for item in shown)
+        each = listed(f"{item.condition} {_change(item.median)}" for item in shown)
         said.append(f"Beside it, in the median of the directions: {each}.")
     return said
 
 
-def _change(relative: float) -> str:
+def _change(relative: float | None) -> str:
     """A relative change in per cent with its sign."""
+    if relative is None:
+        return "–"
     text = f"{100.0 * relative:+.1f}"
     return f"{'0.0' if float(text) == 0.0 else text.replace('-', '−')} %"
 
 
-def _leaving(record: Row, engine: str) -> list[str]:
-    mine = [row for row in record["departures"] if row["engine"] == engine]
-    leaving = [row for row in mine if row["out_of_plane_rad"] > LEAVES_RAD]
+def _leaving(record: EffectsRecord, engine: str) -> list[str]:
+    mine = [row for row in record.departures if row.engine == engine]
+    leaving = [row for row in mine if row.out_of_plane_rad > LEAVES_RAD]
     if not leaving:
         return []
-    tilt = max(row["out_of_plane_rad"] for row in leaving)
-    yaw = max(abs(row["yaw_left_rad"]) for row in mine)
-    walked = max(row["walked_m"] for row in mine)
+    tilt = max(row.out_of_plane_rad for row in leaving)
+    yaw = max(abs(row.yaw_left_rad) for row in mine)
+    walked = max(row.walked_m for row in mine)
     return [
-        f"Shaken with {100.0 * record['study']['share']:g} % of that amplitude the statue leaves the plane of shaking at"
+        f"Shaken with {100.0 * record.study.share:g} % of that amplitude the statue leaves the plane of shaking at"
         f" {len(leaving)} of {len(mine)} directions, by up to {unit(tilt, 'rad', 2)}; it stays turned by up to"
         f" {unit(yaw, 'rad', 2)} and moved by up to {unit(1000.0 * walked, 'mm', 2)}."
     ]
 
 
-def direction_rows(record: Row, engines: Sequence[str]) -> list[tuple[str, list[str]]]:
+def direction_rows(record: EffectsRecord, engines: Sequence[str]) -> list[tuple[str, list[str]]]:
     """The table by direction: where it lifts, every model's amplitude, the planar model at the sides, and how it falls."""
     by = {name: _peaks(record, name) for name in engines}
     solid = _solid_engine(record)
-    falls = {
-        row["azimuth_deg"]: row["outcome"].removeprefix("overturned_")
-        for row in record["rows"]
-        if row["engine"] == solid and row["condition"] == BASELINE
-    }
-    bands = {row["azimuth_deg"]: row for row in record["bands"]}
+    falls = {row.azimuth_deg: row.outcome.removeprefix("overturned_") for row in record.amplitudes(solid, BASELINE)}
+    bands = {row.azimuth_deg: row for row in record.bands}
     rows = []
-    for item in record["static"]:
-        azimuth = item["azimuth_deg"]
-        values = [digits(item["lifts_g"]), digits(item["projected_g"])]
+    for item in record.static:
+        azimuth = item.azimuth_deg
+        values = [digits(item.lifts_g), "–" if item.projected_g is None else digits(item.projected_g)]
         values += ["stands" if math.isinf(by[name][azimuth]) else digits(by[name][azimuth]) for name in engines]
         rows.append((f"{azimuth:g}°", [*values, _band(bands.get(azimuth)), falls.get(azimuth) or "–"]))
     return rows
 
 
-def _band(row: Row | None) -> str:
-    if row is None or row["low_g"] is None:
+def _band(row: Band | None) -> str:
+    if row is None or row.low_g is None:
         return "–" if row is None else "stands"
-    return f"{digits(row['low_g'])}–{'stands' if row['high_g'] is None else digits(row['high_g'])}"
+    return f"{digits(row.low_g)}–{'stands' if row.high_g is None else digits(row.high_g)}"
 
 
-def effect_rows(record: Row) -> list[tuple[str, str, list[str]]]:
+def effect_rows(record: EffectsRecord) -> list[tuple[str, str, list[str]]]:
     """The table of conditions: group, name, each engine's median with its range and the directions that no longer overturn."""
-    engines = list(dict.fromkeys(item["engine"] for item in record["effects"]))
-    found: dict[str, tuple[str, dict[str, str]]] = {}
-    for item in record["effects"]:
+    engines = list(dict.fromkeys(item.engine for item in record.effects))
+    by_condition: dict[str, tuple[str, dict[str, str]]] = {}
+    for item in record.effects:
         text = "no direction overturns"
-        if item["median"] is not None:
-            text = f"{_change(item['median'])} ({_change(item['least'])} to {_change(item['largest'])})"
-            text += f"; {item['flips']} stand" if item["flips"] else ""
-        found.setdefault(item["condition"], (GROUPS[item["group"]], {}))[1][item["engine"]] = text
+        if item.median is not None:
+            text = f"{_change(item.median)} ({_change(item.least)} to {_change(item.largest)})"
+            text += f"; {item.flips} stand" if item.flips else ""
+        by_condition.setdefault(item.condition, (GROUPS[item.group], {}))[1][item.engine] = text
     return [
         (group, name, [texts.get(engine, "not seen by it") for engine in engines])
-        for name, (group, texts) in found.items()
+        for name, (group, texts) in by_condition.items()
     ]
 
 
-def departure_rows(record: Row) -> list[tuple[str, list[str]]]:
+def departure_rows(record: EffectsRecord) -> list[tuple[str, list[str]]]:
     """How far each direction's motion leaves the plane, in the first 3D engine."""
     engine = _solid_engine(record)
     rows = []
-    for row in record["departures"]:
-        if row["engine"] == engine:
-            ended = {True: "overturns", False: "stands", None: "undecided"}[Outcome(row["outcome"]).fell]
-            values = [digits(row["peak_g"]), digits(row["peak_theta_rad"], 2), digits(row["out_of_plane_rad"], 2)]
-            values += [digits(row["yaw_rad"], 2), digits(row["yaw_left_rad"], 2), digits(1000.0 * row["walked_m"], 2)]
-            values += [f"{100.0 * row['corner_share']:.0f} %", ended]
-            rows.append((f"{row['azimuth_deg']:g}°", values))
+    for row in record.departures:
+        if row.engine == engine:
+            ended = {True: "overturns", False: "stands", None: "undecided"}[row.outcome.fell]
+            values = [digits(row.peak_g), digits(row.peak_theta_rad, 2), digits(row.out_of_plane_rad, 2)]
+            values += [digits(row.yaw_rad, 2), digits(row.yaw_left_rad, 2), digits(1000.0 * row.walked_m, 2)]
+            values += [f"{100.0 * row.corner_share:.0f} %", ended]
+            rows.append((f"{row.azimuth_deg:g}°", values))
     return rows
 
 
-def replay_words(record: Row) -> str:
+def replay_words(record: EffectsRecord) -> str:
     """What the replay shows."""
-    chosen = record["replay"]
+    chosen = record.replay
     if not chosen:
         return ""
-    each = listed(f"{Outcome(outcome).sentence} ({name})" for name, outcome in chosen["outcomes"].items())
+    each = listed(f"{outcome.sentence} ({name})" for name, outcome in chosen.outcomes.items())
     return (
-        f"Shaken towards {chosen['azimuth_deg']:g}° with {unit(chosen['peak_g'], 'g')}, where the motion turns most about the"
+        f"Shaken towards {chosen.azimuth_deg:g}° with {unit(chosen.peak_g, 'g')}, where the motion turns most about the"
         f" vertical: {each}. The statue is turned so that the floor shakes along x."
     )

@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from harness.records.study import ClaimVerdict, StudyRecord, StudyRow
 from reports.charts.design_figures import best_designs, design_figures
 from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.study_figures import fragility_figure, panel_data, rose_figure
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
-from reports.source import scene_of
 from reports.text.chance import tone_of_outcomes
 from reports.text.numbers import heading, label, listed, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
@@ -40,59 +40,59 @@ NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
     """Everything that the study template shows."""
-    models, found = conditions(record["rows"])
-    keys = varying_keys(found)
-    charts = study_charts(record, models, found, keys)
+    models, cases = conditions(record.rows)
+    keys = varying_keys(cases)
+    charts = study_charts(record, models, cases, keys)
     return {
-        "title": record["title"],
-        "verdict": study_verdict(record, models, found),
+        "title": record.title,
+        "verdict": study_verdict(record, models, cases),
         "chips": [],
-        "picture": scene_svg(scene_of(record)),
-        "scene_title": record["scene"]["title"],
-        "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record["vary"].items()],
+        "picture": scene_svg(record.scene),
+        "scene_title": record.scene.title,
+        "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()],
         "models": models,
-        "claims": claim_rows(record.get("claims")),
-        "claim_models": list(dict.fromkeys(item["model"] for item in record.get("claims") or ())),
-        "matrix": matrix(models, found, keys) if len(found) <= MOST_MATRIX_ROWS else None,
+        "claims": claim_rows(record.claims),
+        "claim_models": list(dict.fromkeys(item.model for item in record.claims or ())),
+        "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "pairs": agreement(models, found),
-        "panels": panel_data(record["panels"]) if record.get("panels") else None,
-        "pedestal_effect": pedestal_effect(record, models, found),
+        "pairs": agreement(models, cases),
+        "panels": panel_data(record.panels) if record.panels else None,
+        "pedestal_effect": pedestal_effect(record, models, cases),
         "charts": charts,
         "has_map": any(name.startswith("map") for name, _, _ in charts),
-        "summary": record["summary"]["sentence"],
-        "audit": record["audit"],
-        "reasons": Counter(row["reason"] for row in record["rows"]).most_common(),
-        "warnings": study_warnings(record["rows"]),
-        "notes": record["notes"],
-        "usage": record.get("usage", {}).get("sentence", ""),
-        "engine_seconds": [(name, unit(value, "s")) for name, value in record["engine_seconds"].items()],
-        "command": f"rockcheck study {shlex.quote(record['file'])}",
-        "versions": record["versions"],
-        "machine": record["machine"],
-        "seconds": unit(record["seconds"], "s"),
+        "summary": record.summary.sentence,
+        "audit": record.audit,
+        "reasons": Counter(row.reason for row in record.rows).most_common(),
+        "warnings": study_warnings(record.rows),
+        "notes": record.notes,
+        "usage": "" if record.usage is None else record.usage.sentence,
+        "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
+        "command": f"rockcheck study {shlex.quote(record.file)}",
+        "versions": record.versions,
+        "machine": record.machine,
+        "seconds": unit(record.seconds, "s"),
         "panel_script": source_text("panels.js"),
     }
 
 
 def study_charts(
-    record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]
+    record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
 ) -> list[tuple[str, str, dict[str, Any]]]:
     """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
-    axes = [key for key in record["vary"] if key in keys]
-    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, found, axes))]
-    designs = design_figures(models, found, map_axes(found, axes))
+    axes = [key for key in record.vary if key in keys]
+    charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
+    designs = design_figures(models, cases, map_axes(cases, axes))
     charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
-            figure = fragility_figure(models, found, key)
+            figure = fragility_figure(models, cases, key)
             if figure is not None:
                 charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
-    rose = rose_figure(models, found)
+    rose = rose_figure(models, cases)
     if rose is not None:
         charts.append(("rose", "Least amplitude that overturns the statue, by direction", rose))
     return charts
@@ -102,34 +102,34 @@ def _shown(value: Any) -> str:
     return short(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else plain(value)
 
 
-def study_verdict(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> Verdict:
+def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> Verdict:
     """The study in words: the claims where there are any, else how often the models agree."""
-    pairs = agreement(models, found)
+    pairs = agreement(models, cases)
     points = [
         f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
         for first, second, same, total in pairs
     ]
-    keys = [key for key in record["vary"] if key in varying_keys(found)]
-    points += best_designs(models, found, map_axes(found, keys))
-    points += left_domain(record["rows"])
+    keys = [key for key in record.vary if key in varying_keys(cases)]
+    points += best_designs(models, cases, map_axes(cases, keys))
+    points += left_domain(record.rows)
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     agreed = "agree" if same == total else "differ"
-    if record.get("headline"):
-        return Verdict(_claims_headline(record["headline"]), agreed, [*_claim_points(record), *points])
+    if record.headline:
+        return Verdict(_claims_headline(record.headline), agreed, [*_claim_points(record), *points])
     if not pairs:
-        answers = [item.answers.get(model) for model in models for item in found]
-        ends = [family(row["run"]["outcome"]) for row in answers if row is not None and row["run"] is not None]
-        return Verdict(_falls(models, found), tone_of_outcomes(ends), points)
+        answers = [item.answers.get(model) for model in models for item in cases]
+        ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
+        return Verdict(_falls(models, cases), tone_of_outcomes(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, agreed, points)
 
 
-def left_domain(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def left_domain(rows: Sequence[StudyRow]) -> list[str]:
     """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
     sentences = []
     for model in dict.fromkeys(model_name(row) for row in rows):
-        runs = [row["run"] for row in rows if row["run"] is not None and model_name(row) == model]
-        causes = Counter(run["validity"].get("left_domain_by") or "" for run in runs)
+        runs = [row.run for row in rows if row.run is not None and model_name(row) == model]
+        causes = Counter(run.validity.get("left_domain_by") or "" for run in runs)
         del causes[""]
         if causes:
             each = listed(f"{cause}: {count}" for cause, count in causes.most_common())
@@ -137,15 +137,13 @@ def left_domain(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return sentences
 
 
-def _falls(models: Sequence[str], found: Sequence[Condition]) -> str:
+def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     """In how many conditions each model lets the statue overturn."""
     parts = []
     for model in models:
-        rows = [
-            row for item in found for row in [item.answers.get(model)] if row is not None and row["run"] is not None
-        ]
-        fell = sum(family(row["run"]["outcome"]) == "overturns" for row in rows)
-        parts.append(f"in {fell} of {len(rows)} conditions ({model})")
+        rows = [row for item in cases if (row := item.answers.get(model)) is not None]
+        ends = [family(row.run.outcome) for row in rows if row.run is not None]
+        parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions ({model})")
     return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
 
 
@@ -168,25 +166,25 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
     return f"The paper's claims: {'; '.join(parts)}"
 
 
-def _claim_points(record: Mapping[str, Any]) -> list[str]:
-    sentences = {item["claim"]: item["sentence"] for item in record["claims"]}
-    return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in record["headline"].items()]
+def _claim_points(record: StudyRecord) -> list[str]:
+    sentences = {item.claim: item.sentence for item in record.claims or ()}
+    return [f"({claim}) {sentences[claim]}: {verdict}." for claim, verdict in (record.headline or {}).items()]
 
 
-def claim_rows(verdicts: Sequence[Mapping[str, Any]] | None) -> list[dict[str, Any]]:
+def claim_rows(verdicts: Sequence[ClaimVerdict] | None) -> list[dict[str, Any]]:
     """The table of claims: one row per claim, one cell per model."""
     rows: dict[str, dict[str, Any]] = {}
     for item in verdicts or ():
-        row = rows.setdefault(item["claim"], {"claim": item["claim"], "sentence": item["sentence"], "cells": []})
-        row["cells"].append({**item, "mark": MARKS[item["verdict"]]})
+        row = rows.setdefault(item.claim, {"claim": item.claim, "sentence": item.sentence, "cells": []})
+        row["cells"].append({**vars(item), "mark": MARKS[item.verdict]})
     return list(rows.values())
 
 
-def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
+def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]) -> list[dict[str, Any]]:
     """The outcome matrix: what was varied, and every model's answer; `differs` where models of one variant do not agree (falls to
     different sides do)."""
     rows = []
-    for item in found:
+    for item in cases:
         cells = [cell(item.answers.get(model)) for model in models]
         by_variant: dict[str, set[str]] = {}
         for model, shown in zip(models, cells, strict=True):
@@ -199,12 +197,12 @@ def matrix(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str
     return rows
 
 
-def study_warnings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def study_warnings(rows: Sequence[StudyRow]) -> list[str]:
     """Each kind of warning once, with the number of runs that gave it; numbers in which they differ are told as a range."""
     kinds: dict[str, Counter[str]] = {}
     for row in rows:
-        for text in row["run"]["warnings"] if row["run"] is not None else ():
-            full = f"{row['engine']}: {text}"
+        for text in row.run.warnings if row.run is not None else ():
+            full = f"{row.engine}: {text}"
             kinds.setdefault(NUMBER.sub("\0", full), Counter())[full] += 1
     ordered = sorted(kinds.values(), key=lambda texts: -texts.total())
     return [

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.records.scene import PushRecord, SceneRecord
+from harness.records.study import StudyRecord
 from harness.statics.push import CAUSES, tipping_of_pedestal
 from reports.drawing.kinematics import Array
-from reports.source import scene_of
 from reports.text.numbers import listed, percent, short
 
 Span = tuple[float, float]
@@ -66,14 +66,12 @@ def support_of(scene: SceneRecord) -> Support:
     return Support((scene.pedestal is not None,), floor, (friction.statue, friction.statue))
 
 
-def study_support(record: Mapping[str, Any]) -> Support:
-    """What the statue stands on over all cases of a study, from its record's `supports`."""
-    known = record.get("supports")
+def study_support(record: StudyRecord) -> Support:
+    """What the statue stands on over all cases of a study."""
+    known = record.supports
     if known is None:
-        return support_of(scene_of(record))
-    floor = known["floor_static"]
-    keys = tuple(known["statue_keys"])
-    return Support(tuple(known["pedestal"]), None if floor is None else tuple(floor), tuple(known["statue"]), keys)
+        return support_of(record.scene)
+    return Support(tuple(known.pedestal), known.floor_static, known.statue, tuple(known.statue_keys))
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
+from harness.records.study import StudyRecord
 from reports.charts.palette import HAIRLINE, MUTED
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
-from reports.source import scene_of
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
 
@@ -33,30 +33,28 @@ class PedestalEffect:
     charts: Sequence[tuple[str, str, Json]]
 
 
-def pedestal_effect(
-    record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]
-) -> PedestalEffect | None:
+def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
     """The effect in a study with and without pedestal, by its first analytic model; None for other studies."""
-    keys = list(found[0].varied) if found else []
+    keys = list(cases[0].varied) if cases else []
     pace = next((key for key in keys if key.endswith("frequency_hz")), None)
-    if len({item.varied["pedestal"] for item in found if "pedestal" in keys}) < 2:
+    if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
         return None
-    shape = section(scene_of(record))
+    shape = section(record.scene)
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
-        return PedestalEffect(model, _saved_in_words(found, model), [])
+        return PedestalEffect(model, _saved_in_words(cases, model), [])
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
-    for item in found:
+    for item in cases:
         row = item.answers.get(model)
-        if row is None or row["run"] is None:
+        if row is None or row.run is None:
             continue
         setting = "on the floor" if item.varied["pedestal"] == "none" else "on the pedestal"
         place = (float(item.varied[pace]), setting)
-        fell.setdefault(place, []).append(family(row["run"]["outcome"]) == "overturns")
-        if row["run"]["outcome"] == Outcome.STANDS:
-            theta = float(row["run"]["peak_theta_rad"]) * np.array([-1.0, 1.0])
-            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + float(row["run"]["peak_slip_m"])
+        fell.setdefault(place, []).append(family(row.run.outcome) == "overturns")
+        if row.run.outcome == Outcome.STANDS:
+            theta = float(row.run.peak_theta_rad) * np.array([-1.0, 1.0])
+            moved = float(np.abs(shape.top_displacement_m(theta, np.zeros(2))).max()) + float(row.run.peak_slip_m)
             reach[place] = max(reach.get(place, 0.0), moved)
     charts = [
         ("saved", f"Share of conditions in which it overturns ({model})", _by_setting(fell, heading(pace))),
@@ -66,17 +64,17 @@ def pedestal_effect(
             _reach_by_setting(reach, heading(pace), record),
         ),
     ]
-    return PedestalEffect(model, _saved_in_words(found, model), charts)
+    return PedestalEffect(model, _saved_in_words(cases, model), charts)
 
 
-def _saved_in_words(found: Sequence[Condition], model: str) -> str:
+def _saved_in_words(cases: Sequence[Condition], model: str) -> str:
     """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
-    for item in found:
+    for item in cases:
         row = item.answers.get(model)
-        if row is not None and row["run"] is not None:
+        if row is not None and row.run is not None:
             rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
-            fell = family(row["run"]["outcome"]) == "overturns"
+            fell = family(row.run.outcome) == "overturns"
             pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fell
     both = [pair for pair in pairs.values() if len(pair) == 2]
     prevented, caused = sum(p[True] and not p[False] for p in both), sum(p[False] and not p[True] for p in both)
@@ -107,7 +105,7 @@ def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) ->
     return {"data": data, "layout": layout}
 
 
-def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: Mapping[str, Any]) -> Json:
+def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, record: StudyRecord) -> Json:
     data = [
         {
             "type": "scatter", "mode": "lines+markers", "name": setting, "line": {"color": colour},
@@ -121,7 +119,7 @@ def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, reco
         "yaxis": {"title": {"text": "top moves by  [m]"}, "rangemode": "tozero", "gridcolor": HAIRLINE},
         "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
-    wall = scene_of(record).wall
+    wall = record.scene.wall
     if wall is not None:
         at = wall.distance_m
         layout |= {"shapes": [_level("y", at, WALL_COLOUR)], "annotations": [_note("y", at, "wall")]}

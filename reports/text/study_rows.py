@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from harness.model.history import Outcome
+from harness.records.study import StudyRow
 
 SYMBOLS: Final = {
     "stands": ("●", "stands"),
@@ -41,25 +42,25 @@ class Condition:
     """One combination of what the study varies, with every model's row of it (the variants' own keys aside)."""
 
     varied: Mapping[str, Any]
-    answers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    answers: Mapping[str, StudyRow] = field(default_factory=dict)
 
 
-def model_name(row: Mapping[str, Any]) -> str:
+def model_name(row: StudyRow) -> str:
     """Engine and variant of a row."""
-    return f"{row['engine']} ({row['varied']['variant']})"
+    return f"{row.engine} ({row.varied['variant']})"
 
 
-def conditions(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[Condition]]:
+def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
     """The models in their order, and all conditions in the study's order."""
     models: dict[str, None] = {}
-    found: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, Mapping[str, Any]]]] = {}
-    for row in sorted(rows, key=lambda item: int(item["number"])):
-        varied = {key: value for key, value in row["varied"].items() if key != "variant"}
+    by_keys: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, StudyRow]]] = {}
+    for row in sorted(rows, key=lambda item: int(item.number)):
+        varied = {key: value for key, value in row.varied.items() if key != "variant"}
         models[model_name(row)] = None
-        found.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
+        by_keys.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
     variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
     return sorted(models, key=lambda model: _order(model, variants)), [
-        Condition(varied, answers) for varied, answers in found.values()
+        Condition(varied, answers) for varied, answers in by_keys.values()
     ]
 
 
@@ -79,31 +80,31 @@ def family(outcome: str) -> str:
     return FAMILY.get(outcome, "other")
 
 
-def cell(row: Mapping[str, Any] | None) -> Cell:
+def cell(row: StudyRow | None) -> Cell:
     """What a table shows of one row."""
     if row is None:
         return Cell(*NOT_SENT, "none", NOT_SENT[1])
-    run = row["run"]
+    run = row.run
     if run is None:
-        return Cell(*NOT_SENT, "none", str(row["reason"]))
-    sign, words = SYMBOLS.get(run["outcome"], FAILED)
+        return Cell(*NOT_SENT, "none", str(row.reason))
+    sign, words = SYMBOLS.get(run.outcome, FAILED)
     parts = [words]
-    if run["peak_theta_rad"] is not None and run["outcome"] == "stands":
-        parts.append(f"largest rotation {abs(run['peak_theta_rad']):.4f} rad")
-    if run["no_return_time_s"] is not None:
-        parts.append(f"passes its balance point at {run['no_return_time_s']:.3f} s")
-    if run["numerical_uncertainty_rad"] is not None:
-        parts.append(f"numerical error ±{run['numerical_uncertainty_rad']:.1e} rad")
-    return Cell(sign, words, family(run["outcome"]), "; ".join(parts))
+    if run.peak_theta_rad is not None and run.outcome == "stands":
+        parts.append(f"largest rotation {abs(run.peak_theta_rad):.4f} rad")
+    if run.no_return_time_s is not None:
+        parts.append(f"passes its balance point at {run.no_return_time_s:.3f} s")
+    if run.numerical_uncertainty_rad is not None:
+        parts.append(f"numerical error ±{run.numerical_uncertainty_rad:.1e} rad")
+    return Cell(sign, words, family(run.outcome), "; ".join(parts))
 
 
-def varying_keys(found: Sequence[Condition]) -> list[str]:
+def varying_keys(cases: Sequence[Condition]) -> list[str]:
     """The keys that take more than one value."""
-    keys = list(found[0].varied) if found else []
-    return [key for key in keys if len({repr(item.varied[key]) for item in found}) > 1]
+    keys = list(cases[0].varied) if cases else []
+    return [key for key in keys if len({repr(item.varied[key]) for item in cases}) > 1]
 
 
-def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
+def agreement(models: Sequence[str], cases: Sequence[Condition]) -> list[tuple[str, str, int, int]]:
     """For each pair of models of one variant: both names, conditions with the same outcome, conditions answered by both."""
     pairs = []
     for k, first in enumerate(models):
@@ -111,10 +112,10 @@ def agreement(models: Sequence[str], found: Sequence[Condition]) -> list[tuple[s
             if first.partition(" (")[2] != second.partition(" (")[2]:
                 continue
             both = [
-                (Outcome(a["run"]["outcome"]), Outcome(b["run"]["outcome"]))
-                for item in found
+                (Outcome(a.run.outcome), Outcome(b.run.outcome))
+                for item in cases
                 for a, b in [(item.answers.get(first), item.answers.get(second))]
-                if a is not None and b is not None and a["run"] is not None and b["run"] is not None
+                if a is not None and b is not None and a.run is not None and b.run is not None
             ]
             if both:
                 pairs.append((first, second, sum(a.same_as(b) for a, b in both), len(both)))

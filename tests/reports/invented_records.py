@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,9 @@ from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.model import run as record
 from harness.model.history import Outcome
+from harness.records.scores import Scores
+from harness.records.sets import FragilityCurve
+from harness.records.validation import BaselineOutcomes
 from tests import doubles
 
 COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}
@@ -31,7 +35,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
     pga = 0.6 * pgv * np.exp(0.3 * stream.standard_normal(60))
     fell = pgv * np.exp(0.25 * stream.standard_normal(60)) > 0.4
     grid = np.geomspace(pgv.min(), pgv.max(), 30)
-    observed = fragility.fit(pgv, fell).as_dict(grid)
+    observed = fragility.fit(pgv, fell).curve(grid)
     rows: list[dict[str, Any]] = []
     for k in range(60):
         row = {"test": f"t{k}", "body": f"stone {k % 3}", "share": "score", "observed": FELL if fell[k] else "stands"}
@@ -46,8 +50,8 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
         for row, outcome in zip(rows, said, strict=True):
             row["predicted"][name] = outcome.value
             row["probability"][name] = float(outcome.overturned)
-        curve = fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid)
-        models[name] = _model(name, said, fell, curve, record.to_plain(measured))
+        curve = fragility.fit(pgv, [o.overturned for o in said]).curve(grid)
+        models[name] = _model(name, said, fell, curve, measured)
     bare = [
         Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
         for v, f in zip(pgv, fell, strict=True)
@@ -67,7 +71,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
                 "rule": "overturns when PGV reaches the threshold",
                 "threshold_m_s": 0.4,
                 "fitted_on": "all tests but the one that is predicted",
-                "outcomes": score_outcomes(bare).as_dict(),
+                "outcomes": _bare_outcomes(bare),
                 "probability": {"tests": 60, "brier": 0.07, "brier_skill": 0.7},
                 "by_intensity": [],
             },
@@ -78,12 +82,27 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
     )
 
 
+def _bare_outcomes(cases: list[Case]) -> dict[str, Any]:
+    scores = vars(score_outcomes(cases))
+    return {item.name: scores[item.name] for item in fields(BaselineOutcomes)}
+
+
 def _model(
-    name: str, said: list[Outcome], fell: np.ndarray[Any, Any], curve: dict[str, Any], scores: dict[str, Any]
+    name: str, said: list[Outcome], fell: np.ndarray[Any, Any], curve: FragilityCurve, scores: Scores
 ) -> dict[str, Any]:
     """What a validation keeps of one model that said `said` of sixty tests."""
     cases = [Case(p, FELL if f else Outcome.STANDS) for p, f in zip(said, fell, strict=True)]
-    contour = {"contour_50": {"ratio_s": [0.1, 0.3], "pga_g": [0.5, 0.2]}} if name == "pymunk" else None
+    contour = (
+        {
+            "cases": 60,
+            "fell": 30,
+            "coefficients": [1.0, 2.0, 3.0],
+            "separated": False,
+            "contour_50": {"ratio_s": [0.1, 0.3], "pga_g": [0.5, 0.2]},
+        }
+        if name == "pymunk"
+        else None
+    )
     return {
         "engine": name,
         "accuracy_rad": 1e-3,
@@ -91,7 +110,7 @@ def _model(
         "tests": 60,
         "failed": 0,
         "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
-        "outcomes": score_outcomes(cases).as_dict(),
+        "outcomes": score_outcomes(cases),
         "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},
         "by_intensity": [],
         "fragility_pgv": curve,

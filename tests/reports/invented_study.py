@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from harness.model import run as record
-from harness.records.base import plain
+from harness.records.base import part, plain
 from harness.records.scene import SceneRecord
+from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.studies import claims
+from reports.source import read_record
 from tests.reports.invented_run import block_scene, invented_history
 
 VARIANTS = {
@@ -41,6 +43,23 @@ def _run(engine: str, outcome: str, peak_rad: float, **more: Any) -> dict[str, A
         "impacts": 12,
         **more,
     }
+
+
+def case_run(outcome: str = "stands", peak_rad: float = 0.1, **more: Any) -> CaseRun:
+    """A study's run of this outcome."""
+    return part(CaseRun, _run("analytic", outcome, peak_rad, **more), Path("invented"))
+
+
+def case_row(engine: str, run: CaseRun | None, reason: str = "every case is asked", variant: str = "own") -> StudyRow:
+    """A study's row of a run."""
+    return StudyRow(number=0, engine=engine, reason=reason, varied={"variant": variant}, run=run)
+
+
+def study(folder: Path) -> StudyRecord:
+    """The record that a folder holds."""
+    found = read_record(folder)
+    assert isinstance(found, StudyRecord)
+    return found
 
 
 def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
@@ -92,7 +111,7 @@ def write_table_study(folder: Path) -> Path:
     found = _record(
         "An invented table of 60 conditions",
         rows,
-        claims=[verdict.as_dict() for verdict in verdicts],
+        claims=plain(verdicts),
         headline=claims.headline(verdicts),
         panels=panels,
     )

@@ -10,41 +10,43 @@ import pytest
 
 from harness import engines, load_scene
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.executors import Done, Work
+from harness.campaign.runner import Done, InlinePool, Work
+from harness.campaign.store import Store
+from harness.campaign.task import Answer, Task
 from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.run import EngineRunRecord
 from harness.scene_run.scene_run import run_scene
-from harness.studies.jobs import stored_runs
-from harness.studies.store import Store
-from reports.build_examples import Beside
-from tests.harness.studies.small_study import BLOCK
+from harness.studies.case_tasks import stored_runs
+from harness.studies.file import load_study
+from harness.studies.study_run import Beside, run_study
+from tests.harness.studies.small_study import BLOCK, written
 
 
-class Inline:
-    """A pool of one that runs here."""
-
-    workers = 1
-
-    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        for task in tasks:
-            done(task, work(task))
-
-    def close(self) -> None:
-        """Nothing to give back."""
+def said(text: str) -> Answer:
+    return Answer("example", {"text": text.upper()}, 0.0)
 
 
-def test_tasks_beside_a_study_run_once_before_it_and_at_its_end() -> None:
-    said: list[str] = []
-    beside = Beside(
-        Inline(),
-        [(str.upper, "before")],
-        lambda: iter([(str.upper, "after")]),
-        lambda task, result: said.append(f"beside {result}"),
-    )
-    for tasks in (["a", "b"], ["c"]):
-        beside.run(str.title, tasks, lambda task, result: said.append(f"study {result}"))
-    assert said == ["beside BEFORE", "study A", "study B", "beside AFTER", "study C"]
+def test_tasks_beside_a_study_run_once_before_it_and_at_its_end(tmp_path: Path) -> None:
+    """They are computed in the order in which they come, are not kept, and count in nothing that the study tells of itself."""
+    order: list[str] = []
+
+    class Noting(InlinePool):
+        def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+            def noted(task: Any, answer: Any) -> None:
+                order.extend(argument if isinstance(argument, str) else "study" for _, _, argument in task[1])
+                done(task, answer)
+
+            super().run(work, tasks, noted)
+
+    path = written(tmp_path)
+    alone = Beside([Task("", said, "before")], lambda: [Task("", said, "after")])
+    with Store(tmp_path / "store.sqlite") as store:
+        summary = run_study(load_study(path), path, store, Noting(), beside=alone)
+        assert len(store.keys()) == summary.computed == summary.usage.runs == 30
+    assert order == ["before", *["study"] * 30, "after"]
+    assert [answer.record["text"] for _, answer in alone.answers] == ["BEFORE", "AFTER"]
+    assert not [*alone.around([])]
 
 
 @pytest.fixture
@@ -57,11 +59,10 @@ def scene(tmp_path: Path) -> Scene:
 def test_what_a_study_has_stored_is_not_run_again(
     scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from harness.studies.cache_key import scene_digest
-    from harness.studies.jobs import run_key
+    from harness.studies.case_tasks import run_key
 
     engine = engines.load("pymunk")
-    key = run_key(engine, scene_digest(scene, engine.capabilities), DEFAULT_ACCURACY_RAD, True)
+    key = run_key(engine, scene, DEFAULT_ACCURACY_RAD, True)
     run = simulate(scene, "pymunk")
     with Store(tmp_path / "s.sqlite") as store:
         store.put([(key, run)], histories=True)

@@ -10,8 +10,8 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from harness.campaign.store import Store
 from harness.model.history import Outcome
-from harness.studies.store import Store
 from meshes import togatus
 from reports.cli import app
 from tests.reports.invented_run import invented_history, invented_run

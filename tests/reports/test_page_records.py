@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.model.run import write_json
+from harness.records.base import as_file
+from harness.records.scores import Interval
+from harness.records.validation import ValidationRecord
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables as bench_tables
@@ -28,24 +32,24 @@ def shown(folder: Path) -> str:
 
 def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
     folder = invented_study.write_table_study(tmp_path)
-    record, html = read_record(folder), shown(folder)
-    assert len(re.findall(r'<td class="claim ', html)) == len(record["claims"])
-    for item in record["claims"]:
-        assert item["evidence"] in html
+    record, html = invented_study.study(folder), shown(folder)
+    assert len(re.findall(r'<td class="claim ', html)) == len(record.claims or ())
+    for item in record.claims or ():
+        assert item.evidence in html
 
 
 def test_the_headline_follows_the_claims(tmp_path: Path) -> None:
     folder = invented_study.write_table_study(tmp_path)
-    record = read_record(folder)
-    record["headline"] = dict.fromkeys(record["headline"], "holds")
-    write_json(folder / "result.json", record)
+    record = invented_study.study(folder)
+    record = replace(record, headline=dict.fromkeys(record.headline or (), "holds"))
+    write_json(folder / "result.json", as_file(record))
     assert "The paper's claims: (i), (ii), (iii), (iv), (v) and (vi) true in every model" in shown(folder).replace(
         "&#39;", "'"
     )
 
 
 def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> None:
-    record = read_record(invented_study.write_table_study(tmp_path))
+    record = invented_study.study(invented_study.write_table_study(tmp_path))
     matrix = study_context(tmp_path, record)["matrix"]
     assert len(matrix) == 60
     differing = {tuple(row["keys"][2:]) for row in matrix if row["differs"]}
@@ -53,7 +57,7 @@ def test_the_matrix_marks_where_models_of_a_variant_differ(tmp_path: Path) -> No
 
 
 def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
-    models, found = conditions(read_record(invented_study.write_table_study(tmp_path))["rows"])
+    models, found = conditions(invented_study.study(invented_study.write_table_study(tmp_path)).rows)
     pairs = {(first, second): (same, total) for first, second, same, total in agreement(models, found)}
     assert pairs["analytic (own impact)", "pymunk (own impact)"] == (60, 60)
     assert pairs["analytic (own impact)", "pybullet (own impact)"] == (54, 60)
@@ -62,7 +66,7 @@ def test_agreement_counts_pairs_of_one_variant_only(tmp_path: Path) -> None:
 
 def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
     folder = invented_study.write_map_study(tmp_path)
-    charts = {name: figure for name, _, figure in study_context(tmp_path, read_record(folder))["charts"]}
+    charts = {name: figure for name, _, figure in study_context(tmp_path, invented_study.study(folder))["charts"]}
     whole, part = charts["map-1"]["data"][0]["z"], charts["map-2"]["data"][0]["z"]
     assert not any(code == 0 for row in whole for code in row)
     assert any(code == 0 for row in part for code in row)
@@ -71,7 +75,7 @@ def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
 
 
 def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
-    record = read_record(invented_study.write_rose_study(tmp_path))
+    record = invented_study.study(invented_study.write_rose_study(tmp_path))
     charts = {name: figure for name, _, figure in study_context(tmp_path, record)["charts"]}
     trace = charts["rose"]["data"][0]
     least = dict(zip(trace["theta"], trace["r"], strict=True))
@@ -79,11 +83,17 @@ def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
     assert least[180.0] == pytest.approx(0.2)
 
 
+def validation(folder: Path) -> ValidationRecord:
+    record = read_record(folder)
+    assert isinstance(record, ValidationRecord)
+    return record
+
+
 def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None:
-    good = validation_verdict(read_record(invented_records.write_validation(tmp_path / "good", skill=1.0)))
+    good = validation_verdict(validation(invented_records.write_validation(tmp_path / "good", skill=1.0)))
     assert good.tone == "agree"
     assert "every model beats a bare threshold on PGV beyond chance" in good.headline
-    poor = validation_verdict(read_record(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
+    poor = validation_verdict(validation(invented_records.write_validation(tmp_path / "poor", skill=0.5)))
     assert "no model beats a bare threshold on PGV, and analytic and pymunk are worse" in poor.headline
     assert "best" not in good.headline + poor.headline
     html = shown(tmp_path / "good")
@@ -93,17 +103,24 @@ def test_a_validation_is_held_against_the_bare_threshold(tmp_path: Path) -> None
 
 
 def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_validation(tmp_path))
-    names = list(record["models"])
-    for name, value in zip(names, (0.8, 0.8), strict=True):
-        record["models"][name]["outcomes"]["accuracy"] = {"value": value, "low": 0.7, "high": 0.9}
-    record["baseline"]["outcomes"]["accuracy"] = {"value": 0.85, "low": 0.75, "high": 0.92}
-    tied = validation_verdict(record)
+    record = validation(invented_records.write_validation(tmp_path))
+    names = list(record.models)
+
+    def with_accuracies(*values: float) -> ValidationRecord:
+        models = {
+            name: replace(item, outcomes=replace(item.outcomes, accuracy=Interval(value, 0.7, 0.9)))
+            for (name, item), value in zip(record.models.items(), values, strict=True)
+        }
+        bare = replace(record.baseline.outcomes, accuracy=Interval(0.85, 0.75, 0.92))
+        return replace(record, models=models, baseline=replace(record.baseline, outcomes=bare))
+
+    tied = validation_verdict(with_accuracies(0.8, 0.8))
     assert tied.headline.startswith("All models are right equally often, in 80 % of the tests that they decide")
     assert "no model can be told from a bare threshold on PGV (85 % (75–92 %))" in tied.headline
     assert tied.tone == "differ"
-    record["models"][names[1]]["outcomes"]["accuracy"] = {"value": 0.81, "low": 0.7, "high": 0.9}
-    assert validation_verdict(record).headline.startswith(f"{names[1]} is right most often, in 81 %")
+    assert validation_verdict(with_accuracies(0.8, 0.81)).headline.startswith(
+        f"{names[1]} is right most often, in 81 %"
+    )
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
@@ -134,7 +151,7 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
 
 def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
     rows = [
-        {"engine": "analytic", "varied": {"variant": "own"}, "run": {"validity": {"left_domain_by": cause}}}
+        invented_study.case_row("analytic", invented_study.case_run(validity={"left_domain_by": cause}))
         for cause in ("the statue slides", "the statue slides", "the pedestal tips", "", None)
     ]
     assert left_domain(rows) == [
@@ -145,26 +162,24 @@ def test_runs_outside_the_models_domain_are_counted_by_cause() -> None:
 
 def test_warnings_that_differ_in_numbers_are_one_kind() -> None:
     texts = ("From 1.5 s it slides.", "From 2.25 s it slides.", "2D only.")
-    rows = [{"engine": "analytic", "run": {"warnings": [text]}} for text in texts]
+    rows = [invented_study.case_row("analytic", invented_study.case_run(warnings=[text])) for text in texts]
     assert study_warnings(rows) == ["analytic: From 1.5 to 2.25 s it slides. (2 runs)", "analytic: 2D only. (1 run)"]
 
 
 def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(tmp_path: Path) -> None:
     from reports.pages.validation_page import context
 
-    folder = invented_records.write_validation(tmp_path)
-    record = read_record(folder) | {"samples": 3, "seed": 7}
-    shown = context(folder, record)
+    record = validation(invented_records.write_validation(tmp_path))
+    shown = context(tmp_path, replace(record, samples=3, seed=7))
     assert shown["command"] == "rockcheck validate invented.csv -e analytic -e pymunk --samples 3 --seed 7"
     assert "largest rotation 0.5" in shown["histories"][0][2]
     assert "magnitude error -0.5" in shown["histories"][0][2].replace("−", "-")
 
 
 def test_settings_of_one_engine_look_different() -> None:
-    from reports.pages.validation_page import _styles
+    from reports.charts.validation_figures import styles
 
-    models = {"pymunk@dt=0.001": {"engine": "pymunk"}, "pymunk@dt=0.0005": {"engine": "pymunk"}}
-    coarse, fine = _styles({"models": models}).values()
+    coarse, fine = styles({"pymunk@dt=0.001": "pymunk", "pymunk@dt=0.0005": "pymunk"}).values()
     assert coarse[0] == fine[0]
     assert coarse[1] != fine[1]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -9,14 +10,15 @@ from typing import Any
 import pytest
 
 from harness import study_cli
+from harness.records.base import as_file
 from harness.studies.cases import base_of, expand
 from harness.studies.file import load_study
 from reports.pages.conservator_study import context
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
-from reports.source import read_record
 from reports.text.study_rows import conditions
 from tests.reports.claim_scenes import content, write_scene
+from tests.reports.invented_study import study as study_record
 
 VARIED = """
 title = "two keys"
@@ -86,11 +88,11 @@ def standing() -> dict[str, Any]:
 
 
 def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Path, Path]) -> None:
-    record = read_record(study[1])
+    record = study_record(study[1])
     said = context(study[1], record)
     falls: dict[str, list[bool]] = {}
-    for row in record["rows"]:
-        falls.setdefault(row["varied"]["variant"], []).append(row["run"]["outcome"].startswith("overturned"))
+    for row in record.rows:
+        falls.setdefault(row.varied["variant"], []).append(row.run.outcome.startswith("overturned"))
     counts = sorted({sum(each) for each in falls.values()})
     asked = len(next(iter(falls.values())))
     expected = (
@@ -99,18 +101,18 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     assert expected in said["headline"]
     for variant, each in falls.items():
         assert any(f"({variant})”: it falls in {sum(each)} of {len(each)}" in point for point in said["points"])
-    stands = [row["run"]["outcome"] == "stands" for row in record["rows"]]
+    stands = [row.run.outcome == "stands" for row in record.rows]
     assert (said["tone"] == "agree") is all(stands)
     # One model alone cannot agree with itself: the engineer's page takes its colour from the outcomes too.
-    assert (study_verdict(record, *conditions(record["rows"])).tone == "agree") is all(stands)
+    assert (study_verdict(record, *conditions(record.rows)).tone == "agree") is all(stands)
 
 
 def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:
-    record = read_record(study[1])
+    record = study_record(study[1])
     said = " ".join(context(study[1], record)["points"])
     levels: dict[float, set[str]] = {}
-    for row in record["rows"]:
-        levels.setdefault(row["varied"]["motion.x.amplitude_g"], set()).add(row["run"]["outcome"])
+    for row in record.rows:
+        levels.setdefault(row.varied["motion.x.amplitude_g"], set()).add(row.run.outcome)
     borne = [level for level in levels if all(levels[low] == {"stands"} for low in levels if low <= level)]
     match = re.search(r"Up to a shaking of (\S+) % of its weight it stood", said)
     assert bool(match) is bool(borne)
@@ -119,15 +121,16 @@ def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tu
 
 
 def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> None:
-    record = read_record(study[1])
+    record = study_record(study[1])
     file = load_study(study[0])
     base = base_of(file, study[0])
     scenes = [base.scene(case.setting) for case in expand(file, base)]
     floors = [scene.contact.floor_static for scene in scenes if scene.pedestal is not None]
-    told = record["supports"]
-    assert told["floor_static"] == pytest.approx([min(floors), max(floors)])
-    assert told["statue"] == [min(s.contact.statue for s in scenes), max(s.contact.statue for s in scenes)]
-    assert told["pedestal"] == sorted({scene.pedestal is not None for scene in scenes})
+    told = record.supports
+    assert told is not None
+    assert told.floor_static == pytest.approx([min(floors), max(floors)])
+    assert told.statue == (min(s.contact.statue for s in scenes), max(s.contact.statue for s in scenes))
+    assert told.pedestal == sorted({scene.pedestal is not None for scene in scenes})
     words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
     slips = {
         scene.contact.statue if scene.pedestal is None else min(scene.contact.floor_static, scene.contact.statue)
@@ -136,14 +139,14 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
     for slip in (min(slips), max(slips)):
         assert slip >= 1.0 or re.search(rf"slides.* {100.0 * slip:.2g} %", words), slip
     sent_away = "shown by a study of the statue with and without it" in words
-    assert sent_away is (told["pedestal"] == [True])
-    assert ("of the statue that varies" in words or "what was varied of it" in words) is bool(told["statue_keys"])
+    assert sent_away is (told.pedestal == [True])
+    assert ("of the statue that varies" in words or "what was varied of it" in words) is bool(told.statue_keys)
 
 
 def test_what_the_pedestal_changes_is_told_without_a_frequency_too(study: tuple[Path, Path]) -> None:
-    record = read_record(study[1])
+    record = study_record(study[1])
     words = " ".join(text for item in context(study[1], record)["pictures"] for text in item.words)
-    varied = "pedestal" in record["vary"]
+    varied = "pedestal" in record.vary
     assert ("of these are prevented" in words) is varied
 
 
@@ -151,3 +154,8 @@ def test_no_warning_of_a_study_leaves_numbers_out(study: tuple[Path, Path]) -> N
     page = (study[1] / "report.html").read_text(encoding="utf-8")
     warnings = re.findall(r'<ul class="warnings">(.*?)</ul>', page, re.S)
     assert "…" not in "".join(warnings)
+
+
+def test_a_study_is_read_as_it_was_written(study: tuple[Path, Path]) -> None:
+    path = study[1] / "result.json"
+    assert as_file(study_record(study[1])) == json.loads(path.read_text(encoding="utf-8"))

@@ -43,9 +43,9 @@ def scene(path: Path) -> None:
 def study(path: Path) -> None:
     """Read, run the first cases for a moment, and keep them in a store."""
     from harness.accuracy.simulation import simulate
+    from harness.campaign.store import Store
     from harness.studies.cases import base_of, expand
     from harness.studies.file import load_study
-    from harness.studies.store import Store
 
     given = load_study(path)
     base = base_of(given, path)
@@ -114,7 +114,7 @@ def store(path: Path) -> None:
     """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
     from harness.accuracy.simulation import simulate
     from harness.bench.standard_scenes import COLUMN, scene_of
-    from harness.studies.store import Store
+    from harness.campaign.store import Store
 
     still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
     with Store(path) as found:

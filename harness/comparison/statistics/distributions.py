@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
 from harness.records.scores import CONFIDENCE, Interval
+from harness.records.sets import DistributionScores
 
 RESAMPLES: Final = 1000
 """Bootstrap resamples: the 2.5 % quantile then rests on 25 of them, a standard error of 0.5 % in probability."""
@@ -95,22 +95,6 @@ def bootstrap(
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(found, (tail, 1.0 - tail))
     return Interval(float(value), float(low), float(high), confidence)
-
-
-@dataclass(frozen=True)
-class DistributionScores:
-    """Two samples of one quantity: their distance by two measures, each with its meaning in probability.
-
-    `area_null` is the quantile (at `confidence`) of the area metric between two samples of these sizes drawn from the pooled
-    values: an area above it is more than chance.
-    """
-
-    size_a: int
-    size_b: int
-    ks: float
-    ks_p: float
-    area: Interval
-    area_null: float
 
 
 def compare_distributions(

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.model.history import Array
 from harness.records.scores import CONFIDENCE
+from harness.records.sets import FragilityCurve
 
 STEPS: Final = 50
 """Newton steps allowed; probit likelihoods are concave and take some 6 to 10 from the start used."""
@@ -59,25 +60,22 @@ class Fragility:
         z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
         return _phi(middle - z * spread), _phi(middle + z * spread)
 
-    def as_dict(self, intensity: ArrayLike | None = None) -> dict[str, Any]:
-        """Plain values; with intensities also the curve and its band there."""
-        record: dict[str, Any] = {
-            "cases": self.cases,
-            "fell": self.fell,
-            "median": self.median,
-            "dispersion": self.dispersion,
-            "separated": self.separated,
-            "bounds": self.bounds,
-        }
-        if intensity is not None:
-            low, high = self.band(intensity)
-            record |= {
-                "intensity": np.asarray(intensity).tolist(),
-                "probability": self.probability(intensity).tolist(),
-                "low": low.tolist(),
-                "high": high.tolist(),
-            }
-        return record
+    def curve(self, intensity: ArrayLike) -> FragilityCurve:
+        """The record, with the curve and its band at intensities."""
+        low, high = self.band(intensity)
+        probability = [None if math.isnan(p) else p for p in self.probability(intensity).tolist()]
+        return FragilityCurve(
+            cases=self.cases,
+            fell=self.fell,
+            median=self.median,
+            dispersion=self.dispersion,
+            separated=self.separated,
+            bounds=self.bounds,
+            intensity=np.asarray(intensity).tolist(),
+            probability=probability,
+            low=low.tolist(),
+            high=high.tolist(),
+        )
 
 
 def fit(intensity: ArrayLike, fell: ArrayLike) -> Fragility:

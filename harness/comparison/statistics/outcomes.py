@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harness.comparison.statistics.distributions import bootstrap, wilson
 from harness.model.history import Outcome
 from harness.records.scores import Interval
+from harness.records.sets import OutcomeScores
 
 Flags = NDArray[np.bool_]
 
@@ -47,32 +48,6 @@ class Case:
     def decided(self) -> bool:
         """Whether both outcomes say if the statue fell."""
         return self.predicted in DECIDED and (self.observed in DECIDED or self.observed == FELL)
-
-
-@dataclass(frozen=True)
-class OutcomeScores:
-    """Scores of a set of predicted outcomes; `positive` means overturned, whichever way.
-
-    `confusion[observed][predicted]` counts by side over all decided cases that are not within the uncertainty;
-    `side_accuracy` is the share of those with the very same outcome, where the side is known. Scores without meaning (no
-    positive predicted, ...) are None. Proportions carry Wilson's interval, F1 and Matthews' correlation the bootstrap's.
-    """
-
-    cases: int
-    undecided: int
-    within_uncertainty: int
-    confusion: Mapping[str, Mapping[str, int]]
-    accuracy: Interval | None
-    side_accuracy: Interval | None
-    precision: Interval | None
-    recall: Interval | None
-    f1: Interval | None
-    matthews: Interval | None
-    no_return_difference_s: Interval | None
-
-    def as_dict(self) -> dict[str, Any]:
-        """The scores as plain values."""
-        return asdict(self)
 
 
 def score_outcomes(cases: Sequence[Case], *, seed: int = 0) -> OutcomeScores:

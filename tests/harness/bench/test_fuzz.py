@@ -131,9 +131,12 @@ def test_a_damaged_result_in_a_whole_store_is_refused(every: dict[str, Kind], fo
 def test_a_stored_result_that_is_nothing_is_refused(every: dict[str, Kind], folder: Path) -> None:
     path = folder / "nothing.sqlite"
     path.write_bytes(every["store"].content)
-    looser = "UPDATE sqlite_schema SET sql=replace(sql, 'record TEXT NOT NULL', 'record TEXT') WHERE name='run'"
+    looser = "UPDATE sqlite_schema SET sql=replace(sql, 'record TEXT NOT NULL', 'record TEXT') WHERE name='result'"
     # SQLite lets no such value in, but a damaged page reads back so.
-    for said in (("PRAGMA journal_mode=DELETE", "PRAGMA writable_schema=1", looser), ("UPDATE run SET record=NULL",)):
+    for said in (
+        ("PRAGMA journal_mode=DELETE", "PRAGMA writable_schema=1", looser),
+        ("UPDATE result SET record=NULL",),
+    ):
         with closing(sqlite3.connect(path, isolation_level=None)) as store:
             for statement in said:
                 store.execute(statement)

@@ -9,13 +9,15 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from harness.campaign.executors import DaskPool, LocalPool
+from harness.campaign.dask_pool import DaskPool
+from harness.campaign.runner import AHEAD, Hung, LocalPool
+from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.studies.file import load_study
-from harness.studies.store import Packed, Store
 from harness.studies.study_run import run_study
 from tests.harness.studies.small_study import CONTACT, contents, written
 
@@ -84,9 +86,9 @@ def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
     with Store(tmp_path / "cluster.sqlite") as store:
         add = store.add
 
-        def counted(results: Sequence[Packed]) -> None:
-            stored.update(str(item.columns[0]) for item in results)
-            add(results)
+        def counted(results: Sequence[Packed], clock_s: float = 0.0) -> None:
+            stored.update(item.key for item in results)
+            add(results, clock_s)
 
         store.add = counted  # type: ignore[method-assign]
         first = run_study(study, path, store, pool, told)
@@ -97,6 +99,27 @@ def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(
     assert set(stored.values()) == {1}, "a result came twice"
     assert (again.computed, again.found) == (0, 24)
     assert contents(tmp_path / "cluster.sqlite") == contents(tmp_path / "local.sqlite")
+
+
+LIMIT_S = 2.0
+"""Long enough for a worker that is there to answer, short enough to wait for in a test."""
+HANG = "__import__('time').sleep(600.0)"
+
+
+def test_a_task_that_hangs_is_given_up_and_the_others_are_computed(
+    cluster: tuple[str, list[subprocess.Popen[str]]],
+) -> None:
+    pool = DaskPool(cluster[0], limit_s=LIMIT_S)
+    while pool.workers < 2:
+        time.sleep(0.05)
+    tasks = ["1 + 1", HANG, *(f"{i} + 0" for i in range(3 * AHEAD))]
+    answers: dict[str, Any] = {}
+    pool.run(eval, tasks, answers.__setitem__)
+    assert isinstance(answers.pop(HANG), Hung)
+    assert answers == {task: eval(task) for task in tasks if task != HANG}
+    with pytest.raises(InputError, match="workers that answer"):
+        pool.run(eval, [f"{HANG} or 1", "1 + 1"], answers.__setitem__)
+    pool.close()
 
 
 def test_an_address_without_a_scheduler_is_a_mistake(tmp_path: Path) -> None:

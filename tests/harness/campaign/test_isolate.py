@@ -9,7 +9,8 @@ import time
 import numpy as np
 import pytest
 
-from harness.campaign.isolate import Died, Hung, call, simulate_isolated
+from harness.campaign.isolate import call, simulate_isolated
+from harness.campaign.runner import Crash, Hung
 from harness.engines.pymunk import Munk2D
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -44,12 +45,12 @@ def test_an_answer_comes_back() -> None:
 
 
 def test_a_crash_names_its_signal() -> None:
-    with pytest.raises(Died, match="SIGSEGV"):
+    with pytest.raises(Crash, match="SIGSEGV"):
         call(crash)
 
 
 def test_an_exit_names_its_code() -> None:
-    with pytest.raises(Died, match="code 7"):
+    with pytest.raises(Crash, match="code 7"):
         call(leave)
 
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.campaign.parts import FOLDER, Part, command, measure, seconds, sentences
+from harness.campaign.parts import Part, command, measure, seconds, sentences
+from harness.campaign.recover import recover
+from harness.campaign.store import STORE_NAME, Store
 from harness.model.errors import InputError
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
@@ -83,15 +88,43 @@ def test_rows_of_other_versions_are_not_used(tmp_path: Path) -> None:
     assert again.done == ["a", "b", "c", "d"]
 
 
-def test_a_torn_line_costs_its_own_task_only(tmp_path: Path) -> None:
+def test_a_damaged_row_costs_its_own_task_only(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         measure(tmp_path, parts(Counting("c")), None, STAMP, silent)
-    path = tmp_path / FOLDER / "first.jsonl"
-    path.write_bytes(path.read_bytes()[:-20])
+    path = tmp_path / STORE_NAME
+    with Store(path) as store:
+        store._db.execute("UPDATE result SET record = substr(record, 1, 20) WHERE rowid = 2")
+        store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    with pytest.raises(InputError, match="salvage"):
+        measure(tmp_path, parts(Counting()), None, STAMP, silent)
+    assert recover(path, tmp_path / "fresh.sqlite").left_out == 1
+    (tmp_path / "fresh.sqlite").replace(path)
     again = Counting()
     found = measure(tmp_path, parts(again), None, STAMP, silent)
     assert again.done == ["b", "c", "d"]
     assert not found["first"].left
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from harness.campaign.parts import Part, measure
+
+def work(task):
+    if task == "c":
+        os.kill(os.getpid(), 9)
+    return [{"task": task}]
+
+measure(Path(sys.argv[1]), [Part("first", ("a", "b", "c"), work), Part("second", ("d",), work)], None, {}, print)
+"""
+
+
+def test_what_was_finished_outlives_a_kill(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED, tmp_path], check=False, cwd=Path.cwd())
+    assert done.returncode == -signal.SIGKILL
+    again = Counting()
+    measure(tmp_path, parts(again), None, {}, silent)
+    assert again.done == ["c", "d"]
 
 
 def test_an_unknown_part_is_refused(tmp_path: Path) -> None:

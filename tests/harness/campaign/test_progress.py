@@ -5,9 +5,10 @@ from __future__ import annotations
 import threading
 
 import pytest
+import rich.console
 
 from harness.campaign import progress as telling
-from harness.campaign.progress import ProgressMessages, progress
+from harness.campaign.progress import ProgressMessages, progress, time_left
 
 
 def test_a_long_wait_is_told_again_and_again(capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,4 +38,25 @@ def test_a_study_is_never_long_silent(monkeypatch: pytest.MonkeyPatch, capsys: p
         threading.Event().wait(0.4)
     said = capsys.readouterr().err.splitlines()
     assert said[0] == "study: 0 of 40 runs"
-    assert any(line.startswith("study: 1 of 40 runs: ") and line.endswith("s so far") for line in said)
+    assert any(line.startswith("study: 1 of 40 runs: ") and "s so far" in line for line in said)
+
+
+def test_the_time_left_is_that_of_the_clock(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tenth of the tasks took two minutes by the clock, whatever the processor did meanwhile: nine times as long is left."""
+    now_s = [1000.0]
+    monkeypatch.setattr(rich.console, "monotonic", lambda: now_s[0])
+    with progress("study", quiet=False) as on_progress:
+        on_progress(0, 40)
+        for done in (1, 2, 3, 4):
+            now_s[0] += 30.0
+            on_progress(done, 40)
+    assert capsys.readouterr().err.splitlines() == ["study: 0 of 40 runs", "study: 4 of 40 runs, about 18 min left"]
+    assert [time_left(value) for value in (None, 0.0, 7.0, 5400.0, 2e5)] == [
+        "",
+        "",
+        ", about 7 s left",
+        ", about 2 h left",
+        ", about 2 days left",
+    ]

@@ -9,38 +9,47 @@ import pytest
 
 import harness
 from harness import effects3d
-from harness.campaign.executors import LocalPool
+from harness.campaign.campaign import silent
+from harness.campaign.recover import recover
+from harness.campaign.runner import InlinePool, LocalPool
+from harness.campaign.store import Store
 from harness.effects3d import BASELINE, Search, find, turned
 from harness.effects3d.band import band
-from harness.effects3d.study import Ledger, side_azimuths
+from harness.effects3d.study import Questions, side_azimuths
 from harness.effects3d.summary import effects, static_rose
 from harness.model.errors import InputError
 from harness.model.scene import Scene
+from harness.records.base import plain
+from harness.records.effects3d import Amplitude
+from harness.studies.cases import base_of_scene
+from reports.source import read_record
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 
 
 def test_sides_and_their_share_of_the_shaking(scene: Scene) -> None:
     assert side_azimuths(scene) == pytest.approx([0.0, 90.0, 180.0, 270.0])
-    sides = [{"azimuth_deg": 0.0, "peak_g": 0.25}, {"azimuth_deg": 90.0, "peak_g": None}]
-    rows = {row["azimuth_deg"]: row for row in static_rose(scene, [0.0, 60.0, 180.0], sides)}
-    assert rows[0.0]["projected_g"] == pytest.approx(0.25)
-    assert rows[60.0]["projected_g"] == pytest.approx(0.5)
-    assert rows[180.0]["projected_g"] is None
-    assert rows[60.0]["lifts_g"] < rows[60.0]["planar_lifts_g"]
+    sides = [
+        Amplitude(BASELINE, azimuth, "analytic", peak, 0.1, "", 1) for azimuth, peak in ((0.0, 0.25), (90.0, None))
+    ]
+    rows = {row.azimuth_deg: row for row in static_rose(scene, [0.0, 60.0, 180.0], sides)}
+    assert rows[0.0].projected_g == pytest.approx(0.25)
+    assert rows[60.0].projected_g == pytest.approx(0.5)
+    assert rows[180.0].projected_g is None
+    assert rows[60.0].lifts_g < rows[60.0].planar_lifts_g
 
 
 def test_effects_are_changes_of_the_same_direction_and_engine() -> None:
-    def row(condition: str, azimuth: float, peak: float | None) -> dict[str, object]:
-        return {"condition": condition, "engine": "mujoco", "azimuth_deg": azimuth, "peak_g": peak}
+    def row(condition: str, azimuth: float, peak: float | None) -> Amplitude:
+        return Amplitude(condition, azimuth, "mujoco", peak, 0.1, "", 1)
 
     name = "centroid 3 % higher"
     rows = [row(BASELINE, a, p) for a, p in ((0.0, 0.2), (90.0, 0.4), (180.0, 0.5))]
     rows += [row(name, 0.0, 0.19), row(name, 90.0, 0.40), row(name, 180.0, None)]
     (found,) = effects(rows, [name])
-    assert found["median"] == pytest.approx(-0.025)
-    assert (found["least"], found["largest"]) == (pytest.approx(-0.05), pytest.approx(0.0))
-    assert found["flips"] == 1
+    assert found.median == pytest.approx(-0.025)
+    assert (found.least, found.largest) == (pytest.approx(-0.05), pytest.approx(0.0))
+    assert found.flips == 1
 
 
 def test_the_band_holds_the_model_and_narrows_without_errors(block: Scene) -> None:
@@ -54,12 +63,25 @@ def test_the_band_holds_the_model_and_narrows_without_errors(block: Scene) -> No
     assert found == band(block, 0.0, SEARCH, samples=40, seed=1)
 
 
-def test_a_cut_line_of_the_ledger_is_left_out(tmp_path: Path, block: Scene) -> None:
-    file = tmp_path / "searches.jsonl"
-    Ledger(file).put("a", find(block, BASELINE, 0.0, "analytic", SEARCH), 0.5)
-    file.write_text(file.read_text() + '{"key": "b", "ans')
-    assert set(Ledger(file).known) == {"a"}
-    assert Ledger(file).spent_s == {"a": 0.5}
+def test_an_answer_is_kept_with_its_cost_and_a_damaged_one_costs_its_own_search_only(
+    tmp_path: Path, block: Scene, root: Path
+) -> None:
+    base = base_of_scene(root / "scenes" / "3d_effects_base.toml")
+    arguments = [(BASELINE, azimuth, "analytic", SEARCH) for azimuth in (0.0, 90.0)]
+    file, fresh = tmp_path / "store.sqlite", tmp_path / "fresh.sqlite"
+    with Store(file) as store:
+        first = Questions(base, block, store, InlinePool(), silent)
+        rows = first.ask(Amplitude, arguments)
+        assert first.seconds > 0.0
+        store._db.execute("UPDATE result SET record = substr(record, 1, 40) WHERE rowid = 2")
+        with pytest.raises(InputError, match="salvage"):
+            Questions(base, block, store, InlinePool(), silent).ask(Amplitude, arguments)
+        store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    assert recover(file, fresh).left_out == 1
+    with Store(fresh) as store:
+        again = Questions(base, block, store, InlinePool(), silent)
+        assert again.ask(Amplitude, arguments) == rows
+        assert (again.asked, again.found) == (2, 1)
 
 
 def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
@@ -78,7 +100,7 @@ def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
         file.write_text(f'kind = "effects3d"\ntitle = "t"\nscene = "s.toml"\n{text}\n')
         assert effects3d.asked(file)
         with pytest.raises(InputError, match=said):
-            effects3d.run_effects(file, tmp_path / "out", LocalPool(1), lambda done, total: None)
+            effects3d.run_effects(file, tmp_path / "out", LocalPool(1))
     assert not (tmp_path / "out").exists()
 
 
@@ -92,13 +114,14 @@ def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path
         "[search]\nmost_g = 0.4\nresolution = 0.02\ndt_s = 2e-3\n"
     )
     out = tmp_path / "out"
-    found, summary = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1), lambda done, total: None)
-    assert summary.failed == 0
-    assert summary.cpu_s > 0.0
-    assert found["left_out"] == {"base planed flat": "the base is flat"}
-    assert {row["condition"] for row in found["rows"]} == {BASELINE, "centroid 3 % higher"}
-    assert found["replay"] is not None
+    first = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
+    assert first.summary.failed == 0
+    assert first.summary.cpu_s > 0.0
+    assert first.left_out == {"base planed flat": "the base is flat"}
+    assert {row.condition for row in first.rows} == {BASELINE, "centroid 3 % higher"}
+    assert first.replay is not None
     assert (out / "replay" / "result.json").is_file()
-    again, second = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1), lambda done, total: None)
-    assert second.found == second.asked
-    assert again["rows"] == found["rows"]
+    assert plain(read_record(out)) == plain(first)
+    again = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
+    assert again.summary.found == again.summary.asked
+    assert again.rows == first.rows

@@ -14,12 +14,12 @@ import pytest
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.campaign.store import Store
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import plan
-from harness.studies.store import Store
 from tests import budgets_bench as budgets
 
 NAMES = tuple(engines.REGISTRY)

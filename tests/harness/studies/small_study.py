@@ -7,6 +7,9 @@ import sqlite3
 from pathlib import Path
 from typing import Any
 
+from harness.campaign.runner import Crash
+from harness.campaign.task import Answer
+
 BLOCK = """
 title = "a block"
 duration_s = 2.0
@@ -85,8 +88,13 @@ histories = true
 """Runs of some 20 ms each, by an engine that needs no compiler."""
 
 
-def lethal(batch: tuple[str, ...]) -> list[str]:
-    """Work that takes its process with it where a job says so."""
-    if "die" in batch:
+def lethal(name: str) -> Answer:
+    """Work that takes its process with it where a task says so."""
+    if name == "die":
         os._exit(3)
-    return [job.upper() for job in batch]
+    return Answer("said", {"text": name.upper()}, 0.0)
+
+
+def lost(name: str, crash: Crash) -> Answer:
+    """What is kept of a task whose process died."""
+    return Answer("said", {"text": str(crash)}, 0.0, failed=True)

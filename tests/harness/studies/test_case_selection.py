@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from harness.studies import case_selection as asking
+from harness.studies import case_selection as selection
 from harness.studies.case_selection import Answer, Place
 from harness.studies.file import StudyFile
 
@@ -25,7 +25,7 @@ def truth(place: Place) -> str:
 def explore() -> dict[Place, Answer]:
     known: dict[Place, Answer] = {}
     while True:
-        asked = asking.refined(places(), known, (0, 1))
+        asked = selection.refined(places(), known, (0, 1))
         new = [place for place in asked if place not in known]
         if not new:
             return known
@@ -33,7 +33,7 @@ def explore() -> dict[Place, Answer]:
 
 
 def test_the_refined_map_equals_the_whole_map() -> None:
-    filled = asking.filled(places(), explore(), (0, 1))
+    filled = selection.filled(places(), explore(), (0, 1))
     wrong = [place for place in places() if filled[place] != truth(place)]
     # A place that was not computed takes its nearest neighbour's outcome: cells that were not cut are uniform.
     assert wrong == []
@@ -44,9 +44,9 @@ def test_the_refined_map_computes_a_fraction_of_the_places() -> None:
 
 
 def test_a_uniform_map_stays_coarse() -> None:
-    asked = asking.refined(places(), {}, (0, 1))
+    asked = selection.refined(places(), {}, (0, 1))
     known = {place: Answer("stands", 0.0) for place in asked}
-    assert asking.refined(places(), known, (0, 1)).keys() == known.keys()
+    assert selection.refined(places(), known, (0, 1)).keys() == known.keys()
     assert len(known) == 36
 
 
@@ -54,7 +54,7 @@ def test_maps_of_other_axes_are_refined_apart() -> None:
     both = [(i, j, k) for i, j, k in itertools.product(range(17), range(17), range(2))]
     known: dict[Place, Answer] = {}
     for _ in range(5):
-        asked = asking.refined(both, known, (0, 1))
+        asked = selection.refined(both, known, (0, 1))
         known |= {p: Answer("fell" if p[2] and p[0] > 3 else "stands", 0.0) for p in asked if p not in known}
     counts = [sum(place[2] == k for place in known) for k in (0, 1)]
     assert counts[0] == 9
@@ -64,16 +64,16 @@ def test_maps_of_other_axes_are_refined_apart() -> None:
 def test_the_boundary_takes_changes_margins_and_a_random_audit() -> None:
     known = {(i, 0): Answer("fell" if i >= 5 else "stands", 2.0 if i >= 5 else 0.1) for i in range(10)}
     known[(1, 0)] = Answer("stands", 0.9)
-    found = asking.near_boundary(known, margin=0.25, share=0.0, seed=1)
-    assert found == {(1, 0): asking.MARGIN, (4, 0): asking.NEAR, (5, 0): asking.NEAR}
-    everything = asking.near_boundary(known, margin=0.25, share=1.0, seed=1)
+    found = selection.near_boundary(known, margin=0.25, share=0.0, seed=1)
+    assert found == {(1, 0): selection.MARGIN, (4, 0): selection.NEAR, (5, 0): selection.NEAR}
+    everything = selection.near_boundary(known, margin=0.25, share=1.0, seed=1)
     assert set(everything) == set(known)
-    assert everything[(8, 0)] == asking.AUDIT
+    assert everything[(8, 0)] == selection.RECHECK
 
 
 def test_the_audit_is_the_same_every_time() -> None:
-    assert asking.audited(places(), 0.1, seed=3) == asking.audited(reversed(places()), 0.1, seed=3)
-    share = len(asking.audited(places(), 0.1, seed=3)) / SIZE**2
+    assert selection.rechecked(places(), 0.1, seed=3) == selection.rechecked(reversed(places()), 0.1, seed=3)
+    share = len(selection.rechecked(places(), 0.1, seed=3)) / SIZE**2
     assert share == pytest.approx(0.1, abs=0.03)  # 4 standard deviations of a binomial share of 1681 places
 
 

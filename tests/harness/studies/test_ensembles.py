@@ -44,8 +44,8 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
         histories |= {f"analytic{number}": reference, f"pymunk{number}": tested}
         rows += [row(number, "analytic", reference), row(number, "pymunk", tested, **fields)]
     found = score_sets(rows, history=histories.get)["pymunk"]
-    assert found["cases"] == CASES
-    assert found["verdicts"] == {
+    assert found.cases == CASES
+    assert found.verdicts == {
         Verdict.AGREE.value: pytest.approx(8 / 12),
         Verdict.MODEL.value: pytest.approx(3 / 12),
         Verdict.UNBOUNDED.value: pytest.approx(1 / 12),
@@ -53,19 +53,21 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
         Verdict.DOMAIN.value: 0.0,
         Verdict.PLANE.value: 0.0,
     }
-    assert found["flips"] == 1
-    assert found["outcomes"]["within_uncertainty"] == 1
-    assert found["outcomes"]["confusion"]["stands"]["overturned_left"] == 1
-    assert found["outcomes"]["accuracy"]["value"] == pytest.approx(10 / 11)
-    assert found["peaks"]["area"]["value"] > 0.0
+    assert found.flips == 1
+    assert found.outcomes.within_uncertainty == 1
+    assert found.outcomes.confusion["stands"]["overturned_left"] == 1
+    assert found.outcomes.accuracy is not None
+    assert found.peaks is not None
+    assert found.outcomes.accuracy.value == pytest.approx(10 / 11)
+    assert found.peaks.area.value > 0.0
 
 
 def test_without_histories_peaks_and_outcomes_decide() -> None:
     same = doubles.rocking()
     rows = [row(0, "analytic", same), row(0, "pymunk", doubles.scaled(same, 1.2))]
     found = score_sets(rows)["pymunk"]
-    assert found["verdicts"][Verdict.MODEL.value] == 1.0
-    assert found["peaks"] is None
+    assert found.verdicts[Verdict.MODEL.value] == 1.0
+    assert found.peaks is None
 
 
 def test_failed_runs_and_runs_not_sent_are_left_out() -> None:
@@ -73,7 +75,7 @@ def test_failed_runs_and_runs_not_sent_are_left_out() -> None:
     rows = [row(k, "analytic", history) for k in range(3)]
     rows += [row(0, "pymunk", history), row(1, "pymunk", history, outcome=Outcome.CRASHED)]
     rows.append(row(2, "pymunk", history) | {"run": None, "key": None})
-    assert score_sets(rows)["pymunk"]["cases"] == 1
+    assert score_sets(rows)["pymunk"].cases == 1
 
 
 def test_a_model_that_left_its_domain_is_not_blamed() -> None:
@@ -81,5 +83,5 @@ def test_a_model_that_left_its_domain_is_not_blamed() -> None:
     short = doubles.truncated(history, 3.0)
     rows = [row(0, "analytic", short, outcome=Outcome.LIFT_OFF), row(0, "pymunk", history)]
     found = score_sets(rows, history={"analytic0": short, "pymunk0": history}.get)["pymunk"]
-    assert found["verdicts"][Verdict.DOMAIN.value] == 1.0
-    assert found["outcomes"]["undecided"] == 1
+    assert found.verdicts[Verdict.DOMAIN.value] == 1.0
+    assert found.outcomes.undecided == 1

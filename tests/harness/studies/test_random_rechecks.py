@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from harness.studies import case_selection as asking
+from harness.studies import case_selection as selection
 from harness.studies.file import StudyFile
-from harness.studies.random_rechecks import audit
+from harness.studies.random_rechecks import recheck
 
 SIZE = 17
 KEYS = ("motion.x.frequency_hz", "motion.x.amplitude_g")
@@ -28,17 +28,17 @@ def outcome(x: int, y: int, island: bool) -> str:
 
 def rows(island: bool) -> list[dict[str, Any]]:
     """A map refined for pymunk, with an audit that hits every place off the coarse grid's cells' corners at x = 3."""
-    places: list[asking.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
-    known: dict[asking.Place, asking.Answer] = {}
-    while new := asking.refined(places, known, (0, 1)).keys() - known.keys():
-        known |= {place: asking.Answer(outcome(place[0], place[1], island), 0.0) for place in new}
+    places: list[selection.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
+    known: dict[selection.Place, selection.Answer] = {}
+    while new := selection.refined(places, known, (0, 1)).keys() - known.keys():
+        known |= {place: selection.Answer(outcome(place[0], place[1], island), 0.0) for place in new}
     found = []
     for number, (x, y) in enumerate(places):
         varied = {"variant": "own", KEYS[0]: 1.0 + x, KEYS[1]: 1.0 + y}
         run = {"outcome": outcome(x, y, island)}
         asked = (x, y) in known or x == 3
-        reason = asking.COARSE if (x, y) in known else asking.AUDIT if x == 3 else asking.SAME_CELL
-        found.append({"number": number, "engine": "analytic", "reason": asking.EVERY, "varied": varied, "run": run})
+        reason = selection.COARSE if (x, y) in known else selection.RECHECK if x == 3 else selection.SAME_CELL
+        found.append({"number": number, "engine": "analytic", "reason": selection.EVERY, "varied": varied, "run": run})
         run_or_none = run if asked else None
         found.append({"number": number, "engine": "pymunk", "reason": reason, "varied": varied, "run": run_or_none})
     return found
@@ -46,20 +46,20 @@ def rows(island: bool) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize(("island", "differ"), [(False, 0), (True, 1)])
 def test_an_audit_of_a_map_finds_what_its_cells_hide(island: bool, differ: int) -> None:
-    found = audit(study("adaptive"), rows(island))
+    found = recheck(study("adaptive"), rows(island))
     assert found is not None
-    assert found["audited"] > 5
-    assert found["differ"] == differ
+    assert found.audited > 5
+    assert found.differ == differ
 
 
 def test_near_a_boundary_the_audit_is_held_against_the_analytic_outcome() -> None:
     other = [row | {"run": {"outcome": "stands"}} if row["engine"] == "pymunk" else row for row in rows(False)]
-    audited = [row for row in other if row["reason"] == asking.AUDIT]
-    found = audit(study("boundary"), other)
+    audited = [row for row in other if row["reason"] == selection.RECHECK]
+    found = recheck(study("boundary"), other)
     assert found is not None
-    assert found["audited"] == len(audited)
-    assert found["differ"] == sum(outcome(2, int(row["varied"][KEYS[1]]) - 1, False) != "stands" for row in audited)
+    assert found.audited == len(audited)
+    assert found.differ == sum(outcome(2, int(row["varied"][KEYS[1]]) - 1, False) != "stands" for row in audited)
 
 
 def test_where_every_case_is_asked_there_is_no_audit() -> None:
-    assert audit(study("all"), rows(False)) is None
+    assert recheck(study("all"), rows(False)) is None

@@ -9,17 +9,17 @@ from typing import Any
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.campaign.executors import Done, LocalPool, Work
+from harness.campaign.runner import Done, InlinePool, LocalPool, Work
+from harness.campaign.store import Packed, Store
 from harness.model.errors import InputError
 from harness.model.run import impacts, to_plain
 from harness.model.scene import Scene
 from harness.records.run import EngineRunRecord
-from harness.studies import case_selection as asking
+from harness.studies import case_selection as selection
 from harness.studies import estimate
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import load_study
-from harness.studies.random_rechecks import audit
-from harness.studies.store import Packed, Store
+from harness.studies.random_rechecks import recheck
 from harness.studies.study_run import Summary, run_study, study_name
 from tests.harness.studies.small_study import STUDY, contents, written
 
@@ -56,12 +56,12 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     sent = [row for row in rows if row["engine"] == "pymunk" and row["run"] is not None]
     left = [row for row in rows if row["engine"] == "pymunk" and row["run"] is None]
     assert summary.not_sent == len(left) > 0
-    assert {row["reason"] for row in left} == {asking.NOT_SENT}
-    assert {row["reason"] for row in sent} <= {asking.NEAR, asking.MARGIN, asking.AUDIT}
-    assert asking.NEAR in {row["reason"] for row in sent}
-    found = audit(study, rows)
+    assert {row["reason"] for row in left} == {selection.NOT_SENT}
+    assert {row["reason"] for row in sent} <= {selection.NEAR, selection.MARGIN, selection.RECHECK}
+    assert selection.NEAR in {row["reason"] for row in sent}
+    found = recheck(study, rows)
     assert found is not None
-    assert found["audited"] == sum(row["reason"] == asking.AUDIT for row in sent)
+    assert found.audited == sum(row["reason"] == selection.RECHECK for row in sent)
 
 
 @pytest.mark.parametrize(
@@ -81,21 +81,18 @@ def test_a_wrong_study_is_a_mistake_that_names_its_key(tmp_path: Path, old: str,
         compute(path, tmp_path / "s.sqlite")
 
 
-class Inline:
-    """A pool of one that runs here, and counts what it is handed."""
-
-    workers = 1
+class Inline(InlinePool):
+    """Runs here, and counts what it is handed."""
 
     def __init__(self) -> None:
         self.tasks = 0
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
-        for task in tasks:
+        def counted(task: Any, answer: Any) -> None:
             self.tasks += 1
-            done(task, work(task))
+            done(task, answer)
 
-    def close(self) -> None:
-        """Nothing to give back."""
+        super().run(work, tasks, counted)
 
 
 def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,9 +104,9 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
         resolved.append(1)
         return scene(self, setting)
 
-    def noted(self: Store, found: Sequence[Packed]) -> None:
-        written_.append(len(found))
-        add(self, found)
+    def noted(self: Store, results: Sequence[Packed], clock_s: float = 0.0) -> None:
+        written_.append(len(results))
+        add(self, results, clock_s)
 
     monkeypatch.setattr(Base, "scene", counted)
     monkeypatch.setattr(Store, "add", noted)

@@ -12,13 +12,14 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from harness.campaign.batches import run_batches
-from harness.campaign.executors import Crash, LocalPool
+from harness.campaign.campaign import Campaign
+from harness.campaign.runner import LocalPool
+from harness.campaign.store import Store
+from harness.campaign.task import Task
 from harness.studies.file import load_study
-from harness.studies.store import Store
 from harness.studies.study_run import run_study
 from tests.harness.campaign.endings import ended
-from tests.harness.studies.small_study import CONTACT, contents, lethal, written
+from tests.harness.studies.small_study import CONTACT, contents, lethal, lost, written
 
 KILLS = 10
 LONGEST_S = 60.0
@@ -89,11 +90,15 @@ def test_told_to_end_a_study_says_what_it_keeps_and_leaves_no_process(tmp_path: 
     assert all(ended(int(pid)) for pid in workers)
 
 
-def test_a_death_in_a_batch_is_charged_to_its_own_job() -> None:
-    found: dict[Any, Any] = {}
-    pool = LocalPool(2)
-    batches = [("a", "b", "die", "c"), ("d", "e"), ("f",)]
-    run_batches(pool, lethal, batches, lambda batch, result: found.update({batch: result}))  # type: ignore[type-var]
-    pool.close()
-    assert isinstance(found.pop(("die",)), Crash)
-    assert found == {("a",): ["A"], ("b",): ["B"], ("c",): ["C"], ("d", "e"): ["D", "E"], ("f",): ["F"]}
+def test_a_death_in_a_batch_is_charged_to_its_own_task(tmp_path: Path) -> None:
+    tasks = [
+        Task(name, lethal, name, group, lost)
+        for name, group in zip(("a", "b", "die", "c", "d", "e", "f"), "1111223", strict=True)
+    ]
+    with Store(tmp_path / "store.sqlite") as store, closing(LocalPool(2)) as pool:
+        campaign = Campaign(store, pool, sizes={"1": 4, "2": 2})
+        campaign.run(tasks, len(tasks))
+        answers = {task.key: row.record for task in tasks if (row := store.get(task.key)) is not None}
+    assert "code 3" in answers.pop("die")["text"]
+    assert answers == {name: {"text": name.upper()} for name in "abcdef"}
+    assert (campaign.computed, campaign.failed) == (7, 1)

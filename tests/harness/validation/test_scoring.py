@@ -112,12 +112,12 @@ def test_classes_of_intensity_are_of_equal_size() -> None:
     trials = [trial(f"t{k}", k > 4) for k in range(9)]
     shaking = {each.name: Intensity(0.1, 0.1 * (k + 1)) for k, each in enumerate(trials)}
     found = by_intensity(trials, shaking, lambda each: each.name != "t4")
-    assert [(row["tests"], row["accuracy"]["value"]) for row in found] == [
+    assert [(row.tests, row.accuracy and row.accuracy.value) for row in found] == [
         (3, 1.0),
         (3, pytest.approx(2 / 3)),
         (3, 1.0),
     ]
-    assert found[0]["pgv_to_m_s"] < found[1]["pgv_from_m_s"]
+    assert found[0].pgv_to_m_s < found[1].pgv_from_m_s
 
 
 def test_a_model_is_scored_whole() -> None:
@@ -129,12 +129,14 @@ def test_a_model_is_scored_whole() -> None:
         answers[each.name, Variant()] = answer(k >= 5)
         answers[each.name, Variant(sample=1)] = answer(k >= 6)
     found = score_model(trials, trials, Choice(0, {}, 0, None), answers, shaking, 1)
-    assert found["outcomes"]["accuracy"]["value"] == pytest.approx(11 / 12)
-    assert found["outcomes"]["confusion"]["stands"]["overturned_right"] == 1
-    assert found["probability"]["brier"] == pytest.approx(0.25 / 12)
-    assert found["fragility_pgv"]["separated"]
-    assert found["contour"] is not None
-    assert found["failed"] == 0
+    assert found.outcomes.accuracy is not None
+    assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
+    assert found.outcomes.confusion["stands"]["overturned_right"] == 1
+    assert found.probability.brier == pytest.approx(0.25 / 12)
+    assert found.fragility_pgv is not None
+    assert found.fragility_pgv.separated
+    assert found.contour is not None
+    assert found.failed == 0
 
 
 def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
@@ -142,12 +144,14 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     # The strongest that stood is just below the middle of its neighbours.
     shaking = {each.name: Intensity(0.1, 0.1 * (k + 1) - 0.01 * (k == 5)) for k, each in enumerate(trials)}
     apart = score_baseline(trials[::2], trials[1::2], shaking)
-    assert apart["threshold_m_s"] == pytest.approx(0.6)
-    assert apart["outcomes"]["accuracy"]["value"] == 1.0
+    assert apart.threshold_m_s == pytest.approx(0.6)
+    assert apart.outcomes.accuracy is not None
+    assert apart.outcomes.accuracy.value == 1.0
     alone = score_baseline([], trials, shaking)
-    assert "all tests but" in alone["fitted_on"]
+    assert "all tests but" in alone.fitted_on
     # Left out, the weakest that fell leaves a threshold halfway between 0.59 and 0.8, just below its 0.7.
-    assert alone["outcomes"]["accuracy"]["value"] == 1.0
+    assert alone.outcomes.accuracy is not None
+    assert alone.outcomes.accuracy.value == 1.0
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
@@ -157,4 +161,4 @@ def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
     answers |= {(each.name, Variant(1)): answer(each.name == "fell") for each in trials}
     assert choose(trials, answers) == Choice(0, {"a": 1}, 2, 1.0)
     shaken = {each.name: Intensity(0.3, 0.2 * (k + 1)) for k, each in enumerate(trials)}
-    assert curves(trials, shaken, lambda each: None)["fragility_pgv"] is None
+    assert curves(trials, shaken, lambda each: None).fragility_pgv is None

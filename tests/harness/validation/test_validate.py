@@ -42,6 +42,9 @@ class Inline:
             self.batches += 1
             done(task, work(task))
 
+    def close(self) -> None:
+        """Nothing to give back."""
+
 
 @pytest.fixture(autouse=True)
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -123,10 +126,8 @@ def test_a_wrong_observation_costs_exactly_itself(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from harness.validation import jobs
-
     path = write_experiments(tmp_path, AMPLITUDES)
-    monkeypatch.setattr(jobs, "BATCH", {"analytic": 1})
+    monkeypatch.setattr(run, "BATCH", {"analytic": 1})
     monkeypatch.setattr(run, "LocalPool", lambda count: Inline(count, limit=3))
     with pytest.raises(KeyboardInterrupt):
         validate(path, tmp_path / "out", models=["analytic"], quiet=True)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from reports.charts.design_figures import best_designs, design_figures
 from reports.text.study_rows import Condition
+from tests.reports.invented_study import case_row, case_run
 
 MODEL = "analytic (own)"
 AXES = ("pedestal.width_m", "pedestal.height_m")
 
 
 def condition(width_m: float, height_m: float, *, slip_m: float, stands: bool = True) -> Condition:
-    run: dict[str, Any] = {
-        "outcome": "stands" if stands else "overturned_left",
-        "peak_slip_m": slip_m,
-        # A pedestal tips where it is taller than wide.
-        "validity": {"pedestal_tipping_margin_m": width_m - height_m, "pedestal_tipping_margin_at_impact_m": 1.0},
-    }
-    return Condition({AXES[0]: width_m, AXES[1]: height_m}, {MODEL: {"run": run}})
+    # A pedestal tips where it is taller than wide.
+    validity = {"pedestal_tipping_margin_m": width_m - height_m, "pedestal_tipping_margin_at_impact_m": 1.0}
+    run = case_run("stands" if stands else "overturned_left", peak_slip_m=slip_m, validity=validity)
+    return Condition({AXES[0]: width_m, AXES[1]: height_m}, {MODEL: case_row("analytic", run)})
 
 
 DESIGNS = [

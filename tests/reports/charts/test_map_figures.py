@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
-from harness.studies import case_selection as asking
+from harness.studies import case_selection as selection
 from reports.charts.map_figures import CODES, map_figures
 from reports.text.study_rows import Condition
+from tests.reports.invented_study import case_row, case_run
 
 SIZE = 17
 BOUNDARY = {"analytic": 8.5, "pybullet": 9.5}
@@ -19,21 +20,21 @@ def outcome(engine: str, y: int) -> str:
     return "overturned_right" if y > BOUNDARY[engine] else "stands"
 
 
-def explored() -> set[asking.Place]:
+def explored() -> set[selection.Place]:
     """The places that pybullet is asked on its way to the boundary."""
-    places: list[asking.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
-    known: dict[asking.Place, asking.Answer] = {}
-    while new := asking.refined(places, known, (0, 1)).keys() - known.keys():
-        known |= {place: asking.Answer(outcome("pybullet", place[1]), 0.0) for place in new}
+    places: list[selection.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
+    known: dict[selection.Place, selection.Answer] = {}
+    while new := selection.refined(places, known, (0, 1)).keys() - known.keys():
+        known |= {place: selection.Answer(outcome("pybullet", place[1]), 0.0) for place in new}
     return set(known)
 
 
-def condition(x: int, y: int, asked: set[asking.Place]) -> Condition:
-    answers: dict[str, dict[str, Any]] = {}
+def condition(x: int, y: int, asked: set[selection.Place]) -> Condition:
+    answers = {}
     for engine in BOUNDARY:
-        run = {"outcome": outcome(engine, y), "peak_theta_rad": 0.1}
+        run = case_run(outcome(engine, y))
         known = engine == "analytic" or (x, y) in asked
-        answers[f"{engine} (own)"] = {"engine": engine, "reason": asking.SAME_CELL, "run": run if known else None}
+        answers[f"{engine} (own)"] = case_row(engine, run if known else None, selection.SAME_CELL)
     return Condition({"motion.x.frequency_hz": 1.0 + x, "motion.x.amplitude_g": float(y)}, answers)
 
 

@@ -31,7 +31,7 @@ from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import conditions
 from tests.budgets_reports import PUSH, SHADOW_SHARE
 from tests.reports.invented_run import write_invented
-from tests.reports.invented_study import write_map_study, write_table_study
+from tests.reports.invented_study import study, write_map_study, write_table_study
 
 JARGON = ("rad", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ")
 
@@ -185,8 +185,8 @@ def test_three_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_pat
 
 
 def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> None:
-    record = read_record(write_table_study(tmp_path))
-    found = pedestal_effect(record, *conditions(record["rows"]))
+    record = study(write_table_study(tmp_path))
+    found = pedestal_effect(record, *conditions(record.rows))
     assert found is not None
     told = "it overturns in 12 without the pedestal; with it 6 of these are prevented and 0 others caused"
     assert told in found.sentence
@@ -195,8 +195,8 @@ def test_what_the_pedestal_prevents_is_counted_by_condition(tmp_path: Path) -> N
 
 
 def test_a_study_without_pedestals_has_no_such_effect(tmp_path: Path) -> None:
-    record = read_record(write_map_study(tmp_path))
-    assert pedestal_effect(record, *conditions(record["rows"])) is None
+    record = study(write_map_study(tmp_path))
+    assert pedestal_effect(record, *conditions(record.rows)) is None
 
 
 def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:

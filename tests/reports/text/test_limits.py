@@ -51,7 +51,11 @@ def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
 def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, History], tmp_path: Path) -> None:
     run, history = fallen
     source = run_source(write_invented(tmp_path))
-    fall = replace(source, record=replace(source.record, runs={"pybullet": run}), histories={"pybullet": history})
+    fall = replace(
+        source,
+        record=replace(source.record, runs={"pybullet": run}, histories=["pybullet"]),
+        histories={"pybullet": history},
+    )
     rows = dict(limit_rows(fall)["pybullet"])
     until = run.no_return_time_s
     assert rows["turn about the vertical"] == f"0.0030 rad until {until:.3f} s; with the fall 0.9000 rad"

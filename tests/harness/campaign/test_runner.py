@@ -16,8 +16,8 @@ from typing import Any
 
 import pytest
 
-from harness.campaign import executors
-from harness.campaign.executors import AHEAD, Crash, LocalPool
+from harness.campaign import runner
+from harness.campaign.runner import AHEAD, Crash, LocalPool
 from tests.harness.campaign.endings import ended
 
 MAIN = threading.main_thread().ident or 0
@@ -90,7 +90,7 @@ def test_processes_are_started_once() -> None:
 
 def test_processes_end_with_a_parent_that_was_killed(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from harness.campaign.executors import LocalPool\n"
+        "import sys; from pathlib import Path; from harness.campaign.runner import LocalPool\n"
         "BUSY = \"__import__('time').sleep(60.0)\"\n"
         "def told(task, pid): Path(sys.argv[1]).write_text(str(pid)); __import__('os').kill(__import__('os').getpid(), 9)\n"
         "if __name__ == '__main__': LocalPool(1).run(eval, [\"__import__('os').getpid()\", BUSY], told)\n"
@@ -127,7 +127,7 @@ def test_a_stopped_worker_costs_only_its_own_task_and_no_more_than_the_limit() -
     tasks = ["1 + 1", STOPPED, *(f"{i} + 0" for i in range(6))]
     with closing(LocalPool(2, limit_s=LIMIT_S)) as pool:
         pool.run(eval, tasks, found.__setitem__)
-    assert isinstance(found.pop(STOPPED), executors.Hung)
+    assert isinstance(found.pop(STOPPED), runner.Hung)
     assert all(result == eval(task) for task, result in found.items())
     assert len(found) == len(tasks) - 1
 
@@ -142,7 +142,7 @@ def stopped(pid: int | None) -> bool:
 
 def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch) -> None:
     """A stopped process does not hear a request to end: until it is killed, whoever waits for it waits for ever."""
-    monkeypatch.setattr(executors, "GRACE_S", 0.5, raising=False)
+    monkeypatch.setattr(runner, "GRACE_S", 0.5, raising=False)
     before = {process.pid for process in multiprocessing.active_children()}
 
     def interrupt() -> None:
@@ -154,3 +154,26 @@ def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.Mo
     with pytest.raises(KeyboardInterrupt):
         LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
     assert {process.pid for process in multiprocessing.active_children()} == before
+
+
+def once(path: str) -> str:
+    """Work whose process is ended from outside the first time, and only then."""
+    return (
+        f"__import__('os').kill(__import__('os').getpid(), 9) if not __import__('os').path.exists({path!r})"
+        f" and not open({path!r}, 'w').close() else 'whole'"
+    )
+
+
+def test_a_worker_that_was_ended_from_outside_costs_no_task(tmp_path: Path) -> None:
+    tasks = [once(str(tmp_path / "seen")), *(f"{i} + 0" for i in range(6))]
+    assert results(tasks, 2)[tasks[0]] == "whole"
+
+
+def test_a_death_is_told_with_its_signal() -> None:
+    killed = "__import__('os').kill(__import__('os').getpid(), 9)"
+    assert "SIGKILL" in str(results([killed], 1)[killed])
+
+
+def test_what_cannot_be_sent_back_is_told() -> None:
+    with pytest.raises(TypeError, match="pickle"):
+        results(["__import__('threading').Lock()"], 1)

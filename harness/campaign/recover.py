@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from harness.campaign.store import Store, history_sum, record_sum
 from harness.model.errors import InputError, Mistake
-from harness.studies.store import Store, history_sum, run_sum
 
 
 @dataclass(frozen=True)
-class Salvaged:
+class Recovered:
     """How many results are whole in the new store, and how many were left out: changed, or without their histories."""
 
     results: int
@@ -29,7 +29,7 @@ class Salvaged:
         )
 
 
-def salvage(damaged: Path, fresh: Path) -> Salvaged:
+def recover(damaged: Path, fresh: Path) -> Recovered:
     """Copy every result of a damaged store that is whole into a new one: its record and its history as they were stored.
 
     Raises `InputError` when the new file exists or nothing can be read.
@@ -38,29 +38,30 @@ def salvage(damaged: Path, fresh: Path) -> Salvaged:
         raise InputError(Mistake(str(fresh), "", "a file that does not exist yet", "an existing one"))
     if not damaged.is_file():
         raise InputError(Mistake(str(damaged), "", "an existing store", "nothing"))
-    rows = {table: list(_readable(damaged, table)) for table in ("run", "timing", "history", "plan")}
-    readable = len(rows["run"])
-    rows["history"] = [row for row in rows["history"] if _is_whole(row, history_sum, row[:-1])]
-    kept = {row[0] for row in rows["history"]}
-    rows["run"] = [row for row in rows["run"] if _is_whole(row, run_sum, (row[0], *row[-3:-1]))]
-    rows["run"] = [row for row in rows["run"] if not row[-2] or row[0] in kept]
-    if not rows["run"]:
+    rows = {table: list(_readable(damaged, table)) for table in ("result", "timing", "history", "plan")}
+    readable = len(rows["result"])
+    rows["history"] = [row for row in rows["history"] if _is_whole(row, history_sum)]
+    with_history = {row[0] for row in rows["history"]}
+    rows["result"] = [
+        row for row in rows["result"] if _is_whole(row, record_sum) and (not row[3] or row[0] in with_history)
+    ]
+    if not rows["result"]:
         wanted = "a store of this version of which something can be read"
         raise InputError(Mistake(str(damaged), "", wanted, "nothing readable"))
     with Store(fresh):
         pass
     with closing(sqlite3.connect(fresh)) as db, db:
-        for table, found in rows.items():
-            if found:
-                marks = ",".join("?" * len(found[0]))
-                db.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", found)
-    return Salvaged(len(rows["run"]), readable - len(rows["run"]))
+        for table, readable_rows in rows.items():
+            if readable_rows:
+                marks = ",".join("?" * len(readable_rows[0]))
+                db.executemany(f"INSERT OR IGNORE INTO {table} VALUES ({marks})", readable_rows)
+    return Recovered(len(rows["result"]), readable - len(rows["result"]))
 
 
-def _is_whole(row: tuple[Any, ...], checksum: Callable[..., int], stored: tuple[Any, ...]) -> bool:
+def _is_whole(row: tuple[Any, ...], checksum: Callable[..., int]) -> bool:
     """Whether a row has the checksum that it was stored with; not so one of another version, or of other types."""
     try:
-        return bool(checksum(*stored) == row[-1])
+        return bool(checksum(*row[:-1]) == row[-1])
     except (TypeError, ValueError):
         return False
 

@@ -1,4 +1,4 @@
-"""One SQLite file that keeps every result once, keyed by the content of scene, engine, settings and version."""
+"""One SQLite file that keeps every result once, by its key: runs with their histories, and any other answer of a task."""
 
 from __future__ import annotations
 
@@ -13,26 +13,28 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.campaign.serialization import pack, unpack
+from harness.campaign.task import RUN, Answer, answer_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
 from harness.records.base import part
 from harness.records.run import EngineRunRecord
-from harness.studies.serialization import pack, unpack
 
 STORE_NAME: Final = "store.sqlite"
-STORE_VERSION: Final = 3
+STORE_VERSION: Final = 4
 BUSY_MS: Final = 60_000
 """Longest wait for another writer: many workers share one file, each holding it for well under a millisecond."""
 
-# Runs stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
-_SCHEMA: Final = """
-CREATE TABLE IF NOT EXISTS run (
-    key TEXT PRIMARY KEY, engine TEXT NOT NULL, outcome TEXT NOT NULL, peak_theta_rad REAL, no_return_time_s REAL,
-    overturn_time_s REAL, peak_slip_m REAL, uncertainty_rad REAL, reliable_until_s REAL, record TEXT NOT NULL,
-    has_history INTEGER NOT NULL, crc32 INTEGER NOT NULL
+RECOVER: Final = "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
+
+# Results stand in the order in which they came: in a tree of keys each row of a kilobyte would take a page of its own.
+# The view is for whoever asks the file by SQL.
+_SCHEMA: Final = f"""
+CREATE TABLE IF NOT EXISTS result (
+    key TEXT PRIMARY KEY, kind TEXT NOT NULL, record TEXT NOT NULL, has_history INTEGER NOT NULL, crc32 INTEGER NOT NULL
 );
-CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS timing (key TEXT PRIMARY KEY, seconds REAL NOT NULL, clock_s REAL NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS history (
     key TEXT PRIMARY KEY, columns TEXT NOT NULL, samples INTEGER NOT NULL, data BLOB NOT NULL, crc32 INTEGER NOT NULL
 );
@@ -40,12 +42,27 @@ CREATE TABLE IF NOT EXISTS plan (
     study TEXT NOT NULL, number INTEGER NOT NULL, engine TEXT NOT NULL, key TEXT, reason TEXT NOT NULL, settings TEXT NOT NULL,
     PRIMARY KEY (study, number, engine)
 ) WITHOUT ROWID;
+CREATE VIEW IF NOT EXISTS run AS SELECT key, {
+    ", ".join(
+        f"json_extract(record, '$.{source}') AS {name}"
+        for name, source in (
+            ("engine", "engine"),
+            ("outcome", "outcome"),
+            ("peak_theta_rad", "peak_theta_rad"),
+            ("no_return_time_s", "no_return_time_s"),
+            ("overturn_time_s", "overturn_time_s"),
+            ("peak_slip_m", "peak_slip_m"),
+            ("uncertainty_rad", "numerical_uncertainty_rad"),
+            ("reliable_until_s", "reliable_until_s"),
+        )
+    )
+}, record, has_history, crc32 FROM result WHERE kind = '{RUN}';
 """
 
 
 @dataclass(frozen=True)
 class Row:
-    """One stored result: its key and its record (a run as plain values)."""
+    """One stored result: its key and its record as plain values."""
 
     key: str
     record: Mapping[str, Any]
@@ -55,14 +72,19 @@ class Row:
 class Packed:
     """One result as the store takes it: its row, the seconds that it took, its history as names, samples, bytes and checksum."""
 
-    columns: tuple[Any, ...]
+    columns: tuple[str, str, str, int, int]
     seconds: float
     history: tuple[str, int, bytes, int] | None
 
+    @property
+    def key(self) -> str:
+        """What names it."""
+        return self.columns[0]
 
-def run_sum(key: str, record: str, has_history: int) -> int:
-    """CRC-32 of what counts of a run's row."""
-    return zlib.crc32(f"{key}\0{has_history}\0{record}".encode())
+
+def record_sum(key: str, kind: str, record: str, has_history: int) -> int:
+    """CRC-32 of a result's row."""
+    return zlib.crc32(f"{key}\0{kind}\0{has_history}\0{record}".encode())
 
 
 def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
@@ -70,33 +92,18 @@ def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
     return zlib.crc32(data, zlib.crc32(f"{key}\0{columns}\0{samples}\0".encode()))
 
 
-def packed(key: str, run: Run, histories: bool = False) -> Packed:
-    """Pack a finished run: what costs time is done where it ran, and the store only writes."""
-    plain = to_plain(EngineRunRecord.of(run))
-    # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
-    seconds = plain.pop("wall_s")
-    text = json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":"))
-    has_history = int(histories and run.history is not None)
-    columns = (
-        key,
-        run.engine,
-        run.outcome.value,
-        run.peak_theta_rad,
-        run.no_return_time_s,
-        run.overturn_time_s,
-        run.peak_slip_m,
-        run.numerical_uncertainty_rad,
-        run.reliable_until_s,
-        text,
-        has_history,
-        run_sum(key, text, has_history),
-    )
-    history = None
-    if histories and run.history is not None:
-        table = run.history.columns()
-        kept = ",".join(table), run.history.t_s.size, pack(np.stack(list(table.values())))
-        history = (*kept, history_sum(key, *kept))
-    return Packed(columns, seconds, history)
+def packed(key: str, answer: Answer) -> Packed:
+    """Pack an answer: what costs time is done where it was computed, and the store only writes."""
+    # Of a run the order of keys says nothing; of another record it may be that of a table's columns.
+    text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))
+    has_history = int(answer.history is not None)
+    row = key, answer.kind, text, has_history
+    columns = (*row, record_sum(*row))
+    if answer.history is None:
+        return Packed(columns, answer.seconds, None)
+    table = answer.history.columns()
+    row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
+    return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))
 
 
 class Store:
@@ -107,7 +114,7 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        with self._told("opened"):
+        with self._telling("opened"):
             path.parent.mkdir(parents=True, exist_ok=True)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
         try:
@@ -118,7 +125,7 @@ class Store:
             raise
 
     def _prepare(self, path: Path) -> None:
-        with self._told("read"):
+        with self._telling("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
             self._db.execute("PRAGMA journal_mode=WAL")
             # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
@@ -143,61 +150,74 @@ class Store:
     def keys(self) -> set[str]:
         """All keys that have a result, with its history where one belongs to it: a run whose history is lost counts as none."""
         query = (
-            "SELECT key FROM run WHERE NOT has_history OR EXISTS (SELECT 1 FROM history WHERE history.key = run.key)"
+            "SELECT key FROM result WHERE NOT has_history "
+            "OR EXISTS (SELECT 1 FROM history WHERE history.key = result.key)"
         )
-        with self._told("read"):
+        with self._telling("read"):
             return {key for (key,) in self._db.execute(query)}
 
     def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
         """Store finished runs, each in a transaction of its own; a key that is there already is kept as it is."""
         for key, run in results:
-            self.add([packed(key, run, histories)])
+            self.add([packed(key, answer_of(run, histories))])
 
-    def add(self, results: Sequence[Packed]) -> None:
-        """Store packed results in one transaction; a key that is there already is kept as it is."""
-        kept = [(item.columns[0], *item.history) for item in results if item.history is not None]
-        with self._told("written"), self._transaction():
-            self._db.executemany(
-                "INSERT OR IGNORE INTO run VALUES (?,?,?,?,?,?,?,?,?,?,?,?)", [r.columns for r in results]
-            )
-            seconds = [(item.columns[0], item.seconds) for item in results]
-            self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?)", seconds)
-            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?,?)", kept)
+    def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
+        """Store packed results in one transaction; a key that is there already is kept as it is.
+
+        `clock_s` is the time by the clock since the results before: that of many workers together.
+        """
+        histories = [(item.key, *item.history) for item in results if item.history is not None]
+        seconds = [(item.key, item.seconds, clock_s / len(results)) for item in results]
+        with self._telling("written"), self._transaction():
+            self._db.executemany("INSERT OR IGNORE INTO result VALUES (?,?,?,?,?)", [item.columns for item in results])
+            self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?,?)", seconds)
+            self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?,?)", histories)
+
+    def remove(self, keys: Iterable[str]) -> None:
+        """Remove results, to have them computed anew."""
+        gone = [(key,) for key in keys]
+        with self._telling("written"), self._transaction():
+            for table in ("result", "timing", "history"):
+                self._db.executemany(f"DELETE FROM {table} WHERE key=?", gone)
 
     def get(self, key: str) -> Row | None:
         """The stored result of a key, or None."""
-        with self._told("read"):
-            found = self._db.execute("SELECT record, has_history, crc32 FROM run WHERE key=?", (key,)).fetchone()
-        return None if found is None else Row(key, self._decoded_record(key, *found))
+        with self._telling("read"):
+            row = self._db.execute("SELECT kind, record, has_history, crc32 FROM result WHERE key=?", (key,)).fetchone()
+        return None if row is None else Row(key, self._decoded_record(key, *row))
 
-    def _decoded_record(self, key: str, record: str, has_history: int, crc32: int) -> dict[str, Any]:
-        """A run's record, as it was stored."""
+    def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> dict[str, Any]:
+        """A record, as it was stored."""
         with self._decoded():
-            if run_sum(key, record, has_history) != crc32:
+            if record_sum(key, kind, record, has_history) != crc32:
                 raise ValueError(f"the record of {key[:12]} is not as it was stored")
-            found = json.loads(record)
-            if not isinstance(found, dict):
+            plain = json.loads(record)
+            if not isinstance(plain, dict):
                 raise TypeError(f"the record of {key[:12]} is no table")
-            return found
+            return plain
 
     def seconds(self, key: str) -> float | None:
-        """What the run took when it was computed."""
-        with self._told("read"):
-            found = self._db.execute("SELECT seconds FROM timing WHERE key=?", (key,)).fetchone()
-        return None if found is None else float(found[0])
+        """What the result took when it was computed."""
+        return None if (timing := self.timing(key)) is None else timing[0]
+
+    def timing(self, key: str) -> tuple[float, float] | None:
+        """What the result took when it was computed: its own seconds, and its share of the clock's."""
+        with self._telling("read"):
+            row = self._db.execute("SELECT seconds, clock_s FROM timing WHERE key=?", (key,)).fetchone()
+        return None if row is None else (float(row[0]), float(row[1]))
 
     def history(self, key: str) -> History | None:
         """The stored history of a key, or None."""
-        with self._told("read"):
+        with self._telling("read"):
             query = "SELECT columns, samples, data, crc32 FROM history WHERE key=?"
-            found = self._db.execute(query, (key,)).fetchone()
-        if found is None:
+            row = self._db.execute(query, (key,)).fetchone()
+        if row is None:
             return None
         with self._decoded():
-            if history_sum(key, *found[:3]) != found[3]:
+            if history_sum(key, *row[:3]) != row[3]:
                 raise ValueError(f"the history of {key[:12]} is not as it was stored")
-            names = found[0].split(",")
-            columns = dict(zip(names, unpack(found[2], len(names), found[1]), strict=True))
+            names = row[0].split(",")
+            columns = dict(zip(names, unpack(row[2], len(names), row[1]), strict=True))
             extra = {name: values for name, values in columns.items() if name not in COLUMNS}
             return History(**{name: columns[name] for name in COLUMNS}, extra=extra)
 
@@ -215,36 +235,30 @@ class Store:
             (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
             for n, engine, key, why, what in rows
         )
-        with self._told("written"), self._transaction():
+        with self._telling("written"), self._transaction():
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
 
     def rows(self, study: str) -> Iterator[dict[str, Any]]:
         """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
-        with self._told("read"):
+        with self._telling("read"):
             query = (
                 "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, "
-                "run.record, run.has_history, run.crc32 FROM plan "
-                "LEFT JOIN run ON run.key = plan.key WHERE study=? ORDER BY plan.number, plan.engine"
+                "result.kind, result.record, result.has_history, result.crc32 FROM plan "
+                "LEFT JOIN result ON result.key = plan.key WHERE study=? ORDER BY plan.number, plan.engine"
             )
-            for number, engine, key, reason, what, record, *sums in self._db.execute(query, (study,)):
-                found = None if record is None else self._decoded_record(key, record, *sums)
+            for number, engine, key, reason, what, *result in self._db.execute(query, (study,)):
+                run = None if result[0] is None else self._decoded_record(key, *result)
                 with self._decoded():
                     varied = dict(json.loads(what))
-                yield {
-                    "number": number,
-                    "engine": engine,
-                    "key": key,
-                    "reason": reason,
-                    "varied": varied,
-                    "run": found,
-                }
+                row = {"number": number, "engine": engine, "key": key, "reason": reason, "varied": varied}
+                yield {**row, "run": run}
 
     def check(self) -> str | None:
         """What SQLite says of the file's integrity: None when whole, else its first finding."""
-        with self._told("read"):
-            found = self._db.execute("PRAGMA quick_check(1)").fetchone()[0]
-        return None if found == "ok" else str(found)
+        with self._telling("read"):
+            finding = self._db.execute("PRAGMA quick_check(1)").fetchone()[0]
+        return None if finding == "ok" else str(finding)
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -264,19 +278,18 @@ class Store:
         try:
             yield
         except (zlib.error, ValueError, KeyError, TypeError, AttributeError) as error:  # None where text was, too
-            advice = "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
             raise InputError(
-                Mistake(str(self.path), "", "a store whose results can be read", str(error), advice)
+                Mistake(str(self.path), "", "a store whose results can be read", str(error), RECOVER)
             ) from error
 
     @contextmanager
-    def _told(self, done: str) -> Iterator[None]:
+    def _telling(self, done: str) -> Iterator[None]:
         try:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands
             advice = (
                 "free some space (or allow larger files) and run again with --resume: what was finished is kept"
                 if "full" in str(error) or getattr(error, "sqlite_errorname", "").startswith("SQLITE_IOERR_WRITE")
-                else "`rockcheck store salvage FILE NEW` copies what can still be read into a new store"
+                else RECOVER
             )
             raise InputError(Mistake(str(self.path), "", f"a store that can be {done}", str(error), advice)) from error

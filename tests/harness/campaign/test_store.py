@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.campaign.recover import recover
+from harness.campaign.store import Store
 from harness.model.errors import InputError
 from harness.model.history import History, Outcome
 from harness.model.run import Run
 from harness.studies.export import export_csv
-from harness.studies.recover import salvage
-from harness.studies.store import Store
 
 
 def run(peak: float = 0.1, wall_s: float = 1.0) -> Run:
@@ -121,14 +121,14 @@ def test_what_can_still_be_read_of_a_damaged_store_is_salvaged(tmp_path: Path) -
     middle = len(data) // 2
     data[middle : middle + 8192] = b"\xff" * 8192
     path.write_bytes(data)
-    saved = salvage(path, tmp_path / "fresh.sqlite")
+    saved = recover(path, tmp_path / "fresh.sqlite")
     count = saved.results
     assert 0 < count <= 400
     with Store(tmp_path / "fresh.sqlite") as fresh:
         assert fresh.check() is None
         assert len(fresh.known(f"key{i:04d}" for i in range(400))) == count
     with pytest.raises(InputError, match="does not exist yet"):
-        salvage(path, tmp_path / "fresh.sqlite")
+        recover(path, tmp_path / "fresh.sqlite")
 
 
 def test_a_run_whose_history_is_lost_counts_as_none(tmp_path: Path) -> None:
@@ -142,7 +142,7 @@ def test_a_run_whose_history_is_lost_counts_as_none(tmp_path: Path) -> None:
         whole = {name for i, name in enumerate(names, 1) if i % 3} | {"outcome alone"}
         assert store.keys() == whole
         store._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    saved = salvage(path, fresh)
+    saved = recover(path, fresh)
     assert (saved.results, saved.left_out) == (135, 67)
     assert "67 were left out" in str(saved)
     with Store(fresh) as store:
@@ -171,7 +171,7 @@ def test_no_change_of_a_history_goes_unseen(tmp_path: Path) -> None:
 def test_a_record_of_another_shape_is_told(store: Store, text: str) -> None:
     store.put([("a", run())])
     store.write_plan("s", [(0, "analytic", "a", "asked", {})])
-    store._db.execute("UPDATE run SET record = ?", (text,))
+    store._db.execute("UPDATE result SET record = ?", (text,))
     with pytest.raises(InputError, match="salvage"):
         store.get("a")
     with pytest.raises(InputError, match="salvage"):
@@ -191,8 +191,8 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from harness.model.errors import InputError
-from harness.studies.store import Store
-from tests.harness.studies.test_store import run
+from harness.campaign.store import Store
+from tests.harness.campaign.test_store import run
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 with Store(Path(sys.argv[1])) as store:
     for i in range(1000):

@@ -1,0 +1,160 @@
+"""Many tasks: what the store holds is not computed again, and each result is kept as soon as it is there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from harness.campaign.runner import Crash, Pool
+from harness.campaign.store import Packed, Store, packed
+from harness.campaign.task import Answer, Task
+from harness.campaign.usage import Usage
+
+OnProgress = Callable[[int, int], None]
+"""Hears how many tasks are done, and how many there are to do."""
+Order = tuple[str, Callable[[Any], Answer], Any]
+"""What travels of a task: its key, its function, and the function's argument."""
+
+
+def silent(done: int, total: int) -> None:
+    """Hears nothing."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What a worker gives back: an answer for each order, packed where it is kept, and seconds: all, and each task's overhead."""
+
+    answers: Sequence[Packed | Answer]
+    failed: int
+    busy_s: float
+    outside_s: Sequence[float]
+
+
+def compute(batch: tuple[int, Sequence[Order]]) -> Finished:
+    """What a worker does: each task of a numbered batch, and its answer packed."""
+    begin, failed, answers, outside_s = time.perf_counter(), 0, [], []
+    for key, work, argument in batch[1]:
+        start = time.perf_counter()
+        answer = work(argument)
+        failed += answer.failed
+        answers.append(packed(key, answer) if key else answer)
+        outside_s.append(time.perf_counter() - start - answer.inside_s)
+    return Finished(answers, failed, time.perf_counter() - begin, outside_s)
+
+
+def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1) -> Iterator[tuple[Task, ...]]:
+    """Tasks in the order given, neighbours of one group in what a worker takes at a time (`otherwise`: not in `sizes`)."""
+    for group, members in groupby(tasks, key=lambda task: task.group):
+        size = sizes.get(group, otherwise)
+        batch: list[Task] = []
+        for task in members:
+            batch.append(task)
+            if len(batch) == size:
+                yield tuple(batch)
+                batch = []
+        if batch:
+            yield tuple(batch)
+
+
+class Campaign:
+    """The tasks of one call; `run` may be called again with what the results of the last call ask for.
+
+    `sizes` are the tasks of a group that a worker takes at a time. `reused` are keys that the store held; `latest` is the task
+    that finished last. Tasks without a key, of a group of their own, are not counted: their answers are `aside`.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        pool: Pool,
+        on_progress: OnProgress = silent,
+        sizes: Mapping[str, int] | None = None,
+        otherwise: int = 1,
+    ) -> None:
+        self._store, self._pool, self._on_progress = store, pool, on_progress
+        self._sizes, self._otherwise = sizes or {}, otherwise
+        self._stored = store.keys()
+        self._seen: set[str] = set()
+        self._expected = 0
+        self._clock_s = time.perf_counter()
+        self.reused: set[str] = set()
+        self.computed = self.failed = 0
+        self.aside: list[tuple[Task, Answer]] = []
+        self.latest: Task | None = None
+        self.usage = Usage(pool.workers)
+
+    def run(self, tasks: Iterable[Task], expected: int) -> None:
+        """Compute what the store does not hold, in the order in which it comes; so many tasks are expected.
+
+        A batch whose worker died is run again task by task, so that a death is charged to its own task. An exception of a task is
+        raised.
+        """
+        self._expected += expected
+        self._tell()
+        again: list[tuple[Task, ...]] = []
+
+        def done(batch: tuple[Task, ...], result: Finished | Crash) -> None:
+            if isinstance(result, Crash) and len(batch) > 1:
+                again.extend((task,) for task in batch)
+            else:
+                self._keep(batch, _lost(batch[0], result) if isinstance(result, Crash) else result)
+
+        self._run(batches(self._left(tasks), self._sizes, self._otherwise), done)
+        self._run(again, done)
+        self._tell()
+
+    def _run(
+        self, tasks: Iterable[tuple[Task, ...]], done: Callable[[tuple[Task, ...], Finished | Crash], None]
+    ) -> None:
+        waiting: dict[int, tuple[Task, ...]] = {}
+
+        def orders() -> Iterator[tuple[int, list[Order]]]:
+            for number, batch in enumerate(tasks):
+                waiting[number] = batch
+                yield number, [(task.key, task.work, task.argument) for task in batch]
+
+        self._pool.run(compute, orders(), lambda order, result: done(waiting.pop(order[0]), result))
+
+    def _left(self, tasks: Iterable[Task]) -> Iterator[Task]:
+        """The tasks of which nobody has a result yet, and nobody is at work on."""
+        for task in tasks:
+            if not task.key:
+                yield task
+                continue
+            if task.key in self._stored:
+                self.reused.add(task.key)
+            elif task.key not in self._seen:
+                self._seen.add(task.key)
+                yield task
+                continue
+            # What costs nothing is not counted: the rate at which the others finish tells the time that is left.
+            self._expected -= 1
+
+    def _keep(self, batch: Sequence[Task], result: Finished) -> None:
+        if not batch[0].key:
+            self.aside += [
+                (task, answer) for task, answer in zip(batch, result.answers, strict=True) if isinstance(answer, Answer)
+            ]
+            return
+        now_s = time.perf_counter()
+        self._store.add([item for item in result.answers if isinstance(item, Packed)], now_s - self._clock_s)
+        self._clock_s = now_s
+        self.latest = batch[-1]
+        self.computed += len(batch)
+        self.failed += result.failed
+        self.usage.note(len(batch), result.busy_s, result.outside_s)
+        self._tell()
+
+    def _tell(self) -> None:
+        self._on_progress(self.computed, max(self._expected, self.computed))
+
+
+def _lost(task: Task, crash: Crash) -> Finished:
+    """What a task gives whose worker died."""
+    answer = task.lost(task.argument, crash)
+    if answer is None:
+        return Finished((), 1, 0.0, ())
+    return Finished([packed(task.key, answer) if task.key else answer], 1, 0.0, ())

@@ -1,0 +1,271 @@
+"""Where tasks are computed: worker processes on this machine, or this process. `dask_pool.py` has a cluster."""
+
+from __future__ import annotations
+
+import atexit
+import multiprocessing
+import multiprocessing.util  # its own hook at exit waits for workers: ours, registered later, ends them before
+import os
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from multiprocessing import connection
+from queue import Empty, SimpleQueue
+from typing import Any, Final, Protocol
+from weakref import WeakSet
+
+GRACE_S: Final = 5.0
+"""Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
+LIMIT_S: Final = 4 * 3600.0
+"""Time without an answer after which a worker is taken to hang: a search for an amplitude takes tens of runs."""
+AHEAD: Final = 3
+"""Tasks handed out per worker at a time: enough that none waits, few enough that a million are never all there at once."""
+TRIES: Final = 2
+"""A worker may have been ended from outside: a task is charged with a death when it has seen two of them."""
+LOOK_S: Final = 1.0
+"""Time between two looks at the clock while no answer comes, less where the limit itself is short."""
+
+Work = Callable[[Any], Any]
+Done = Callable[[Any, Any], None]
+
+
+class Crash(Exception):
+    """The worker process died during this task (not an exception of the task's own)."""
+
+
+class Hung(Crash):
+    """The worker gave no answer to this task in the time allowed."""
+
+
+class Pool(Protocol):
+    """Whatever computes tasks."""
+
+    @property
+    def workers(self) -> int:
+        """How many tasks run at once."""
+
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+        """Run `work` on each task, telling `done(task, result or Crash)` as each finishes, in any order.
+
+        Tasks are taken from the iterable as workers become free. A task's own exception is raised.
+        """
+
+    def close(self) -> None:
+        """Give the workers back."""
+
+
+class InlinePool:
+    """No worker: each task here, one after the other; what is timed must have the machine for itself."""
+
+    workers: Final = 1
+
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+        """See `Pool.run`."""
+        for task in tasks:
+            done(task, work(task))
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+@dataclass
+class _Order:
+    """One task on its way, and how often it was tried."""
+
+    work: Work
+    task: Any
+    tries: int = 0
+
+
+_Reply = tuple["_Worker", _Order, Any, BaseException | None]
+
+
+class _Worker:
+    """A process, and the thread of this one that hands it one order after the other: nothing here waits for a pipe."""
+
+    def __init__(self, orders: SimpleQueue[_Order | None], replies: SimpleQueue[_Reply]) -> None:
+        self.order: _Order | None = None
+        self.since_s = time.monotonic()
+        self.limit_passed_s: float | None = None
+        self._orders, self._replies = orders, replies
+        # A fresh interpreter: nothing that the parent did can reach a run.
+        context = multiprocessing.get_context("spawn")
+        self._ours, theirs = context.Pipe()
+        self.process = context.Process(target=_serve, args=(theirs,))
+        self.process.start()
+        theirs.close()
+        threading.Thread(target=self._hand_out, daemon=True).start()
+
+    def check(self, limit_s: float) -> None:
+        """Kill the process when it has been at its order for longer than the limit; the thread then hears that it died."""
+        if self.order is not None and time.monotonic() - self.since_s > limit_s:
+            self.limit_passed_s = limit_s
+            self.process.kill()
+
+    def _hand_out(self) -> None:
+        with self._ours:
+            while (order := self._orders.get()) is not None:
+                self.since_s, self.order = time.monotonic(), order
+                answer, error = self._answer(order)
+                self.order = None
+                self._replies.put((self, order, answer, error))
+                if isinstance(error, Crash):
+                    return
+
+    def _answer(self, order: _Order) -> tuple[Any, BaseException | None]:
+        try:
+            self._ours.send((order.work, order.task))
+            answer: tuple[Any, BaseException | None] = self._ours.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            if self.limit_passed_s is not None:
+                return None, Hung(f"no answer in {self.limit_passed_s:g} s")
+            return None, Crash(_cause(self.process.exitcode))
+        except Exception as error:  # noqa: BLE001 - an order that cannot be sent, an answer that cannot be read
+            return None, error
+        return answer
+
+
+class LocalPool:
+    """Processes on this machine, started once; a worker that dies or hangs costs its own task only, tried twice.
+
+    `limit_s` is the time for one task.
+    """
+
+    def __init__(self, jobs: int | None = None, limit_s: float = LIMIT_S, tries: int = TRIES) -> None:
+        self._jobs = jobs or os.cpu_count() or 1
+        self._limit_s, self._tries = limit_s, tries
+        self._workers: list[_Worker] = []
+        self._orders: SimpleQueue[_Order | None] = SimpleQueue()
+        self._replies: SimpleQueue[_Reply] = SimpleQueue()
+        _OPEN.add(self)
+
+    @property
+    def workers(self) -> int:
+        """How many processes."""
+        return self._jobs
+
+    def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
+        """See `Pool.run`; one task or one job still runs in a process of its own."""
+        coming = (_Order(work, task) for task in tasks)
+        again: list[_Order] = []
+        under_way = 0
+        try:
+            while True:
+                while under_way < AHEAD * self._jobs and (order := next(coming, None)) is not None:
+                    under_way += 1
+                    self._submit(order, under_way)
+                if not under_way and again:
+                    # Alone: whatever a neighbour may have done to it cannot come again.
+                    under_way = 1
+                    self._submit(again.pop(), under_way)
+                if not under_way:
+                    return
+                worker, order, answer, error = self._reply()
+                under_way -= 1
+                if not isinstance(error, Crash):
+                    if error is not None:
+                        raise error
+                    done(order.task, answer)
+                    continue
+                self._workers.remove(worker)
+                # The orders that it left are for the others, of which there may be none.
+                if under_way:
+                    self._start(under_way)
+                order.tries += 1
+                if order.tries < self._tries:
+                    again.append(order)
+                else:
+                    done(order.task, error)
+        except BaseException:
+            # Interrupted, or a task's own exception: nobody waits for what is under way.
+            self._end(at_once=True)
+            raise
+
+    def close(self) -> None:
+        """End the processes, which have nothing left to do."""
+        self._end(at_once=False)
+
+    __del__ = close
+
+    def _submit(self, order: _Order, under_way: int) -> None:
+        self._start(under_way)
+        self._orders.put(order)
+
+    def _start(self, under_way: int) -> None:
+        if len(self._workers) < min(under_way, self._jobs):
+            self._workers.append(_Worker(self._orders, self._replies))
+
+    def _reply(self) -> _Reply:
+        """The next reply; while none comes, workers that are at their task for too long are killed."""
+        while True:
+            try:
+                return self._replies.get(timeout=min(LOOK_S, self._limit_s))
+            except Empty:
+                for worker in self._workers:
+                    worker.check(self._limit_s)
+
+    def _end(self, at_once: bool) -> None:
+        """End the workers; those that do not, for they hang or are stopped, are killed."""
+        workers, self._workers = self._workers, []
+        orders, self._orders, self._replies = self._orders, SimpleQueue(), SimpleQueue()
+        while not orders.empty():
+            orders.get()
+        for worker in workers:
+            orders.put(None)
+            if at_once:
+                worker.process.terminate()
+        end_s = time.monotonic() + GRACE_S
+        for worker in workers:
+            worker.process.join(max(end_s - time.monotonic(), 0.0))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+
+
+_OPEN: Final[WeakSet[LocalPool]] = WeakSet()
+
+
+@atexit.register
+def _close_open() -> None:
+    for pool in list(_OPEN):
+        pool.close()
+
+
+def _cause(code: int | None) -> str:
+    if code is not None and code < 0:
+        return f"the process was ended by {signal.Signals(-code).name}"
+    return f"the process ended with code {code} and no answer"
+
+
+def _serve(parent: connection.Connection) -> None:
+    """In a worker: answer orders until there are none; interrupts are the parent's; end when it is gone, however it went."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    while True:
+        try:
+            work, task = parent.recv()
+        except EOFError:
+            return
+        except Exception as error:  # noqa: BLE001 - what cannot be read belongs to the caller
+            parent.send((None, error))
+            continue
+        try:
+            answer: tuple[Any, BaseException | None] = (work(task), None)
+        except Exception as error:  # noqa: BLE001 - every exception belongs to the caller
+            error.add_note("".join(traceback.format_exception(error)))
+            answer = (None, error)
+        try:
+            parent.send(answer)
+        except Exception as error:  # noqa: BLE001 - an answer that cannot be sent is told as that
+            parent.send((None, error))
+
+
+def _end_with_parent() -> None:
+    process = multiprocessing.parent_process()
+    if process is not None:
+        connection.wait([process.sentinel])
+        os._exit(1)

@@ -1,0 +1,78 @@
+"""Scores of many cases, as statistics give them and as they stand in the records of studies and validations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from harness.records.scores import Interval
+
+
+@dataclass(frozen=True)
+class OutcomeScores:
+    """Scores of a set of predicted outcomes; `positive` means overturned, whichever way.
+
+    `confusion[observed][predicted]` counts by side over all decided cases that are not within the uncertainty;
+    `side_accuracy` is the share of those with the very same outcome, where the side is known. Scores without meaning (no
+    positive predicted, ...) are None. Proportions carry Wilson's interval, F1 and Matthews' correlation the bootstrap's.
+    """
+
+    cases: int
+    undecided: int
+    within_uncertainty: int
+    confusion: Mapping[str, Mapping[str, int]]
+    accuracy: Interval | None
+    side_accuracy: Interval | None
+    precision: Interval | None
+    recall: Interval | None
+    f1: Interval | None
+    matthews: Interval | None
+    no_return_difference_s: Interval | None
+
+
+@dataclass(frozen=True)
+class DistributionScores:
+    """Two samples of one quantity: their distance by two measures, each with its meaning in probability.
+
+    `area_null` is the quantile (at `confidence`) of the area metric between two samples of these sizes drawn from the pooled
+    values: an area above it is more than chance.
+    """
+
+    size_a: int
+    size_b: int
+    ks: float
+    ks_p: float
+    area: Interval
+    area_null: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetScores:
+    """One model against a reference over the cases that both answered.
+
+    `verdicts` are the shares of each verdict, `flips` the cases whose outcomes differ within the stated uncertainty, `peaks` the
+    distributions of the peak rotation where there are enough of them.
+    """
+
+    reference: str
+    cases: int
+    outcomes: OutcomeScores
+    verdicts: Mapping[str, float]
+    flips: int
+    peaks: DistributionScores | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FragilityCurve:
+    """A lognormal fragility curve (`harness.comparison.statistics.fragility`) with its band at intensities (None: not known)."""
+
+    cases: int
+    fell: int
+    median: float | None
+    dispersion: float | None
+    separated: bool
+    bounds: tuple[float, float] | None
+    intensity: Sequence[float]
+    probability: Sequence[float | None]
+    low: Sequence[float]
+    high: Sequence[float]

@@ -1,0 +1,170 @@
+"""The record of a study: one row for each case and engine, how the models compare over them, and what was not run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from harness.model.history import Outcome
+from harness.model.run import OMITTED
+from harness.records.base import Record, Table
+from harness.records.scene import SceneRecord
+from harness.records.sets import SetScores
+
+Value = float | int | str | bool
+ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaseRun:
+    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted."""
+
+    engine: str
+    outcome: Outcome
+    peak_theta_rad: float
+    peak_time_s: float | None = None
+    end_s: float | None = None
+    no_return_time_s: float | None
+    overturn_time_s: float | None
+    peak_slip_m: float
+    residual_slip_m: float
+    numerical_uncertainty_rad: float | None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None
+    steps: int
+    labels: Sequence[str]
+    warnings: Sequence[str]
+    validity: Table
+    motion_axes: Sequence[str] | None = None
+    impacts: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StudyRow:
+    """One case by one engine: what varies, and its run; None where it was not sent, for the reason."""
+
+    number: int
+    engine: str
+    reason: str
+    varied: Mapping[str, Value]
+    run: CaseRun | None
+
+    @property
+    def model(self) -> str:
+        """Engine and variant."""
+        return f"{self.engine} ({self.varied['variant']})"
+
+
+@dataclass(frozen=True)
+class SupportRecord:
+    """Whether cases have a pedestal, least and greatest static frictions, and the keys of the statue that vary."""
+
+    pedestal: Sequence[bool]
+    floor_static: tuple[float, float] | None
+    statue: tuple[float, float]
+    statue_keys: Sequence[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySummary:
+    """What a call of a study did, in numbers and a sentence."""
+
+    cases: int = 0
+    wanted: int = 0
+    distinct: int = 0
+    found: int = 0
+    computed: int = 0
+    not_sent: int = 0
+    failed: int = 0
+    sentence: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class UsageRecord:
+    """Where the seconds of a study went (`harness.campaign.usage.Usage`)."""
+
+    workers: int
+    runs: int
+    wall_s: float
+    busy_s: float
+    own_s: float
+    utilisation: float | None
+    overhead_s_per_run: float | None
+    sentence: str
+
+
+@dataclass(frozen=True)
+class RecheckRecord:
+    """How the cases that were left out came out where a random share of them was run after all."""
+
+    audited: int
+    differ: int
+    sentence: str
+
+
+@dataclass(frozen=True)
+class ClaimVerdict:
+    """One claim by one model: the verdict, its number and what the number counts."""
+
+    claim: str
+    sentence: str
+    model: str
+    imposed: bool
+    verdict: ClaimAnswer
+    held: int
+    cases: int
+    evidence: str
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A history decimated for a small picture."""
+
+    t_s: Sequence[float]
+    theta_rad: Sequence[float]
+    slip_m: Sequence[float]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One condition of the paper's figures: by model, the histories `floor` and `pedestal`."""
+
+    restitution: float
+    amplitude_g: float
+    frequency_hz: float
+    curves: Mapping[str, Mapping[str, Curve]]
+
+
+@dataclass(frozen=True)
+class ExportRecord:
+    """The file of all rows that this study wrote, and its checksum."""
+
+    file: str
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StudyRecord(Record):
+    """`result.json` of `rockcheck study`."""
+
+    kind: Literal["study"] = "study"
+    file: str
+    scene: SceneRecord
+    notes: Sequence[str]
+    vary: Mapping[str, Sequence[Value]]
+    supports: SupportRecord | None = field(default=None, metadata=OMITTED)
+    summary: StudySummary
+    usage: UsageRecord | None = field(default=None, metadata=OMITTED)
+    seconds: float
+    engine_seconds: Mapping[str, float]
+    scores: Mapping[str, SetScores] | None = field(default=None, metadata=OMITTED)
+    audit: RecheckRecord | None
+    versions: Mapping[str, str]
+    machine: Table
+    claims: Sequence[ClaimVerdict] | None = field(default=None, metadata=OMITTED)
+    headline: Mapping[str, str] | None = field(default=None, metadata=OMITTED)
+    panels: Sequence[Panel] | None = field(default=None, metadata=OMITTED)
+    rows: Sequence[StudyRow]
+    export: ExportRecord | None = field(default=None, metadata=OMITTED)
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

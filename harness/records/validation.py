@@ -1,0 +1,197 @@
+"""The record of a validation: models and a bare threshold on PGV scored on measured tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from harness.model.run import OMITTED
+from harness.records.base import Record, Table
+from harness.records.scores import Interval, Scores
+from harness.records.sets import FragilityCurve, OutcomeScores, SetScores
+
+
+@dataclass(frozen=True)
+class ProbabilityScores:
+    """Brier's score of the probabilities and its skill over the mean, over the tests of which one is known.
+
+    `samples` perturbed runs of each test; not so for the baseline, which has its own curve.
+    """
+
+    tests: int
+    brier: float | None
+    brier_skill: float | None
+    samples: int | None = field(default=None, metadata=OMITTED)
+
+
+@dataclass(frozen=True)
+class IntensityClass:
+    """The share of tests predicted right in one class of PGV."""
+
+    pgv_from_m_s: float
+    pgv_to_m_s: float
+    tests: int
+    accuracy: Interval | None
+
+
+@dataclass(frozen=True)
+class ContourLine:
+    """PGA in g at which half of the tests fall, by PGV/PGA in s."""
+
+    ratio_s: Sequence[float]
+    pga_g: Sequence[float]
+
+
+@dataclass(frozen=True)
+class ContourRecord:
+    """The fitted contour (`harness.validation.baseline.Contour`) with its line."""
+
+    cases: int
+    fell: int
+    coefficients: tuple[float, float, float]
+    separated: bool
+    contour_50: ContourLine
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Fragility in PGV, and the contour in PGA against PGV/PGA."""
+
+    fragility_pgv: FragilityCurve | None
+    contour: ContourRecord | None
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The unknown inputs that were chosen, on how many tests, and the share of these that came out right."""
+
+    tests: int
+    accuracy: float | None
+    friction: float | None
+    azimuth_deg: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class MeasuredHistory:
+    """Scores of a test's run against its measured history; None where none was computed."""
+
+    test: str
+    scores: Scores | None
+
+
+@dataclass(frozen=True)
+class ModelSetting:
+    """An engine with the accuracy or the step that was asked of it."""
+
+    engine: str
+    accuracy_rad: float | None
+    dt_s: float | None
+
+
+@dataclass(frozen=True)
+class ModelScores(Curves):
+    """All scores of one model."""
+
+    tests: int
+    failed: int
+    fitted: Fitted
+    outcomes: OutcomeScores
+    probability: ProbabilityScores
+    by_intensity: Sequence[IntensityClass]
+
+
+@dataclass(frozen=True)
+class ModelRecord(ModelScores, ModelSetting):
+    """One model: its setting, its scores, and its histories beside measured ones."""
+
+    histories: Sequence[MeasuredHistory]
+
+
+@dataclass(frozen=True)
+class BaselineOutcomes:
+    """The outcomes of the threshold, which knows no side."""
+
+    cases: int
+    accuracy: Interval | None
+    precision: Interval | None
+    recall: Interval | None
+    f1: Interval | None
+    matthews: Interval | None
+
+
+@dataclass(frozen=True)
+class BaselineRecord:
+    """What needs no model: the threshold on PGV, and the probability by PGV alone."""
+
+    rule: str
+    threshold_m_s: float
+    fitted_on: str
+    outcomes: BaselineOutcomes
+    probability: ProbabilityScores
+    by_intensity: Sequence[IntensityClass]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairScores(SetScores):
+    """Two models beside each other, `a` against `b`; `unstated` are those whose numerical error is not stated in every run."""
+
+    a: str
+    b: str
+    unstated: Sequence[str]
+
+
+@dataclass(frozen=True)
+class TestRow:
+    """One test: what was observed, and by model what was predicted and the share of the runs that overturn."""
+
+    test: str
+    body: str
+    share: str
+    observed: str
+    pga_g: float
+    pgv_m_s: float
+    predicted: Mapping[str, str]
+    probability: Mapping[str, float | None]
+
+
+@dataclass(frozen=True)
+class FitShare:
+    """The share of the tests on which unknown inputs are fitted."""
+
+    name: str
+    tests: int
+
+
+@dataclass(frozen=True)
+class RunCounts:
+    """Runs of a call: those that were asked, and those that had to be computed."""
+
+    wanted: int
+    computed: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ValidationRecord(Record):
+    """`result.json` of `rockcheck validate`; `unknown` inputs have several values in the table, `unfitted` had no share."""
+
+    kind: Literal["validation"] = "validation"
+    title: str = ""
+    tests: int
+    bodies: int
+    fit_share: FitShare
+    samples: int = 0
+    unknown: Sequence[str]
+    unfitted: Sequence[str]
+    models: Mapping[str, ModelRecord]
+    pairs: Sequence[PairScores] = ()
+    observed: Curves
+    baseline: BaselineRecord
+    rows: Sequence[TestRow]
+    experiments: str
+    runs: RunCounts
+    seed: int = 0
+    versions: Mapping[str, str]
+    machine: Table
+    seconds: float
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

@@ -1,0 +1,96 @@
+"""The cache key holds all of the physics, and no name of the code."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analytic.excitation import Harmonic, Pulse, SampledAcceleration
+from analytic.motion import Excitation
+from harness.model.options import Capabilities
+from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
+from harness.studies.cache_key import KEYED, NOT_PHYSICS, scene_key
+from tests.scenes_for_tests import paestum
+
+EVERYTHING = Capabilities(3, uses_mesh=True, statue_slips=True)
+KEY = "a8cbbd03c6d9fdf07a714a3c0dcf3f8609cc56c0776327cb385b72c330bd80b4"
+"""The key of the scene below; it changes only when the physics of a scene is named otherwise, which costs every stored run."""
+
+
+def scene() -> Scene:
+    start = Initial(0.01, 0.0, Pose((0.0, 0.0, 1.0)))
+    motion = BaseExcitation(Harmonic(2.0, 1.5), Pulse("ricker", 1.0, 0.5), SampledAcceleration([0.0, 1.0], [0.0, 2.0]))
+    return paestum(duration_s=2.0).but(base_excitation=motion, wall=Wall("left", 0.7), initial=start)
+
+
+def changes(value: Any) -> list[Any]:
+    """The value with each of its parts that count changed a little."""
+    if type(value) not in KEYED:
+        return [changed(value)]
+    aside = NOT_PHYSICS.get(type(value), "").split()
+    names = [item.name for item in fields(value) if item.name not in aside and not item.name.startswith("_")]
+    return [
+        SampledAcceleration(
+            **{"t_s": value.t_s, "accel_m_s2": value.samples_m_s2} | {name.replace("samples", "accel"): part}
+        )
+        if isinstance(value, SampledAcceleration)
+        else replace(value, **{name: part})
+        for name in names
+        for part in changes(getattr(value, name))
+    ]
+
+
+def changed(value: Any) -> Any:
+    if isinstance(value, str):
+        others = {
+            "dynamic": "static",
+            "momentum": "unchanged",
+            "left": "right",
+            "frame": "moving",
+            "ricker": "one_sine",
+        }
+        return others[value]
+    if value is None:
+        return 0.5
+    if isinstance(value, tuple):
+        return (*value[:-1], value[-1] + 1e-9)
+    return (
+        value + np.linspace(1e-9, 2e-9, value.size).reshape(value.shape)
+        if isinstance(value, np.ndarray)
+        else value + 1e-9
+    )
+
+
+def test_every_part_of_the_physics_counts() -> None:
+    others = changes(scene())
+    keys = {scene_key(other, EVERYTHING) for other in [scene(), *others]}
+    assert len(keys) == 1 + len(others) > 35
+
+
+def test_what_is_no_physics_does_not_count() -> None:
+    assert scene_key(scene().but(title="another", notes=("a note",)), EVERYTHING) == scene_key(scene(), EVERYTHING)
+
+
+def test_no_name_of_the_code_is_in_the_key() -> None:
+    assert scene_key(scene(), EVERYTHING) == KEY
+    names = {kind: kind.__name__ for kind in KEYED}
+    try:
+        for kind in names:
+            kind.__name__ = "Renamed"
+        assert scene_key(scene(), EVERYTHING) == KEY
+    finally:
+        for kind, name in names.items():
+            kind.__name__ = name
+
+
+def test_every_motion_has_a_name_in_the_key() -> None:
+    assert set(Excitation.__subclasses__()) <= set(KEYED)
+
+
+@pytest.mark.parametrize("kind", KEYED)
+def test_every_field_has_a_name_in_the_key(kind: type) -> None:
+    said = [item.partition("=")[0] for item in KEYED[kind][1].split()] + NOT_PHYSICS.get(kind, "").split()
+    assert {item.name for item in fields(kind) if not item.name.startswith("_")} == set(said)
