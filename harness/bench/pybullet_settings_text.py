@@ -96,7 +96,7 @@ step takes it off by half the square of the angle turned: what turns faster has 
 A scene that is its own mirror image across the rocking plane (no motion across it, base and inertia the same on both sides)
 is computed by half (skip `mirror`): one foot for each pair, and bodies that turn in the plane alone. Such bodies are Bullet's
 rigid bodies, whose sweeps begin from the impulses of the last step, not from none, and go on to a residual a hundredth of the
-rung's. It leaves the plane by nothing, and at rest it does not creep on any rung (`python -m harness.bench.memory creep
+rung's. It leaves the plane by nothing, and at rest it does not creep on any rung (`python -m tests.measures.memory creep
 pybullet`); the whole of a scene, whose sweeps end early, still creeps by some 1e-4 m a minute. A rigid body takes over an
 inertia that was set only when a step has moved it: without one such step, far above everything, its first step acts with the
 inertia of its shape. In a world with edges such a scene keeps all its feet, and its bodies turn in the plane alone. Of the

@@ -18,7 +18,7 @@ from harness.records.result_folder import check_folder, listing
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
 FOLDER: Final = "parts"
-PACKAGES: Final = ("analytic", "meshes", "harness")
+PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz")
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness import engines
-from harness.bench import fuzz
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress import invariance_checks as more
-from harness.bench.stress import stability
+from harness.bench.stress import mutated_files, stability
 from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Part
 from harness.model.run import SCHEMA_VERSION
 
-INPUTS: Final = 10_000
+INPUTS: Final = 20_000
 QUICK_INPUTS: Final = 500
 
 
@@ -48,7 +47,7 @@ def run(
         "cells": sorted(
             rows["maps"], key=lambda cell: (stability.ENGINES.index(cell["engine"]), order[cell["difficulty"]])
         ),
-        "fuzz": fuzz.summed(rows["fuzz"]),
+        "fuzz": mutated_files.summed(rows["fuzz"]),
         "parts": spent,
         "seconds": sum(item["wall_s"] for item in spent),
     }
@@ -56,8 +55,8 @@ def run(
 
 
 def absent() -> dict[str, str]:
-    """The engines of the catalogue that cannot run here, and why: nothing is said of them."""
-    missing = {name: engines.load(name).missing() for name in ALL}
+    """The engines of the catalogue, and the mutated files, that cannot be run here, and why: nothing is said of them."""
+    missing = {name: engines.load(name).missing() for name in ALL} | {"the fuzz": mutated_files.missing()}
     return {name: why for name, why in missing.items() if why is not None}
 
 
@@ -68,7 +67,7 @@ def all_parts(quick: bool) -> list[Part]:
         Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
         Part("questions", more.tasks(quick), more.compute, scenes.died),
-        Part("fuzz", fuzz.tasks(inputs), fuzz.compute, fuzz.died),
+        Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.bench.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
-from harness.bench.mutants import random_scenes
 from harness.comparison import verdict
 from harness.comparison.comparator import compare
 from harness.comparison.verdict import COVERAGE, Verdict
 from harness.model.run import Run
 from harness.model.scene import Scene
+from tests.measures.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
+from tests.measures.mutants import random_scenes
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
 
 SCENES = {
@@ -48,7 +48,7 @@ def test_a_contact_engine_s_mutants_are_found_beside_the_model(name: str) -> Non
 
 
 def test_faults_of_random_scenes_are_found() -> None:
-    """Forty of the scenes of `python -m harness.bench.mutants`, which does a hundred and the shipped ones."""
+    """Forty of the scenes of `python -m tests.measures.mutants`, which does a hundred and the shipped ones."""
     findings = [finding for each in random_scenes(40) for finding in expose(each, exact, exact)]
     assert [finding for finding in findings if not finding.held] == []
     assert sum(finding.must for finding in findings) > len(findings) / 2

@@ -17,11 +17,12 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from harness.bench.fuzz.mutate import mutated
-from harness.bench.fuzz.originals import Kind, kinds, prepare
-from harness.bench.fuzz.use import WRITTEN, unfinished
+from harness.bench.stress.mutated_files import COUNTS, EXAMPLES
 from harness.model.errors import InputError
 from meshes import MeshError
+from tests.fuzz.mutate import mutated
+from tests.fuzz.originals import Kind, kinds, prepare
+from tests.fuzz.use import WRITTEN, unfinished
 
 Row = dict[str, Any]
 
@@ -29,13 +30,6 @@ HANG_S: Final = 10
 """Longest time for one small file; reading takes milliseconds."""
 DEAD_SHARE: Final = 2.0
 """Times that limit after which a process that does not even hear of it is ended."""
-EXAMPLES: Final = 5
-"""Failures kept in the record for each kind, with the seed that makes them again."""
-
-
-PIECE: Final = 100
-"""Inputs of one piece of work."""
-COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
 
 
 class Hang(Exception):
@@ -99,55 +93,17 @@ def _tried(kind: Kind, path: Path) -> Tried:
     return Tried()
 
 
-def fuzz(inputs: int, seed: int = 0) -> list[Row]:
-    """Read `inputs` mutated files, shared among the kinds; one row for each kind, failures with their seeds."""
-    return summed([row for task in tasks(inputs, seed) for row in compute(task)])
-
-
-def tasks(inputs: int, seed: int = 0) -> list[str]:
-    """At least so many inputs in pieces that can be computed apart: a kind and the first and last of its seeds."""
-    each = -(-inputs // len(kinds()))
-    return [
-        f"{kind.name}: {begin} to {min(begin + PIECE, seed + each) - 1}"
-        for kind in kinds()
-        for begin in range(seed, seed + each, PIECE)
-    ]
-
-
-def compute(task: str) -> list[Row]:
-    """The row of one piece."""
-    kind, seeds = _piece(task)
+def rows(first: int, last: int) -> Iterator[Row]:
+    """Use the inputs of these numbers; a row for each kind, failures with their seeds. Kinds take turns from input to input."""
+    every = kinds()
     with tempfile.TemporaryDirectory(prefix="rockcheck-fuzz-") as name:
         folder = Path(name)
         prepare(folder)
-        return [_row(kind, seeds, folder)]
-
-
-def died(task: str) -> list[Row]:
-    """The row of a piece that took its process with it."""
-    kind, seeds = _piece(task)
-    found = [{"seed": seeds[0], "what": f"the process died in seeds {seeds[0]} to {seeds[-1]}"}]
-    counts = dict.fromkeys(COUNTS, 0) | {"inputs": len(seeds), "tracebacks": 1}
-    return [{"reader": kind.name, **counts, "said": [], "found": found}]
-
-
-def summed(rows: Sequence[Row]) -> list[Row]:
-    """One row for each kind of file from the rows of its pieces."""
-    found: dict[str, Row] = {}
-    said: dict[str, set[int]] = {}
-    for row in rows:
-        known = found.setdefault(row["reader"], {"reader": row["reader"], **dict.fromkeys(COUNTS, 0), "found": []})
-        for name in COUNTS:
-            known[name] += row[name]
-        known["found"] = [*known["found"], *row["found"]][:EXAMPLES]
-        said.setdefault(row["reader"], set()).update(row["said"])
-    return [{**row, "refusals": len(said[name])} for name, row in found.items()]
-
-
-def _piece(task: str) -> tuple[Kind, range]:
-    name, _, span = task.partition(": ")
-    first, _, last = span.partition(" to ")
-    return next(kind for kind in kinds() if kind.name == name), range(int(first), int(last) + 1)
+        for number, kind in enumerate(every):
+            # The least seed of this kind whose input is not before the first.
+            begin = -((number - first) // len(every))
+            if seeds := range(begin, (last - number) // len(every) + 1):
+                yield _row(kind, seeds, folder)
 
 
 def _row(kind: Kind, seeds: Sequence[int], folder: Path) -> Row:

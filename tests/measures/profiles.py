@@ -1,6 +1,6 @@
 """Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; prints the page's table.
 
-`python -m harness.bench.profiles` runs every body and motion and prints the largest difference of the rotation.
+`python -m tests.measures.profiles` runs every body and motion and prints the largest difference of the rotation.
 """
 
 from __future__ import annotations

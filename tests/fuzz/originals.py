@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.bench.fuzz import records, use
-from harness.bench.fuzz.mutate import BINARY, PACKED, RECORD, STEPPED, STL, TEXT, TITLED, Mutation
+from tests.fuzz import records, use
+from tests.fuzz.mutate import BINARY, PACKED, RECORD, STEPPED, STL, TEXT, TITLED, Mutation
 
 
 @dataclass(frozen=True)

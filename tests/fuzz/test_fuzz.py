@@ -14,8 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.bench.fuzz.fuzz_run import Tried, attempt, died, fuzz, summed, tasks
-from harness.bench.fuzz.mutate import (
+from harness.bench.stress.mutated_files import compute, died, missing, summed, tasks
+from harness.bench.stress.stress_run import INPUTS as WHOLE
+from harness.input.motions.recordfile import RecordFile
+from harness.model.errors import InputError, Mistake
+from tests.fuzz.fuzz_run import Tried, attempt, rows
+from tests.fuzz.mutate import (
     BINARY,
     BOMB_BYTES,
     LISTED,
@@ -28,11 +32,9 @@ from harness.bench.fuzz.mutate import (
     mutated,
     point,
 )
-from harness.bench.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
-from harness.bench.fuzz.records import at2, cosmos, esm, smc
-from harness.bench.fuzz.use import WRITTEN, unfinished
-from harness.input.motions.recordfile import RecordFile
-from harness.model.errors import InputError, Mistake
+from tests.fuzz.originals import EFFECTS, EXPERIMENTS, SCENE, Kind, kinds, obj, ply, prepare, stl
+from tests.fuzz.records import at2, cosmos, esm, smc
+from tests.fuzz.use import WRITTEN, unfinished
 
 FOUND = {
     "history": (
@@ -74,7 +76,7 @@ FOUND = {
 }
 """Inputs that once ended in a traceback or never, by kind."""
 INPUTS = 420
-"""Mutated inputs in every CI run; `make stress` reads ten thousand."""
+"""Mutated inputs in every CI run; `make stress` reads twenty thousand, the first of the same numbers apart."""
 
 
 @pytest.fixture(scope="module")
@@ -141,14 +143,14 @@ def test_a_stored_result_that_is_nothing_is_refused(every: dict[str, Kind], fold
 
 
 def test_mutated_inputs_do_no_harm() -> None:
-    rows = fuzz(INPUTS, seed=10_000)
-    assert {row["reader"] for row in rows} >= {"scene", "study", "experiments", "history", "store"}
-    assert [row for row in rows if row["found"]] == []
-    assert {row["reader"] for row in rows} == {kind.name for kind in kinds()}
-    assert sum(row["inputs"] for row in rows) >= INPUTS
-    shallow = [row["reader"] for row in rows if not 0 < row["accepted"] < row["inputs"]]
+    found = summed(list(rows(10 * WHOLE, 10 * WHOLE + INPUTS - 1)))
+    assert {row["reader"] for row in found} >= {"scene", "study", "experiments", "history", "store"}
+    assert [row for row in found if row["found"]] == []
+    assert {row["reader"] for row in found} == {kind.name for kind in kinds()}
+    assert sum(row["inputs"] for row in found) == INPUTS
+    shallow = [row["reader"] for row in found if not 0 < row["accepted"] < row["inputs"]]
     assert shallow == [], "a kind that is always refused, or never, is not searched"
-    assert min(row["refusals"] for row in rows) > 1, "damage that always ends at the same sentence searches nothing"
+    assert min(row["refusals"] for row in found) > 1, "damage that always ends at the same sentence searches nothing"
 
 
 def test_the_search_sees_what_it_looks_for(
@@ -176,7 +178,7 @@ def test_the_search_sees_what_it_looks_for(
     assert late == "left half-written: written though refused: half.csv"
     assert not (folder / WRITTEN).exists()
     with monkeypatch.context() as short:
-        short.setattr("harness.bench.fuzz.fuzz_run.HANG_S", 1)
+        short.setattr("tests.fuzz.fuzz_run.HANG_S", 1)
         assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
     assert attempt(scene, SCENE, folder) == Tried()
 
@@ -184,8 +186,8 @@ def test_the_search_sees_what_it_looks_for(
 def test_the_search_sees_a_step_misread_and_a_folder_robbed(
     every: dict[str, Kind], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from harness.bench.fuzz import use
     from harness.input.motions import readers
+    from tests.fuzz import use
 
     whole = readers.read_file
 
@@ -240,9 +242,7 @@ def test_a_bomb_costs_no_more_than_what_may_be_read(every: dict[str, Kind], fold
 
 
 def test_compiled_code_that_never_comes_back_ends_its_process() -> None:
-    code = (
-        "from itertools import repeat\nfrom harness.bench.fuzz.fuzz_run import limited\nwith limited(1): sum(repeat(1))"
-    )
+    code = "from itertools import repeat\nfrom tests.fuzz.fuzz_run import limited\nwith limited(1): sum(repeat(1))"
     begin = time.perf_counter()
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode != 0
@@ -250,19 +250,41 @@ def test_compiled_code_that_never_comes_back_ends_its_process() -> None:
     assert time.perf_counter() - begin < 30.0
 
 
-def test_the_work_is_shared_out_whole() -> None:
-    pieces = tasks(3000, seed=7)
-    spans = [piece.partition(": ")[2].split(" to ") for piece in pieces if piece.startswith("scene: ")]
-    seeds = [seed for first, last in spans for seed in range(int(first), int(last) + 1)]
-    assert seeds == list(range(7, 7 - (-3000 // len(kinds()))))
+def test_the_work_is_shared_out_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces = tasks(WHOLE)
+    spans = [piece.removeprefix("inputs ").split(" to ") for piece in pieces]
+    assert [n for first, last in spans for n in range(int(first), int(last) + 1)] == list(range(WHOLE))
+    assert WHOLE >= 20_000
+    asked: list[tuple[str, int]] = []
+    monkeypatch.setattr(
+        "tests.fuzz.fuzz_run._row", lambda kind, seeds, folder: asked.extend((kind.name, s) for s in seeds)
+    )
+    list(rows(0, 99))
+    list(rows(100, 1999))
+    assert len(set(asked)) == len(asked) == 2000
+    names = {name: [seed for kind, seed in asked if kind == name] for name, _ in asked}
+    assert all(seeds == list(range(len(seeds))) for seeds in names.values())
+    assert {"output folder", "gzip", "sister in gzip", "AT2 header", "title"} <= set(names)
 
 
-def test_a_reader_that_ends_its_process_counts_as_a_failure() -> None:
+def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = compute("inputs 0 to 20")
+    assert [(row["reader"], row["inputs"], row["found"]) for row in found] == [(kind.name, 1, []) for kind in kinds()]
+    (row,) = compute("inputs 0 to none")
+    assert row["tracebacks"] == 1
+    assert "ValueError" in row["found"][0]["what"]
+    monkeypatch.setattr("harness.bench.stress.mutated_files.ROOT", Path("/nowhere"))
+    assert tasks(WHOLE) == []
+    assert missing() == "tests/fuzz of the source tree is not here"
+
+
+def test_a_process_that_ends_counts_as_a_failure() -> None:
     counts = {"inputs": 100, "accepted": 30, "tracebacks": 0, "hangs": 0, "half_written": 0}
     good = {"reader": "scene", **counts, "said": [1, 2], "found": []}
-    (row,) = summed([good, {**good, "said": [2, 3]}, *died("scene: 100 to 199")])
-    assert (row["inputs"], row["tracebacks"], row["refusals"]) == (300, 1, 3)
-    assert "seeds 100 to 199" in row["found"][0]["what"]
+    row, ended = summed([good, {**good, "said": [2, 3]}, *died("inputs 100 to 199: Timeout")])
+    assert (row["inputs"], row["tracebacks"], row["refusals"]) == (200, 0, 3)
+    assert ended["tracebacks"] == 1
+    assert "inputs 100 to 199: Timeout" in ended["found"][0]["what"]
 
 
 @pytest.mark.parametrize("ways", [TEXT, BINARY, STL, STEPPED, TITLED, PACKED])

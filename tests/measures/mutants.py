@@ -1,4 +1,4 @@
-"""Every known fault on every scene: `python -m harness.bench.mutants [SCENE.toml...] [--random N]` prints a row for each.
+"""Every known fault on every scene: `python -m tests.measures.mutants [SCENE.toml...] [--random N]` prints a row for each.
 
 The command fails when a fault whose effect before the horizon exceeds three times the uncertainty is called anything but
 *differ: model*. Random scenes are statues of random corners, height and inertia, with and without a pedestal.
@@ -19,10 +19,10 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Harmonic
 from harness.accuracy.simulation import simulate
-from harness.bench.faults import expose
 from harness.input.scene_file import load_scene
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+from tests.measures.faults import expose
 
 DURATION_S: Final = 5.0
 

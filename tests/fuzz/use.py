@@ -173,8 +173,8 @@ def packed(path: Path) -> None:
 
 def sister(path: Path) -> None:
     """Read the good record beside it: whatever the sister is, it costs no more than itself."""
-    from harness.bench.fuzz.records import at2
     from harness.input.motions.readers import read_record
+    from tests.fuzz.records import at2
 
     good = path.with_name("RSN1_B_090.at2")
     good.write_bytes(at2())

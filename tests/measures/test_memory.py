@@ -1,17 +1,17 @@
-"""Memory that a run keeps and creep at rest, as `python -m harness.bench.memory` measures them."""
+"""Memory that a run keeps and creep at rest, as `python -m tests.measures.memory` measures them."""
 
 from __future__ import annotations
 
 import pytest
 
 from harness import engines
-from harness.bench import memory
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
+from tests.measures import memory
 
 
 class Keeps(Engine):

@@ -11,12 +11,12 @@ import pytest
 
 from analytic import ZeroExcitation
 from harness import engines
-from harness.bench import profiles as bench
 from harness.bench.contact_engines import apart
 from harness.model.options import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
+from tests.measures import profiles as bench
 
-MODEL_PAGE = Path(__file__).resolve().parents[3] / "docs" / "model.md"
+MODEL_PAGE = Path(__file__).resolve().parents[2] / "docs" / "model.md"
 NAMES = ("bulging", "worn", "uneven", "keeled")
 
 

@@ -1,6 +1,6 @@
 """What contact engines keep: memory over a thousand runs in one process, place over a minute at rest.
 
-`python -m harness.bench.memory memory|creep [ENGINE...]` prints the rows of either.
+`python -m tests.measures.memory memory|creep [ENGINE...]` prints the rows of either.
 """
 
 from __future__ import annotations
