@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from harness.bench import coverage as cover
 from harness.bench import other_integrators as others
 from harness.bench import precision, scaling, sentences, skips
 from harness.bench import skip_savings as alone
-from harness.bench import uncertainty_coverage as cover
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Part, Row
@@ -54,6 +54,7 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
     order = [item.name for item in standard_set()]
     timed = sorted((row for row in rows["precision"] if "absent" not in row), key=lambda row: order.index(row["scene"]))
+    seeded = [cover.Coverage.read(row) for row in rows["coverage"]]
     spent = parts.seconds(measured)
     found: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
@@ -64,9 +65,9 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str
         "rows": timed,
         "absent": absent,
         "choice": sentences.choice(timed, precision.TARGET_RAD),
-        "seeded": sentences.choice(cover.choice_rows(rows["coverage"]), precision.TARGET_RAD),
+        "seeded": sentences.choice(cover.choice_rows(seeded), precision.TARGET_RAD),
         "coverage_rows": rows["coverage"],
-        "coverage": cover.counted(rows["coverage"]),
+        "coverage": cover.counted(seeded),
         "skips": [*skips.together(rows["skips"]), *rows["alone"]],
         "scaling": rows["scaling"],
         **others.collected(rows["others"]),

@@ -1,19 +1,20 @@
-"""Scenes that rattle, in swings of some milliseconds that decide what follows: an engine's error by step, a scene's sensitivity.
+"""Micro-rocking, in half-cycles of some milliseconds that decide what follows: an engine's error by step, a scene's sensitivity.
 
-`python -m harness.bench.micro_rocking ENGINE [SEED...]` prints a line per scene of `harness.bench.coverage.random_scene`.
+`python -m harness.bench.micro_rocking ENGINE [SEED...]` prints a line per scene of `harness.bench.seeded_scenes.random_scene`.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
-from harness.bench.contact_engines import apart
-from harness.bench.coverage import random_scene
+from harness.bench.contact_engines import analytic_run
+from harness.bench.differences import errors
+from harness.bench.seeded_scenes import random_scene
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
@@ -25,19 +26,23 @@ STRONGER: Final = 1e-6
 """Relative change of the motion whose effect is the scene's own sensitivity."""
 
 
-def rows(engine: Engine, seeds: Sequence[int] = SEEDS, steps_s: Sequence[float] = STEPS_S) -> Iterator[dict[str, Any]]:
-    """For each seed: largest difference of the rotation from the analytic model for each step, rad, and what a motion stronger by
-    `STRONGER` changes in the model, rad.
-    """
-    model = engines.load("analytic")
+@dataclass(frozen=True)
+class Row:
+    """A seed: largest difference of the rotation from the analytic model by step, rad; what a stronger motion changes there."""
+
+    seed: int
+    sensitive_rad: float
+    error_rad: dict[float, float]
+
+
+def rows(engine: Engine, seeds: Sequence[int] = SEEDS, steps_s: Sequence[float] = STEPS_S) -> Iterator[Row]:
+    """A row for each seed."""
     for seed in seeds:
         scene = random_scene(seed)
-        exact = model.simulate(scene, model.refinement_levels(scene)[1], RunOptions())
-        other = stronger(scene, 1.0 + STRONGER)
-        sensitive_rad = apart(model.simulate(other, model.refinement_levels(other)[1], RunOptions()), exact)[0]
-        runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions()) for dt_s in steps_s]
-        errors = {dt_s: apart(run, exact)[0] for dt_s, run in zip(steps_s, runs, strict=True)}
-        yield {"seed": seed, "sensitive_rad": sensitive_rad, "error_rad": errors}
+        exact = analytic_run(scene)
+        sensitive_rad = errors(exact, analytic_run(stronger(scene, 1.0 + STRONGER)))[0]
+        runs = {dt_s: engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions()) for dt_s in steps_s}
+        yield Row(seed, sensitive_rad, {dt_s: errors(exact, run)[0] for dt_s, run in runs.items()})
 
 
 def stronger(scene: Scene, factor: float) -> Scene:
@@ -57,8 +62,8 @@ def main(arguments: Sequence[str]) -> None:
     """Print the rows."""
     name, *seeds = arguments
     for row in rows(engines.load(name), [int(seed) for seed in seeds] or SEEDS):
-        errors = "  ".join(f"{1e3 * dt_s:g} ms {error:.1e}" for dt_s, error in row["error_rad"].items())
-        sys.stdout.write(f"{row['seed']}  {errors}  motion stronger by {STRONGER:g}: {row['sensitive_rad']:.1e}\n")
+        errors = "  ".join(f"{1e3 * dt_s:g} ms {error:.1e}" for dt_s, error in row.error_rad.items())
+        sys.stdout.write(f"{row.seed}  {errors}  motion stronger by {STRONGER:g}: {row.sensitive_rad:.1e}\n")
         sys.stdout.flush()
 
 

@@ -1,21 +1,23 @@
-"""What each misprint or simplification of the paper changes on its own cases, in numbers; writes docs/paper_forms.md.
+"""What each misprint or simplification of the paper changes on its own cases, in numbers: the tables of docs/paper_forms.md.
 
-`python -m harness.bench.paper_forms [FILE]` computes every case again and writes the page.
+`python -m harness.bench.paper_forms [TABLE...]` computes them again, or those named.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import partial
 from typing import Final, final
 
 import analytic
 from analytic.constants import GRAVITY_M_S2
+from harness.bench.pages import renew_tables, table
 
-PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "paper_forms.md"
+PAGE: Final = "paper_forms.md"
+MODULE: Final = "harness.bench.paper_forms"
 DURATION_S: Final = 10.0
 RATIO: Final = 0.875
 FREQUENCIES_HZ: Final = (1.5, 2.0, 3.0, 4.5, 6.0)
@@ -40,7 +42,6 @@ class Reading:
 
 CONSISTENT: Final = Reading()
 PAPER: Final = Reading(normal="static", restitution=RATIO, pedestal_at_impact="unchanged")
-BOTH: Final = (True, False)
 READINGS: Final[tuple[tuple[str, str, Reading], ...]] = (
     ("consistent", "the model of this project: normal force and impact from the balance of momentum", CONSISTENT),
     ("paper", f"the paper's form: ratio {RATIO} both ways, N = M g, pedestal's velocity unchanged at impact", PAPER),
@@ -116,13 +117,6 @@ def cases(*, pedestal: bool) -> list[tuple[float, float, bool]]:
     return [(a, f, pedestal) for a in AMPLITUDES_G for f in FREQUENCIES_HZ]
 
 
-def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A Markdown table."""
-    columns = list(head)
-    lines = [columns, ["---"] * len(columns), *[list(row) for row in rows]]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
 def cell(solution: analytic.Solution) -> str:
     """Peak rotation of a statue that stands, or the outcome with its time."""
     if str(solution.outcome) == "stands":
@@ -189,61 +183,19 @@ def _instant(side: int, *, coupling: int, friction: int, corner_m: float) -> tup
     return (first * total + lever * second) / determinant, (inertia * second - coupling * lever * first) / determinant
 
 
-INTRODUCTION: Final = """# What the paper's misprints and simplifications change
-
-Written by `python -m harness.bench.paper_forms`; every number is computed by the analytic model on the paper's cases:
-0.334 g and 0.429 g, 1.5 to 6 Hz, a = A sin 2πft from rest for {duration:.0f} s, the Paestum statue (inertia 152.4 kg m² about its
-centroid) with and without its pedestal, μ_s = 0.20, μ_k = 0.15. Each column changes one thing in the consistent form;
-`paper` changes three at once.
-
-A cell holds the largest rotation in radians of a statue that stands, or the side to which it overturns and the time of no return.
-Where a column differs from `consistent` in outcome, that reading decides the answer; overturning to the other side counts as
-another outcome. Readings that concern only the pedestal are left out on the floor.
-
-A history over {duration:.0f} s goes beyond its horizon of prediction (one to a few seconds on the pedestal, docs/scores.md).
-Where a statue rocks on for long, its peak and slip are one possibility among several, and rounding alone moves them: between two
-builds of this program that agree to 1e-8 rad within the first 2 s, peaks moved by up to 0.01 rad, slips by up to 25 mm, and two
-cells of 0.429 g at 4.5 Hz on the floor changed between standing and undecided at 10 s. A change smaller than that says nothing.
-"""
-
-UNCOUNTED: Final = """## What has no number
-
-Eq. (11) as printed, ∂L/∂t − ∂L/∂q, is no equation of motion; in (12) and (14)-(17) the acceleration written for the statue's
-centroid is that of its support; both are read as they must be meant. Eq. (14)-(18) compare without absolute values and
-with one b: read literally nothing would ever lift towards one of the two sides, so both are tested, each with its own b.
-The column `one b` shows what a single b would do.
-"""
-
-SIGNS: Final = """## The printed signs, at one instant
-
-The system printed under eq. (11) puts sgn(θ) on the θ̈ term of the horizontal balance and on the friction. Run over time it is
-not a mechanical system: where the pedestal slides against sgn(θ) its friction drives it. So it is compared at single instants:
-|θ| = 0.05 rad, |θ̇| = 0.2 rad/s outwards. A is the pedestal’s absolute acceleration, m/s². Positive power of friction is energy
-from nothing.
-"""
+def forms(*, pedestal: bool) -> str:
+    """Both tables with or without the pedestal: what each reading changes, and every case in every reading."""
+    grid, named = cases(pedestal=pedestal), readings(pedestal=pedestal)
+    solutions = {name: [run(r, a, f, pedestal=pedestal) for a, f, _ in grid] for name, _, r in named}
+    rows = [[f"{a} g, {f} Hz", *[cell(column[i]) for column in solutions.values()]] for i, (a, f, _) in enumerate(grid)]
+    return f"{summary(solutions, pedestal=pedestal)}\n\n{table(['case', *solutions], rows)}"
 
 
-def page() -> str:
-    """The whole page, computed."""
-    parts = [INTRODUCTION.format(duration=DURATION_S)]
-    for pedestal in BOTH:
-        grid, named = cases(pedestal=pedestal), readings(pedestal=pedestal)
-        found = {name: [run(r, a, f, pedestal=pedestal) for a, f, _ in grid] for name, _, r in named}
-        parts.append(f"## {'On the pedestal' if pedestal else 'On the floor'}\n\n{summary(found, pedestal=pedestal)}\n")
-        rows = [[f"{a} g, {f} Hz", *[cell(column[i]) for column in found.values()]] for i, (a, f, _) in enumerate(grid)]
-        parts.append(table(["case", *found], rows) + "\n")
-    parts.append(f"{SIGNS}\n{printed_signs()}\n")
-    parts.append(UNCOUNTED)
-    return "\n".join(parts)
-
-
-def main(arguments: list[str]) -> None:
-    """Write the page to the file named first, or to docs/paper_forms.md."""
-    target = Path(arguments[0]) if arguments else PAGE
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(page(), encoding="utf-8")
-    print(f"wrote {target}")
-
+TABLES: Final[Mapping[str, Callable[[], str]]] = {
+    "pedestal": partial(forms, pedestal=True),
+    "floor": partial(forms, pedestal=False),
+    "signs": printed_signs,
+}
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    renew_tables(PAGE, MODULE, TABLES, sys.argv[1:])

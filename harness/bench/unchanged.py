@@ -14,7 +14,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.coverage import random_scene
+from harness.bench.seeded_scenes import random_scene
 from harness.bench.skip_savings import difference
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.bench.contact_engines import paper_scene
+from harness.bench.standard_scenes import paper_scene
 from harness.engines.base import Engine, Settings
 from harness.model.options import RunOptions
 

@@ -1,4 +1,4 @@
-"""Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; prints the page's table.
+"""Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; renews the page's table.
 
 `python -m tests.measures.profiles` runs every body and motion and prints the largest difference of the rotation.
 """
@@ -14,8 +14,8 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import engines
-from harness.bench.contact_engines import apart
-from harness.bench.paper_forms import table
+from harness.bench.differences import errors
+from harness.bench.pages import renew, table
 from harness.engines.analytic import block_of
 from harness.input.mesh_statue import statue_of
 from harness.model.options import RunOptions
@@ -100,13 +100,14 @@ def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S
             each = scene(body, motion)
             exact = model(each)
             found = [
-                apart(engine.simulate(each, engine.settings_for_dt(each, dt), RunOptions()), exact)[0] for dt in steps_s
+                errors(exact, engine.simulate(each, engine.settings_for_dt(each, dt), RunOptions()))[0]
+                for dt in steps_s
             ]
             yield Row(base, name, len(exact.impact_times_s), exact.peak_theta_rad, tuple(found))
 
 
 def main() -> None:
-    """Print the table of docs/model.md, section 8."""
+    """Renew the table of docs/model.md, section 8."""
     head = ["base", "motion", "impacts", "peak θ", *(f"pymunk, {1e3 * dt:g} ms" for dt in STEPS_S)]
     lines = [
         [
@@ -118,7 +119,7 @@ def main() -> None:
         ]
         for row in rows()
     ]
-    print(table(head, lines))
+    renew("model.md", "tests.measures.profiles", table(head, lines))
 
 
 if __name__ == "__main__":

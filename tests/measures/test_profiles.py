@@ -11,7 +11,7 @@ import pytest
 
 from analytic import ZeroExcitation
 from harness import engines
-from harness.bench.contact_engines import apart
+from harness.bench.differences import errors
 from harness.model.options import RunOptions
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 from tests.measures import profiles as bench
@@ -38,7 +38,7 @@ def test_the_comparison_sees_a_vertex_that_stands_a_centimetre_elsewhere(base: s
     exact, other = (bench.statue(shape) for shape in (bench.BASES[base], points))
     worst = 0.0
     for motion in bench.MOTIONS.values():
-        worst = max(worst, apart(bench.model(bench.scene(other, motion)), bench.model(bench.scene(exact, motion)))[0])
+        worst = max(worst, errors(bench.model(bench.scene(other, motion)), bench.model(bench.scene(exact, motion)))[0])
     assert worst > 10.0 * PROFILE_FINE_RAD, worst
 
 
@@ -47,7 +47,7 @@ def test_the_comparison_sees_an_impact_that_keeps_five_percent_more() -> None:
     exact = bench.model(each)
     ratio = 1.05 * float(np.mean(exact.validity["impact_ratios"]))
     livelier = bench.model(each.but(contact=replace(each.contact, restitution=min(ratio, 1.0))))
-    assert apart(livelier, exact)[0] > PROFILE_RAD
+    assert errors(livelier, exact)[0] > PROFILE_RAD
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -69,7 +69,7 @@ def test_a_chip_that_is_never_rolled_over_leaves_a_block_of_two_corners() -> Non
     block = replace(body, corner_right_m=float(body.solid.base_profile_m[1, 0]), solid=None)
     rolled, plain = bench.model(bench.scene(body, motion)), bench.model(bench.scene(block, motion))
     assert rolled.peak_theta_rad > 0.1
-    assert apart(rolled, plain)[0] <= 10.0 * ROUNDING_RAD
+    assert errors(rolled, plain)[0] <= 10.0 * ROUNDING_RAD
 
 
 def test_the_page_shows_what_the_model_computes() -> None:
