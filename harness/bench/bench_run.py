@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.bench import coverage as cover
-from harness.bench import other_integrators as others
-from harness.bench import precision, scaling, sentences, skips
-from harness.bench import skip_savings as alone
+from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
+from harness.bench.precision import PrecisionRow
+from harness.bench.skips import SkipRow
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Part, Row
@@ -24,7 +25,7 @@ def run(
     quick: bool = False,
     told: Callable[[str], None] = lambda text: None,
     only: Sequence[str] | None = None,
-) -> dict[str, Any]:
+) -> Row:
     """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes the first of each kind.
 
     What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
@@ -32,8 +33,8 @@ def run(
     """
     listed = all_parts(quick)
     measured = parts.session(folder, listed, quick, only, told)
-    found = assembled(listed, measured) | {"command": parts.command("bench", quick, measured)}
-    return parts.written(folder, found)
+    record = assembled(listed, measured) | {"command": parts.command("bench", quick, measured)}
+    return parts.written(folder, record)
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -42,48 +43,53 @@ def all_parts(quick: bool) -> list[Part]:
         Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
         Part("coverage", cover.tasks(quick), cover.compute, cover.died),
         Part("skips", skips.tasks(quick), skips.compute),
-        Part("alone", alone.tasks(quick), alone.compute),
+        Part("alone", skip_savings.tasks(quick), skip_savings.compute),
         Part("scaling", scaling.tasks(quick), scaling.compute),
-        Part("others", others.tasks(), partial(others.compute, quick)),
+        Part("others", other_integrators.tasks(), partial(other_integrators.compute, quick)),
     ]
 
 
-def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str, Any]:
+def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> Row:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
     order = [item.name for item in standard_set()]
-    timed = sorted((row for row in rows["precision"] if "absent" not in row), key=lambda row: order.index(row["scene"]))
+    timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
+    timed.sort(key=lambda row: order.index(row.scene))
     seeded = [cover.Coverage.read(row) for row in rows["coverage"]]
-    spent = parts.seconds(measured)
-    found: dict[str, Any] = {
+    together = skips.together([SkipRow(**row) for row in rows["skips"]])
+    alone = [SkipRow(**row) for row in rows["alone"]]
+    others = other_integrators.collected(rows["others"])
+    target_rad, counts, spent = precision.TARGET_RAD, cover.counted(seeded), parts.seconds(measured)
+    standard = sentences.choice(timed, target_rad)
+    on_seeds = sentences.choice(cover.choice_rows(seeded), target_rad)
+    return {
         "schema_version": SCHEMA_VERSION,
         "kind": "bench",
         "title": "Run time against error",
-        "target_rad": precision.TARGET_RAD,
+        "target_rad": target_rad,
         "clock": CLOCK,
-        "rows": timed,
+        "rows": [asdict(row) for row in timed],
         "absent": absent,
-        "choice": sentences.choice(timed, precision.TARGET_RAD),
-        "seeded": sentences.choice(cover.choice_rows(seeded), precision.TARGET_RAD),
+        "choice": [asdict(item) for item in standard],
+        "seeded": [asdict(item) for item in on_seeds],
         "coverage_rows": rows["coverage"],
-        "coverage": cover.counted(seeded),
-        "skips": [*skips.together(rows["skips"]), *rows["alone"]],
+        "coverage": counts,
+        "skips": [row.record() for row in (*together, *alone)],
         "scaling": rows["scaling"],
-        **others.collected(rows["others"]),
+        **others,
         "parts": spent,
         "seconds": sum(item["wall_s"] for item in spent),
+        "sentences": [
+            *sentences.speeds(timed, target_rad),
+            *sentences.choices(standard, on_seeds, target_rad),
+            *sentences.coverage(counts),
+            *skips.sentences(together),
+            *sentences.defaults(timed),
+            *skip_savings.sentences(alone),
+            *scaling.sentences(rows["scaling"]),
+            *other_integrators.sentences(others),
+            *(f"“{name}” was left out: {why}." for name, why in absent.items()),
+            *parts.sentences(spent),
+        ],
     }
-    found["sentences"] = [*said(found), *parts.sentences(spent)]
-    return found
-
-
-def said(found: Row) -> list[str]:
-    """Every sentence that the rows hold."""
-    return [
-        *sentences.sentences(found),
-        *alone.sentences(found["skips"]),
-        *scaling.sentences(found["scaling"]),
-        *others.sentences(found),
-        *(f"“{name}” was left out: {why}." for name, why in found["absent"].items()),
-    ]

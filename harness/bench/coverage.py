@@ -15,6 +15,7 @@ from typing import Final
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.differences import error_rad, errors
+from harness.bench.precision import LEVEL, TARGET, TARGET_RAD, PrecisionRow
 from harness.bench.seeded_scenes import random_scene
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
@@ -28,7 +29,6 @@ FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""
 SCENES: Final = 200
 QUICK_SCENES: Final = 2
-TARGET_RAD: Final = 1e-3
 FINEST_S: Final = 2.5e-4
 """Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
 PIECE: Final = {"pybullet": 8, "pymunk": 25}
@@ -199,16 +199,15 @@ def _piece(task: str) -> tuple[str, range]:
     return name, range(int(first), int(last) + 1)
 
 
-def choice_rows(rows: Sequence[Coverage]) -> list[Row]:
+def choice_rows(rows: Sequence[Coverage]) -> list[PrecisionRow]:
     """The scenes that met the target to the end, as `sentences.choice` compares them."""
-    compared: list[Row] = []
+    compared = []
     for row in rows:
         if not row.levels or row.stated is None:
             continue
-        common = {"engine": row.engine, "scene": f"seed {row.seed}", "label": ""}
-        compared += [{**common, "group": "ladder", **asdict(level)} for level in row.levels]
-        asked = {"error_rad": row.stated.error_rad, "cpu_s": row.cpu_s, "failed": None}
-        compared.append({**common, "group": "accuracy", **asked})
+        base = PrecisionRow(row.engine, f"seed {row.seed}", TARGET, "", error_rad=row.stated.error_rad, cpu_s=row.cpu_s)
+        compared += [replace(base, group=LEVEL, **vars(level)) for level in row.levels]
+        compared.append(base)
     return compared
 
 

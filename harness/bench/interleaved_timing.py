@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from harness.bench.timing import costs
 
 Answer = tuple[NDArray[np.float64], int]
 """θ at a case's instants, or at the last of them, rad, and the work by the solver's own measure."""
@@ -23,16 +25,31 @@ class Entry(NamedTuple):
     how: str = ""
 
 
-def take_turns(case: str, exact: NDArray[np.float64], entries: Sequence[Entry], rounds: int) -> list[dict[str, Any]]:
-    """A row for each entry: its error against the exact θ, rad, and the least processor time of all rounds, s."""
-    best, answers = [math.inf] * len(entries), [(np.empty(0), 0)] * len(entries)
-    for _ in range(rounds):
-        for i, entry in enumerate(entries):
-            start = time.process_time()
-            answers[i] = entry.solve()
-            best[i] = min(best[i], time.process_time() - start)
+@dataclass(frozen=True)
+class SolverRow:
+    """One setting of a solver on a case: its error against the exact θ, rad, and the least processor time of all rounds, s."""
+
+    case: str
+    solver: str
+    tolerance: float
+    how: str = ""
+    work: int = 0
+    error_rad: float = float("inf")
+    seconds: float = float("inf")
+    failed: str | None = None
+
+
+def take_turns(case: str, exact: NDArray[np.float64], entries: Sequence[Entry], rounds: int) -> list[SolverRow]:
+    """A row for each entry."""
+    answers: dict[int, Answer] = {}
+
+    def solve(i: int) -> None:
+        answers[i] = entries[i].solve()
+
+    spent = costs([partial(solve, i) for i in range(len(entries))], rounds, float("inf"))
     rows = []
-    for entry, (theta, work), seconds in zip(entries, answers, best, strict=True):
-        row = {"case": case, "solver": entry.solver, "how": entry.how, "tolerance": entry.tolerance, "work": work}
-        rows.append(row | {"error_rad": float(np.abs(theta - exact[-theta.size :]).max()), "seconds": seconds})
+    for i, entry in enumerate(entries):
+        theta, work = answers[i]
+        error = float(np.abs(theta - exact[-theta.size :]).max())
+        rows.append(SolverRow(case, entry.solver, entry.tolerance, entry.how, work, error, spent[i].cpu_s))
     return rows

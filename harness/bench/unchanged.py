@@ -1,12 +1,13 @@
 """What each skip changes: seeded scenes with all skips and with all but one, at one step.
 
-`python -m harness.bench.unchanged [FIRST COUNT [ENGINE]]` prints a row for each engine and skip.
+`python -m harness.bench.unchanged [FIRST COUNT ENGINE...]` prints a row for each engine and skip; without arguments it renews the
+table of docs/bench.md.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,15 +15,17 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.pages import renew, table
 from harness.bench.seeded_scenes import random_scene
-from harness.bench.skip_savings import difference
+from harness.bench.skips import difference
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 
-ENGINES: Final = ("analytic", "pymunk", "pybullet")
-FIRST_SEED, SCENES = 30_000, 100
+FIRST_SEED: Final = 30_000
+SCENES: Final[Mapping[str, int]] = {"analytic": 100, "pymunk": 100, "pybullet": 100, "mujoco": 20}
+"""Scenes by engine; few of mujoco, a step of which takes some ten times pybullet's."""
 STEP_S: Final = 1e-3
 FINER: Final = 0.25
 """Step of the run that tells how far the engine's own error goes where a skip parts two runs, over theirs, and"""
@@ -30,6 +33,15 @@ PARTED_RAD: Final = 1e-5
 """from what difference on it is asked."""
 OUTCOME_ONLY: Final = frozenset({"no_history", "energy_outcome"})
 """Skips that apply where no history is asked: outcome and peak are compared."""
+HEAD: Final = (
+    "engine",
+    "skip",
+    "same bits",
+    "nine in ten, rad",
+    "largest, rad (seed)",
+    "own error there",
+    "other outcome",
+)
 
 
 @dataclass(frozen=True)
@@ -64,29 +76,31 @@ def _run(engine: Engine, scene: Scene, want: RunOptions, dt_s: float = STEP_S) -
     return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
 
 
-def line(found: Sequence[Effect]) -> str:
+def cells(of_skip: Sequence[Effect]) -> list[str]:
     """A row of the table from one skip's effects on all scenes."""
-    apart = np.array([item.apart_rad for item in found])
-    worst = found[int(np.argmax(apart))]
+    apart = np.array([item.apart_rad for item in of_skip])
+    worst = of_skip[int(np.argmax(apart))]
     own = "" if worst.own_rad is None else f"{worst.own_rad:.1e}"
-    changed = [str(item.seed) for item in found if item.outcomes[0] != item.outcomes[1]]
-    return (
-        f"| {worst.engine} | {worst.skip} | {int(np.sum(apart == 0.0))} of {apart.size} | {np.percentile(apart, 90):.1e} | "
-        f"{apart.max():.1e} ({worst.seed}) | {own} | {', '.join(changed) or 'none'} |"
-    )
+    changed = [str(item.seed) for item in of_skip if item.outcomes[0] != item.outcomes[1]]
+    same, most = f"{int(np.sum(apart == 0.0))} of {apart.size}", f"{apart.max():.1e} ({worst.seed})"
+    return [worst.engine, worst.skip, same, f"{np.percentile(apart, 90):.1e}", most, own, ", ".join(changed) or "none"]
+
+
+def rows(name: str, seeds: Sequence[int]) -> list[list[str]]:
+    """An engine's rows of the table."""
+    every = list(effects(engines.load(name), seeds))
+    return [cells([item for item in every if item.skip == skip]) for skip in sorted({item.skip for item in every})]
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Print the table, an engine's rows once all of its scenes are done."""
-    first, count = (int(item) for item in arguments[:2]) if arguments else (FIRST_SEED, SCENES)
-    sys.stdout.write(
-        "| engine | skip | same bits | nine in ten, rad | largest, rad (seed) | its own error there | other outcome |\n"
-    )
-    sys.stdout.write("|---|---|---|---|---|---|---|\n")
-    for name in arguments[2:] or ENGINES:
-        found = list(effects(engines.load(name), range(first, first + count)))
-        for skip in sorted({item.skip for item in found}):
-            sys.stdout.write(line([item for item in found if item.skip == skip]) + "\n")
+    """Print the rows of the engines and seeds asked, or renew the page."""
+    if not arguments:
+        every = [row for name, count in SCENES.items() for row in rows(name, range(FIRST_SEED, FIRST_SEED + count))]
+        renew("bench.md", "harness.bench.unchanged", table(HEAD, every))
+        return
+    first, count = (int(item) for item in arguments[:2])
+    for name in arguments[2:] or SCENES:
+        sys.stdout.write(table(HEAD, rows(name, range(first, first + count))) + "\n")
         sys.stdout.flush()
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import engines
-from harness.bench.precision import error
+from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import ALL, CONTACT, leaning
@@ -151,7 +151,7 @@ def _refined() -> Row:
     steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
     found = {}
     for engine in _here(CONTACT):
-        errors = [error(_run(engine, scene, step), judge) for step in steps]
+        errors = [error_rad(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
         told = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
         found[engine.name] = order >= engine.order - ORDER_SHORT, told

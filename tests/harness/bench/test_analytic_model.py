@@ -45,8 +45,8 @@ def test_solvers_of_a_case_take_turns_and_keep_their_least_time() -> None:
 
     rows = take_turns("block", np.array([9.0, 1.0]), [solver("a", 1.0), solver("b", 1.5)], 3)
     assert calls == ["a", "b"] * 3
-    assert [row["error_rad"] for row in rows] == [0.0, 0.5], "one instant is compared with the last"
-    assert all(0.0 <= row["seconds"] < np.inf for row in rows)
+    assert [row.error_rad for row in rows] == [0.0, 0.5], "one instant is compared with the last"
+    assert all(0.0 <= row.seconds < np.inf for row in rows)
 
 
 def test_a_wrong_rival_is_seen() -> None:
@@ -97,7 +97,7 @@ def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench, "heyoka_solver", missing)
     entries, rows = bench.taylor()
     assert {entry.solver for entry in entries} == {"analytic, kernel alone"}
-    assert {row["failed"] for row in rows} == {"no heyoka here"}
+    assert {row.failed for row in rows} == {"no heyoka here"}
     assert len(rows) == len(bench.HEYOKA_TOLERANCES)
 
 

@@ -30,16 +30,14 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_rungs() -> N
     unmet, died = cover.Coverage("pymunk", 4, stated(1e-5), 1e-3, 1.0), cover.Coverage("pymunk", 5)
     rows = [seeded(1, 1e-4, 1e-5, 2e-3), seeded(2, 1e-2, 1e-5, 5e-3), unmet, died]
     (found,) = sentences.choice(cover.choice_rows(rows), 1e-3)
-    assert (found["scenes"], found["worst_scene"]) == (2, "seed 1")
-    assert found["fixed_s"] == pytest.approx(8e-3)
-    assert found["share"] == pytest.approx(7e-3 / 8e-3)
-    assert found["worst_times"] == pytest.approx(2.0)
-    assert found["median_times"] == pytest.approx(0.5 * (2.0 + 1.25))
-    record = {"rows": [], "target_rad": 1e-3, "choice": [], "coverage": {}, "skips": [], "seeded": [found]}
-    assert sentences.sentences(record) == [
-        "On 2 seeded scenes that pymunk meets to the end, --accuracy 0.001 takes 0.007 s, 0.88 times the one fixed rung that "
-        "meets all of them (above the 0.5 wanted); 1.6 times the best rung in hindsight on half of them, at most 2 (within 3; "
-        "seed 1)."
+    assert (found.scenes, found.worst_scene) == (2, "seed 1")
+    assert found.fixed_s == pytest.approx(8e-3)
+    assert found.share == pytest.approx(7e-3 / 8e-3)
+    assert found.worst_times == pytest.approx(2.0)
+    assert found.median_times == pytest.approx(0.5 * (2.0 + 1.25))
+    assert sentences.choices([], [found], 1e-3) == [
+        "On 2 seeded scenes that pymunk meets to the end, --accuracy 0.001 takes 0.007 s in all, 0.88 times the one fixed level "
+        "that meets all of them; 1.6 times the best level in hindsight on half of them, at most 2 (“seed 1”)."
     ]
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench import pages, paper_forms
+from harness.bench import pages
 from harness.bench.pages import DOCS, END, begin, renew_tables, renewed, table
+from tests.measures import paper_forms
 
 
 def test_only_what_stands_between_the_marks_is_renewed() -> None:
@@ -38,7 +39,7 @@ def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None
     from harness.bench import pybullet_settings
 
     named = {
-        "harness.bench.paper_forms": paper_forms.TABLES,
+        "tests.measures.paper_forms": paper_forms.TABLES,
         "harness.bench.pybullet_settings": pybullet_settings.TABLES,
     }
     marks = [

@@ -1,4 +1,4 @@
-"""What scoring costs: `python -m harness.bench.scoring` prints one row for each claim."""
+"""What scoring costs: `python -m tests.measures.scoring` prints one row for each claim."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """What each misprint or simplification of the paper changes on its own cases, in numbers: the tables of docs/paper_forms.md.
 
-`python -m harness.bench.paper_forms [TABLE...]` computes them again, or those named.
+`python -m tests.measures.paper_forms [TABLE...]` computes them again, or those named.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from analytic.constants import GRAVITY_M_S2
 from harness.bench.pages import renew_tables, table
 
 PAGE: Final = "paper_forms.md"
-MODULE: Final = "harness.bench.paper_forms"
+MODULE: Final = "tests.measures.paper_forms"
 DURATION_S: Final = 10.0
 RATIO: Final = 0.875
 FREQUENCIES_HZ: Final = (1.5, 2.0, 3.0, 4.5, 6.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import analytic
-from harness.bench import paper_forms
 from harness.bench.pages import DOCS, renewed
+from tests.measures import paper_forms
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,106 @@
+"""What a bench must reach: `python -m tests.measures.goals [RESULT]` prints each goal of a record; 1 where one is missed."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from harness.bench.interleaved_timing import SolverRow
+from harness.bench.other_integrators import COMPARED, times_as_fast
+from harness.bench.precision import PrecisionRow
+from harness.bench.sentences import fastest
+
+RECORD: Final = Path("out/bench/result.json")
+REAL_TIME: Final = {"pymunk": 250.0, "pybullet": 60.0}
+"""Times real time wanted on the block scenes at the target accuracy."""
+COST_SHARE: Final = 0.5
+"""Share of the fixed level's total cost that the target accuracy may take, its checks included."""
+HINDSIGHT: Final = 3.0
+"""Times the best level in hindsight that it may take on one scene."""
+SKIP_GAIN: Final = {"analytic": 5.0, "pymunk": 2.0, "pybullet": 2.0}
+STATED_SHARE: Final = 0.95
+FASTER: Final = {"scipy DOP853": 100.0, "heyoka": 1.0}
+"""Times faster than each other solver."""
+RUNS_PER_CORE_S: Final = 10_000.0
+MAP_S: Final = 5.0
+"""Seconds of the map of 200 × 200 outcomes on two cores."""
+START: Final = {"import_ratio": 1.3, "first_call_ratio": 2.0}
+OVERHEAD: Final = 1.10
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One number of a bench (None: it could not be measured) and what is wanted of it, at least or at most."""
+
+    what: str
+    value: float | None
+    wanted: float
+    at_most: bool = False
+
+    @property
+    def reached(self) -> bool:
+        """Whether the number is as wanted."""
+        if self.value is None:
+            return False
+        return self.value <= self.wanted if self.at_most else self.value >= self.wanted
+
+    def __str__(self) -> str:
+        number = "not measured" if self.value is None else f"{self.value:.3g}"
+        side = "most" if self.at_most else "least"
+        return f"{'reached' if self.reached else 'MISSED '}  {self.what}: {number}, at {side} {self.wanted:g} wanted"
+
+
+def goals(record: Mapping[str, Any]) -> Iterator[Goal]:
+    """The goals of what a record holds; of a part that is not measured there are none."""
+    rows, target_rad = [PrecisionRow(**row) for row in record["rows"]], float(record["target_rad"])
+    for engine, (factor, scene) in fastest(rows, target_rad).items():
+        if engine in REAL_TIME:
+            yield Goal(f"{engine}, times real time at {target_rad:g} rad on {scene}", factor, REAL_TIME[engine])
+    for where, items in (("standard set", record["choice"]), ("seeded scenes", record["seeded"])):
+        for item in items:
+            on = f"--accuracy {target_rad:g} with {item['engine']} on the {where}"
+            yield Goal(f"{on}, of the one fixed level's cost", item["share"], COST_SHARE, at_most=True)
+            yield Goal(f"{on}, times the best level", item["worst_times"], HINDSIGHT, at_most=True)
+    for engine, item in record["coverage"].items():
+        yield Goal(f"{engine}, share of seeded scenes covered", item["inside"] / item["total"], STATED_SHARE)
+    for row in record["skips"]:
+        if row["skip"] == "all together":
+            yield Goal(f"{row['engine']}, times faster by all skips", row.get("gain"), SKIP_GAIN[row["engine"]])
+            yield Goal(f"{row['engine']}, outcomes that skips change", len(row["changed"]), 0.0, at_most=True)
+    yield from _solvers([SolverRow(**row) for row in record["solvers"]])
+    if rates := record["throughput"]:
+        yield Goal("outcomes a second and core", rates["two_block"]["runs_per_core_s"], RUNS_PER_CORE_S)
+        if rates["map"]["size"] >= 200:
+            yield Goal("seconds of a map", rates["map"]["wall_s"], MAP_S, at_most=True)
+    for name, ratio in record["startup"].items():
+        if name in START:
+            yield Goal(f"start, {name}", ratio, START[name], at_most=True)
+    for name, ratio in record["overhead"].items():
+        if name.endswith("_ratio"):
+            yield Goal(f"pymunk over a bare loop, {name}", ratio, OVERHEAD, at_most=True)
+
+
+def _solvers(rows: Sequence[SolverRow]) -> Iterator[Goal]:
+    for case in dict.fromkeys(row.case for row in rows):
+        mine = [row for row in rows if row.case == case]
+        for (ours, other), errors in COMPARED.items():
+            if {ours, other} <= {row.solver for row in mine}:
+                for error_rad in errors:
+                    ratio = times_as_fast(ours, other, error_rad, mine)
+                    yield Goal(f"{case} at {error_rad:g} rad: {ours} over {other}", ratio, FASTER[other])
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the goals; 1 where one is missed."""
+    record = json.loads(Path(arguments[0] if arguments else RECORD).read_text(encoding="utf-8"))
+    listed = list(goals(record))
+    sys.stdout.write("".join(f"{goal}\n" for goal in listed))
+    return 0 if all(goal.reached for goal in listed) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
