@@ -53,6 +53,7 @@ def run(
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
+    from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
     from harness.scene_run.scene_run import write_result
 
@@ -78,7 +79,7 @@ def run(
         assess=not no_assess,
     )
     write_result(result, folder)
-    _say(result.as_dict(), harness_cli.summary(result), folder, as_json, quiet)
+    _say(plain(result.record()), harness_cli.summary(result), folder, as_json, quiet)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if engine else tuple(result.runs))
     raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
@@ -103,10 +104,12 @@ def assess(
     quiet: Quiet = False,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
+    from dataclasses import replace
+
     from harness.assess import assessment
     from harness.input.paths import read_files
     from harness.input.scene_file import load_scene
-    from harness.model import run as record
+    from harness.records.base import plain
     from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
 
     folder = out or OUT / f"{named_after(scene)}-assess"
@@ -123,9 +126,9 @@ def assess(
             most_runs=most_runs,
             on_progress=telling.now,
         )
-    with replacing(folder, lambda files: record.to_plain({**found, "files": files}), "assess"):
+    with replacing(folder, lambda files: replace(found, files=files), "assess"):
         pass
-    _say(record.to_plain(found), assessment.summary(found), folder, as_json, quiet)
+    _say(plain(found), assessment.summary(found), folder, as_json, quiet)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")

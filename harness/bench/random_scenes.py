@@ -23,8 +23,8 @@ from harness.bench.pages import renew, table
 from harness.bench.seeded_scenes import GENERATORS
 from harness.campaign.parts import source
 from harness.comparison.comparator import compare
-from harness.comparison.verdict import Verdict
 from harness.model.run import Run
+from harness.records.scores import Verdict
 from harness.scene_run.scene_run import run_scene
 
 NAMES: Final = ("analytic", "pymunk", "pybullet")
