@@ -7,7 +7,7 @@ of many runs, in which solvers of a like cost take turns. A rival that is not in
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
@@ -31,9 +31,10 @@ from analytic.kernel.entries import run
 from analytic.problem import Options, Problem
 from analytic.results import Prepared
 from analytic.solver import prepare
-from harness.bench.interleaved_timing import Answer, Entry, SolverRow, take_turns
+from harness.bench.interleaved_timing import Answer, Entry, take_turns
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
 from harness.bench.timing import cost
+from harness.records.bench import SolverRow, Throughput
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
 STATUE: Final = Block.two_corners(
@@ -218,21 +219,6 @@ def _map(size: int, pedestal: bool) -> dict[str, Any]:
     return {"sweep": sweep, "duration_s": 10.0, **scene}
 
 
-@dataclass(frozen=True)
-class Throughput:
-    """Outcome-only runs of an overturning map: how many, per second and per second of the processor, their steps, the share
-    that overturned."""
-
-    runs: int
-    wall_s: float
-    cpu_s: float
-    runs_per_s: float
-    runs_per_core_s: float
-    steps_per_run: float
-    us_per_step: float
-    overturned: float
-
-
 def outcomes(size: int, pedestal: bool, threads: int, repeats: int) -> Throughput:
     """A size × size map of outcomes of 10 s at 1e-6 over amplitude and frequency, of the paper's statue; the least of several."""
     ensemble(STATUE, Harmonic(1.0, 1.0), **_map(1, pedestal))
@@ -240,27 +226,17 @@ def outcomes(size: int, pedestal: bool, threads: int, repeats: int) -> Throughpu
     spent, result, runs = cost(call, repeats, math.inf), call(), size * size
     steps = float(result.steps.sum())
     return Throughput(
-        runs, spent.wall_s, spent.cpu_s, runs / spent.wall_s, runs / spent.cpu_s, steps / runs, 1e6 * spent.cpu_s / steps,
-        float(result.overturned.mean()),
+        runs, threads, spent.wall_s, spent.cpu_s, runs / spent.wall_s, runs / spent.cpu_s, steps / runs,
+        1e6 * spent.cpu_s / steps, float(result.overturned.mean()),
     )  # fmt: skip
 
 
-def throughput(runs: int = 2000, threads: int = 1, repeats: int = REPEATS) -> dict[str, dict[str, float]]:
+def throughput(runs: int = 2000, threads: int = 1, repeats: int = REPEATS) -> dict[str, Throughput]:
     """Outcomes with and without the pedestal."""
     side = max(math.isqrt(runs), 1)
-    return {
-        name: asdict(outcomes(side, pedestal, threads, repeats))
-        for name, pedestal in (("two_block", True), ("single_block", False))
-    }
+    return {name: outcomes(side, on, threads, repeats) for name, on in (("two_block", True), ("single_block", False))}
 
 
-def map_time(size: int = 200, threads: int = 2) -> dict[str, float]:
-    """Seconds of one size × size overturning map on a pedestal: by the clock, and of the processor in all threads."""
-    found = outcomes(size, True, threads, 1)
-    return {
-        "size": size,
-        "threads": threads,
-        "wall_s": found.wall_s,
-        "cpu_s": found.cpu_s,
-        "overturned": found.overturned,
-    }
+def map_time(size: int = 200, threads: int = 2) -> Throughput:
+    """One size × size overturning map on a pedestal: seconds by the clock, and of the processor in all threads."""
+    return outcomes(size, True, threads, 1)

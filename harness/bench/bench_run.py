@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Final
 
 from harness.bench import coverage as cover
 from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
-from harness.bench.precision import PrecisionRow
-from harness.bench.skips import SkipRow
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Part, Row
-from harness.model.run import SCHEMA_VERSION
+from harness.model.run import machine, versions
+from harness.records.base import as_file
+from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
@@ -33,8 +32,7 @@ def run(
     """
     listed = all_parts(quick)
     measured = parts.session(folder, listed, quick, only, told)
-    record = assembled(listed, measured) | {"command": parts.command("bench", quick, measured)}
-    return parts.written(folder, record)
+    return parts.written(folder, as_file(assembled(listed, measured, parts.command("bench", quick, measured))))
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -49,47 +47,36 @@ def all_parts(quick: bool) -> list[Part]:
     ]
 
 
-def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> Row:
+def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: str = "rockcheck bench") -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))
-    seeded = [cover.Coverage.read(row) for row in rows["coverage"]]
+    seeded = [cover.read(row) for row in rows["coverage"]]
     together = skips.together([SkipRow(**row) for row in rows["skips"]])
     alone = [SkipRow(**row) for row in rows["alone"]]
+    grown = [ScalingRow(**row) for row in rows["scaling"]]
     others = other_integrators.collected(rows["others"])
     target_rad, counts, spent = precision.TARGET_RAD, cover.counted(seeded), parts.seconds(measured)
     standard = sentences.choice(timed, target_rad)
     on_seeds = sentences.choice(cover.choice_rows(seeded), target_rad)
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "bench",
-        "title": "Run time against error",
-        "target_rad": target_rad,
-        "clock": CLOCK,
-        "rows": [asdict(row) for row in timed],
-        "absent": absent,
-        "choice": [asdict(item) for item in standard],
-        "seeded": [asdict(item) for item in on_seeds],
-        "coverage_rows": rows["coverage"],
-        "coverage": counts,
-        "skips": [row.record() for row in (*together, *alone)],
-        "scaling": rows["scaling"],
-        **others,
-        "parts": spent,
-        "seconds": sum(item["wall_s"] for item in spent),
-        "sentences": [
-            *sentences.speeds(timed, target_rad),
-            *sentences.choices(standard, on_seeds, target_rad),
-            *sentences.coverage(counts),
-            *skips.sentences(together),
-            *sentences.defaults(timed),
-            *skip_savings.sentences(alone),
-            *scaling.sentences(rows["scaling"]),
-            *other_integrators.sentences(others),
-            *(f"“{name}” was left out: {why}." for name, why in absent.items()),
-            *parts.sentences(spent),
-        ],
-    }
+    told = [
+        *sentences.speeds(timed, target_rad),
+        *sentences.choices(standard, on_seeds, target_rad),
+        *sentences.coverage(counts),
+        *skips.sentences(together),
+        *sentences.defaults(timed),
+        *skip_savings.sentences(alone),
+        *scaling.sentences(grown),
+        *other_integrators.sentences(others),
+        *(f"“{name}” was left out: {why}." for name, why in absent.items()),
+        *parts.sentences(spent),
+    ]
+    return BenchRecord(
+        command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
+        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(others),
+        parts=[PartRow(**item) for item in spent], sentences=told, seconds=sum(item["wall_s"] for item in spent),
+        versions=versions(), machine=machine(),
+    )  # fmt: skip

@@ -9,19 +9,20 @@ import json
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.differences import error_rad, errors
-from harness.bench.precision import LEVEL, TARGET, TARGET_RAD, PrecisionRow
+from harness.bench.precision import TARGET_RAD
 from harness.bench.seeded_scenes import random_scene
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import LEVEL, TARGET, Coverage, Covered, Level, PrecisionRow, Statement
 
 FINER: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
@@ -33,49 +34,6 @@ FINEST_S: Final = 2.5e-4
 """Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
 PIECE: Final = {"pybullet": 8, "pymunk": 25}
 """Scenes of one task, by engine."""
-
-
-@dataclass(frozen=True)
-class Level:
-    """One level of an engine on a seeded scene: its error and processor time, or why there are none."""
-
-    dt_s: float
-    failed: str | None = None
-    error_rad: float | None = None
-    cpu_s: float | None = None
-
-
-@dataclass(frozen=True)
-class Statement:
-    """What a run stated of itself, and what it was off by while that is said to hold."""
-
-    engine: str
-    outcome: str
-    dt_s: float | None
-    runs: int
-    steps: int
-    stated_rad: float
-    stated_m: float
-    reliable_until_s: float
-    end_s: float
-    error_rad: float
-    error_m: float
-    layer_left_s: float | None = None
-
-    @property
-    def rotation_holds(self) -> bool:
-        """Whether the error of the rotation stays within the statement."""
-        return self.error_rad <= self.stated_rad
-
-    @property
-    def slip_holds(self) -> bool:
-        """Whether that of the slip does."""
-        return self.error_m <= self.stated_m
-
-    @property
-    def share(self) -> float:
-        """For what share of the run's length it is said to hold."""
-        return self.reliable_until_s / self.end_s if self.end_s > 0.0 else 1.0
 
 
 def statement(run: Run, truth: Run) -> Statement:
@@ -94,35 +52,10 @@ def reliable_until_s(run: Run) -> float:
     return run.end_s if run.reliable_until_s is None else run.reliable_until_s
 
 
-@dataclass(frozen=True)
-class Coverage:
-    """One seeded scene run to a target; no statement where the process died.
-
-    `cpu_s`: processor time of that run; `levels` where it was met to the end, since else none is known to be enough.
-    """
-
-    engine: str
-    seed: int
-    stated: Statement | None = None
-    target_rad: float = TARGET_RAD
-    cpu_s: float = 0.0
-    levels: tuple[Level, ...] = ()
-
-    @property
-    def covered(self) -> bool:
-        """Whether the errors of rotation and slip stay within the statement while it holds."""
-        return self.stated is not None and self.stated.rotation_holds and self.stated.slip_holds
-
-    @property
-    def met_whole(self) -> bool:
-        """Whether the target is met to the end of the run."""
-        return self.stated is not None and self.stated.share >= 1.0 and self.stated.stated_rad <= self.target_rad
-
-    @classmethod
-    def read(cls, row: Row) -> Coverage:
-        """A row of a record."""
-        stated = row["stated"] and Statement(**row["stated"])
-        return cls(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
+def read(row: Row) -> Coverage:
+    """A row that was kept."""
+    stated = row["stated"] and Statement(**row["stated"])
+    return Coverage(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
 
 
 def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: bool = False) -> Iterator[Coverage]:
@@ -138,7 +71,7 @@ def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: 
         truth = truth_of(engine, scene, run, reliable_until_s(run))
         if run.history is None or truth.history is None:
             continue
-        row = Coverage(engine.name, seed, statement(run, truth), accuracy_rad, cpu_s)
+        row = Coverage(engine.name, seed, accuracy_rad, statement(run, truth), cpu_s)
         yield replace(row, levels=tuple(_levels(engine, scene, truth))) if levels and row.met_whole else row
 
 
@@ -190,7 +123,7 @@ def compute(task: str) -> list[Row]:
 def died(task: str) -> list[Row]:
     """A piece that took its process with it: none of its scenes is covered."""
     name, seeds = _piece(task)
-    return [asdict(Coverage(name, seed)) for seed in seeds]
+    return [asdict(Coverage(name, seed, TARGET_RAD)) for seed in seeds]
 
 
 def _piece(task: str) -> tuple[str, range]:
@@ -211,13 +144,13 @@ def choice_rows(rows: Sequence[Coverage]) -> list[PrecisionRow]:
     return compared
 
 
-def counted(rows: Sequence[Coverage]) -> dict[str, Row]:
+def counted(rows: Sequence[Coverage]) -> dict[str, Covered]:
     """By engine: scenes on which the error lay within the statement, of how many, and which it did not."""
-    counts: dict[str, Row] = {}
+    counts = {}
     for engine in dict.fromkeys(row.engine for row in rows):
         mine = [row for row in rows if row.engine == engine]
         missed = [row.seed for row in mine if not row.covered]
-        counts[engine] = {"inside": len(mine) - len(missed), "total": len(mine), "missed": missed}
+        counts[engine] = Covered(len(mine) - len(missed), len(mine), missed)
     return counts
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.bench.timing import costs
+from harness.records.bench import SolverRow
 
 Answer = tuple[NDArray[np.float64], int]
 """θ at a case's instants, or at the last of them, rad, and the work by the solver's own measure."""
@@ -23,20 +23,6 @@ class Entry(NamedTuple):
     tolerance: float
     solve: Callable[[], Answer]
     how: str = ""
-
-
-@dataclass(frozen=True)
-class SolverRow:
-    """One setting of a solver on a case: its error against the exact θ, rad, and the least processor time of all rounds, s."""
-
-    case: str
-    solver: str
-    tolerance: float
-    how: str = ""
-    work: int = 0
-    error_rad: float = float("inf")
-    seconds: float = float("inf")
-    failed: str | None = None
 
 
 def take_turns(case: str, exact: NDArray[np.float64], entries: Sequence[Entry], rounds: int) -> list[SolverRow]:

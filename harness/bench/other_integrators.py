@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from dataclasses import asdict, dataclass, field
+from typing import Final
 
 from harness.bench import analytic_model, contact_engines, start
-from harness.bench.interleaved_timing import SolverRow
 from harness.campaign.parts import Row
+from harness.records.bench import SolverRow, Start, Throughput
 
 COMPARED: Final = {
     ("analytic", "scipy DOP853"): (1e-6, 1e-9),
@@ -17,58 +19,70 @@ COMPARED: Final = {
 """Solvers that are compared, and at which errors, rad."""
 THROUGHPUT_REPEATS: Final = 20
 """Runs of the map of which the least time counts: another process on the machine may take part of it from several in a row."""
-EMPTY: Final[Mapping[str, Any]] = {"throughput": {}, "startup": {}, "overhead": {}}
 
 
 def tasks() -> list[str]:
     """What is measured here."""
-    return ["solvers", *EMPTY]
+    return ["solvers", "throughput", "startup", "overhead"]
 
 
 def compute(quick: bool, task: str) -> list[Row]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a baseline loop."""
     if task == "solvers":
-        return [vars(row) for row in analytic_model.measure(2 if quick else analytic_model.REPEATS)]
+        return [asdict(row) for row in analytic_model.measure(2 if quick else analytic_model.REPEATS)]
     if task == "throughput":
         rates = analytic_model.throughput(400) if quick else analytic_model.throughput(repeats=THROUGHPUT_REPEATS)
-        return [{"throughput": rates | {"map": analytic_model.map_time(40 if quick else 200)}}]
+        rates |= {"map": analytic_model.map_time(40 if quick else 200)}
+        return [{"throughput": {name: asdict(rate) for name, rate in rates.items()}}]
     if task == "startup":
-        return [{"startup": start.startup(1 if quick else start.STARTS)}]
+        return [{"startup": asdict(start.startup(1 if quick else start.STARTS))}]
     return [{"overhead": contact_engines.overhead(2.0 if quick else 10.0)}]
 
 
-def collected(rows: Sequence[Row]) -> Row:
-    """The parts of a record from all rows; what is not measured yet is empty."""
-    parts: Row = {"solvers": [row for row in rows if "solver" in row], **EMPTY}
-    for row in rows:
-        parts |= {name: row[name] for name in EMPTY if name in row}
-    return parts
+@dataclass(frozen=True)
+class Others:
+    """What was measured here; what was not yet is empty, or None."""
+
+    solvers: Sequence[SolverRow] = ()
+    throughput: Mapping[str, Throughput] = field(default_factory=dict)
+    startup: Start | None = None
+    overhead: Mapping[str, float] = field(default_factory=dict)
 
 
-def sentences(record: Mapping[str, Any]) -> list[str]:
+def collected(rows: Sequence[Row]) -> Others:
+    """All rows that were kept."""
+    parts = {name: value for row in rows if "solver" not in row for name, value in row.items()}
+    return Others(
+        [SolverRow(**row) for row in rows if "solver" in row],
+        {name: Throughput(**rate) for name, rate in parts.get("throughput", {}).items()},
+        Start(**parts["startup"]) if "startup" in parts else None,
+        parts.get("overhead", {}),
+    )
+
+
+def sentences(found: Others) -> list[str]:
     """What these rows say."""
-    solvers = [SolverRow(**row) for row in record["solvers"]]
     told = [
         text
-        for case in dict.fromkeys(row.case for row in solvers)
+        for case in dict.fromkeys(row.case for row in found.solvers)
         for ours, other in COMPARED
-        for text in _against(case, ours, other, [row for row in solvers if row.case == case])
+        for text in _against(case, ours, other, [row for row in found.solvers if row.case == case])
     ]
-    if rates := record["throughput"]:
-        area = rates["map"]
+    if found.throughput:
+        rate, area = found.throughput["two_block"], found.throughput["map"]
+        size = math.isqrt(area.runs)
         told += [
-            f"Outcomes of 10 s on a pedestal at 1e-6: {rates['two_block']['runs_per_core_s']:.3g} a second and core.",
-            f"A {area['size']} × {area['size']} overturning map on a pedestal takes {area['wall_s']:.3g} s on "
-            f"{area['threads']} cores.",
+            f"Outcomes of 10 s on a pedestal at 1e-6: {rate.runs_per_core_s:.3g} a second and core.",
+            f"A {size} × {size} overturning map on a pedestal takes {area.wall_s:.3g} s on {area.threads} cores.",
         ]
-    if starts := record["startup"]:
+    if found.startup is not None:
         told += [
-            f"Importing analytic takes {starts['import_ratio']:.2f} times importing numpy and numba.",
-            f"Its first call from the cache takes {starts['first_call_ratio']:.2f} times that of a trivial cached kernel.",
+            f"Importing analytic takes {found.startup.import_ratio:.2f} times importing numpy and numba.",
+            f"Its first call from the cache takes {found.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
         ]
     told += [
         f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a bare loop."
-        for name, ratio in record["overhead"].items()
+        for name, ratio in found.overhead.items()
         if name.endswith("_ratio")
     ]
     return told
@@ -82,7 +96,11 @@ def times_as_fast(ours: str, other: str, error_rad: float, rows: Sequence[Solver
 
 def least_s(solver: str, error_rad: float, rows: Sequence[SolverRow]) -> float | None:
     """Seconds of the cheapest row of a solver whose error is within `error_rad`."""
-    good = [row.seconds for row in rows if row.solver == solver and not row.failed and row.error_rad <= error_rad]
+    good = [
+        row.seconds
+        for row in rows
+        if row.solver == solver and row.seconds is not None and row.error_rad is not None and row.error_rad <= error_rad
+    ]
     return min(good, default=None)
 
 
@@ -102,7 +120,7 @@ def _against(case: str, ours: str, other: str, rows: Sequence[SolverRow]) -> lis
 def _short_of(case: str, ours: str, other: str, error_rad: float, rows: Sequence[SolverRow]) -> str:
     """What is known where a solver did not reach the error: the smallest that it reached, and the ratio there."""
     failed = ours if least_s(ours, error_rad, rows) is None else other
-    least = min(row.error_rad for row in rows if row.solver == failed)
+    least = min(row.error_rad for row in rows if row.solver == failed and row.error_rad is not None)
     text = f"{case}: no setting of {failed} reached {error_rad:g} rad"
     ratio = times_as_fast(ours, other, least, rows)
     if ratio is None:

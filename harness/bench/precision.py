@@ -22,6 +22,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, PrecisionRow
 
 Array = NDArray[np.float64]
 
@@ -30,53 +31,6 @@ LONG_S: Final = 4.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
 TURNS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
-LEVEL, TARGET, DEFAULT, PEER = "ladder", "accuracy", "default", "peer"
-"""Groups of rows, as the record calls them: a level, what the target takes, the engine's defaults, a peer's settings."""
-
-
-@dataclass(frozen=True)
-class PrecisionRow:
-    """One setting of an engine on one scene: its error and cost, or why it `failed`.
-
-    `reference`: what the error is against; `chosen`: by the target; `stated_rad`: its own uncertainty.
-    """
-
-    engine: str
-    scene: str
-    group: str
-    label: str
-    block: bool = True
-    reference: str = "analytic"
-    dt_s: float | None = None
-    error_rad: float | None = None
-    wall_s: float | None = None
-    cpu_s: float | None = None
-    repeats: int | None = None
-    real_time_factor: float | None = None
-    steps: int | None = None
-    iterations: int | None = None
-    stated_rad: float | None = None
-    reliable_until_s: float | None = None
-    chosen: bool = False
-    failed: str | None = None
-
-    def costing(self, spent: Cost, simulated_s: float) -> PrecisionRow:
-        """The row with what it took to simulate so long."""
-        factor = simulated_s / spent.cpu_s
-        return replace(
-            self, wall_s=spent.wall_s, cpu_s=spent.cpu_s, repeats=spent.repeats, real_time_factor=factor
-        )  # fmt: skip
-
-    def of(self, run: Run, error: float) -> PrecisionRow:
-        """The row with a run's work, its statement and its error."""
-        return replace(
-            self, error_rad=error, steps=run.steps, iterations=run.settings.get("iterations"),
-            stated_rad=run.numerical_uncertainty_rad,
-        )  # fmt: skip
-
-    def meets(self, target_rad: float) -> bool:
-        """Whether it did not fail and its error is within a target."""
-        return self.failed is None and self.error_rad is not None and self.error_rad <= target_rad
 
 
 @dataclass(frozen=True)
@@ -171,7 +125,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
             continue
         took = next(spent)
         if run is not judge:
-            yield row.of(run, error_rad(run, judge)).costing(took, run.end_s)
+            yield _costing(_with(row, run, error_rad(run, judge)), took, run.end_s)
     if asked is not None and judge is not None:
         yield _chosen(replace(base, group=TARGET, label=f"--accuracy {TARGET_RAD:g}"), asked, judge, next(spent, None))
 
@@ -212,7 +166,8 @@ def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -
     if isinstance(run, str) or spent is None:
         return replace(row, failed=str(run))
     until_s = run.reliable_until_s
-    row = row.of(run, error_rad(run, judge, run.end_s if until_s is None else until_s)).costing(spent, run.end_s)
+    error = error_rad(run, judge, run.end_s if until_s is None else until_s)
+    row = _costing(_with(row, run, error), spent, run.end_s)
     label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
     steps = run.work.get("steps_of_all_runs", run.steps)
     return replace(row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=until_s, steps=steps)
@@ -227,10 +182,25 @@ def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[Precisio
         t_s, theta = module.run(scene, settings)
         spent, error = cost(partial(module.run, scene, settings)), largest(t_s, theta, exact)
         finite = bool(np.isfinite(error))
-        yield replace(
+        row = replace(
             base, group=default.group, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,
             error_rad=error if finite else None, failed=None if finite else "its numbers diverged",
-        ).costing(spent, scene.duration_s)  # fmt: skip
+        )  # fmt: skip
+        yield _costing(row, spent, scene.duration_s)
+
+
+def _with(row: PrecisionRow, run: Run, error: float) -> PrecisionRow:
+    """A row with a run's work, its statement and its error."""
+    return replace(
+        row, error_rad=error, steps=run.steps, iterations=run.settings.get("iterations"),
+        stated_rad=run.numerical_uncertainty_rad,
+    )  # fmt: skip
+
+
+def _costing(row: PrecisionRow, spent: Cost, simulated_s: float) -> PrecisionRow:
+    """A row with what it took to simulate so long."""
+    factor = simulated_s / spent.cpu_s
+    return replace(row, wall_s=spent.wall_s, cpu_s=spent.cpu_s, repeats=spent.repeats, real_time_factor=factor)
 
 
 def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:

@@ -18,12 +18,13 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import Statement, reliable_until_s, statement, truth_of
+from harness.bench.coverage import reliable_until_s, statement, truth_of
 from harness.bench.pages import renew, table
 from harness.bench.seeded_scenes import GENERATORS
 from harness.campaign.parts import source
 from harness.comparison.comparator import compare
 from harness.model.run import Run
+from harness.records.bench import Statement
 from harness.records.scores import Verdict
 from harness.scene_run.scene_run import run_scene
 

@@ -5,27 +5,8 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-from harness.bench.precision import DEFAULT, LEVEL, PEER, TARGET, PrecisionRow
-
-
-@dataclass(frozen=True)
-class Choice:
-    """What a target takes of an engine: in all, beside the one level that meets it everywhere, beside each scene's best level.
-
-    `met`: scenes of `scenes` on which the error is within it; `share`: of the fixed level's cost; `times`: of the best level's.
-    """
-
-    engine: str
-    scenes: int
-    met: int
-    total_s: float
-    fixed_s: float | None
-    share: float | None
-    worst_scene: str | None
-    worst_times: float | None
-    median_times: float | None
+from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, Choice, Covered, PrecisionRow
 
 
 def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[Choice]:
@@ -118,10 +99,10 @@ def _cost(item: Choice) -> str:
     return f"{start}; {half}, at most {item.worst_times:.2g} (“{item.worst_scene}”)"
 
 
-def coverage(counts: Mapping[str, Mapping[str, int]]) -> list[str]:
+def coverage(counts: Mapping[str, Covered]) -> list[str]:
     """How often errors lay within what was stated."""
     return [
-        f"{engine}: the error lay within what was stated on {item['inside']} of {item['total']} seeded scenes."
+        f"{engine}: the error lay within what was stated on {item.inside} of {item.total} seeded scenes."
         for engine, item in counts.items()
     ]
 

@@ -18,7 +18,6 @@ from harness.bench.skips import (
     RECORDS,
     SHARES,
     STUDY,
-    SkipRow,
     decides_nothing,
     difference,
     level,
@@ -34,6 +33,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import SkipRow
 
 
 def _alone(skip: str, *beside: str, history: bool = True) -> tuple[RunOptions, RunOptions]:
@@ -157,7 +157,7 @@ def sentences(rows: Sequence[SkipRow]) -> list[str]:
         for row in measured
         if row.apart_rad is not None and row.own_rad is not None and row.apart_rad > max(row.own_rad, LEAST_RAD)
     ]
-    changed = [f"{row.skip} ({row.engine}): {'; '.join(row.changed)}." for row in measured if not row.same]
+    changed = [f"{row.skip} ({row.engine}): {'; '.join(row.changed)}." for row in measured if row.changed]
     return [f"{told} where they were measured{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Final
 
@@ -18,8 +18,8 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import TOGETHER, SkipRow
 
-TOGETHER: Final = "all together"
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),
     "coalinga1983": ("coalinga1983_PFZ14.csv", "a_90_ms2", 64.98),
@@ -60,42 +60,6 @@ def tasks(quick: bool) -> list[str]:
 
 STUDY: Final = "block, elcentro1940"
 """The part of the study that stands for it where time is short."""
-
-
-@dataclass(frozen=True)
-class SkipRow:
-    """Seconds with a skip and without it, outcomes that it `changed`, or why it was not measured (`failed`).
-
-    `unsettled`: outcomes that the engine's own finer settings without skips change as well; `apart_rad`: how far rotations
-    part; `own_rad`: how far finer settings without the skip part from the same run.
-    """
-
-    skip: str
-    engine: str
-    scenes: int = 1
-    on_s: float = 0.0
-    off_s: float = 0.0
-    changed: tuple[str, ...] = ()
-    unsettled: tuple[str, ...] = ()
-    outcomes: tuple[str, ...] = ()
-    apart_rad: float | None = None
-    own_rad: float | None = None
-    steps: tuple[int, int] | None = None
-    failed: str | None = None
-
-    @property
-    def gain(self) -> float:
-        """Times faster with the skip."""
-        return self.off_s / self.on_s
-
-    @property
-    def same(self) -> bool:
-        """Whether no outcome changed."""
-        return not self.changed
-
-    def record(self) -> Row:
-        """The row as the record has it."""
-        return asdict(self) if self.failed else {**asdict(self), "gain": self.gain, "same": self.same}
 
 
 def compute(task: str) -> list[Row]:

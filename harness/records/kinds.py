@@ -13,6 +13,8 @@ from harness.records.base import SCHEMAS, Record, schema_name, schema_of
 CLASSES: Final[Mapping[str, str]] = {
     "run": "harness.records.run:RunRecord",
     "assess": "harness.records.assess:AssessRecord",
+    "bench": "harness.records.bench:BenchRecord",
+    "stress": "harness.records.stress:StressRecord",
 }
 """By kind the module and the class of its record, imported where one is read."""
 

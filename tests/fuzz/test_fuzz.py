@@ -144,13 +144,13 @@ def test_a_stored_result_that_is_nothing_is_refused(every: dict[str, Kind], fold
 
 def test_mutated_inputs_do_no_harm() -> None:
     found = summed(list(rows(10 * WHOLE, 10 * WHOLE + INPUTS - 1)))
-    assert {row["reader"] for row in found} >= {"scene", "study", "experiments", "history", "store"}
-    assert [row for row in found if row["found"]] == []
-    assert {row["reader"] for row in found} == {kind.name for kind in kinds()}
-    assert sum(row["inputs"] for row in found) == INPUTS
-    shallow = [row["reader"] for row in found if not 0 < row["accepted"] < row["inputs"]]
+    assert {row.reader for row in found} >= {"scene", "study", "experiments", "history", "store"}
+    assert [row for row in found if row.found] == []
+    assert {row.reader for row in found} == {kind.name for kind in kinds()}
+    assert sum(row.inputs for row in found) == INPUTS
+    shallow = [row.reader for row in found if not 0 < row.accepted < row.inputs]
     assert shallow == [], "a kind that is always refused, or never, is not searched"
-    assert min(row["refusals"] for row in found) > 1, "damage that always ends at the same sentence searches nothing"
+    assert min(row.refusals for row in found) > 1, "damage that always ends at the same sentence searches nothing"
 
 
 def test_the_search_sees_what_it_looks_for(
@@ -282,9 +282,9 @@ def test_a_process_that_ends_counts_as_a_failure() -> None:
     counts = {"inputs": 100, "accepted": 30, "tracebacks": 0, "hangs": 0, "half_written": 0}
     good = {"reader": "scene", **counts, "said": [1, 2], "found": []}
     row, ended = summed([good, {**good, "said": [2, 3]}, *died("inputs 100 to 199: Timeout")])
-    assert (row["inputs"], row["tracebacks"], row["refusals"]) == (200, 0, 3)
-    assert ended["tracebacks"] == 1
-    assert "inputs 100 to 199: Timeout" in ended["found"][0]["what"]
+    assert (row.inputs, row.tracebacks, row.refusals) == (200, 0, 3)
+    assert ended.tracebacks == ended.harm == 1
+    assert "inputs 100 to 199: Timeout" in ended.found[0].what
 
 
 @pytest.mark.parametrize("ways", [TEXT, BINARY, STL, STEPPED, TITLED, PACKED])

@@ -3,28 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
-
-@dataclass(frozen=True)
-class Cell:
-    """One cell: `category` (stable, inaccurate, drifting, diverged), the numbers that say so, and what avoids it.
-
-    `short`: only the first part of the scene was run, which says nothing of the rest.
-    """
-
-    engine: str
-    setting: str
-    difficulty: str
-    category: str
-    evidence: str
-    explained: str = ""
-    short: bool = False
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return dict(vars(self))
+from harness.records.stress import Cell
 
 
 def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda: None) -> Iterator[Cell]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Final
 
 from harness import engines
@@ -16,6 +17,7 @@ from harness.engines.base import Engine, EngineFailure
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.stress import HardRow
 
 QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
 
@@ -36,15 +38,15 @@ def tasks(quick: bool) -> list[str]:
 
 def compute(task: str) -> list[Row]:
     """The row of one hard scene."""
-    return [row_of(next(hard for hard in catalogue() if hard.name == task))]
+    return [asdict(row_of(next(hard for hard in catalogue() if hard.name == task)))]
 
 
 def died(task: str) -> list[Row]:
     """The row of a hard scene that took its process with it."""
-    return [{"name": task, "wanted": "", "got": {"*": "the process died"}, "holds": False, "checks": [], "note": ""}]
+    return [asdict(HardRow(task, "", {"*": "the process died"}, holds=False))]
 
 
-def row_of(hard: Hard) -> Row:
+def row_of(hard: Hard) -> HardRow:
     """A hard scene by every engine that it names and that is here."""
     scene = scene_of(hard.name, hard.content)
     exact = solution(scene) if hard.exact else None
@@ -71,9 +73,7 @@ def row_of(hard: Hard) -> Row:
         outcome = run.outcome.value
         got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
     holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
-    return {
-        "name": hard.name, "wanted": hard.wanted, "got": got, "holds": holds, "checks": found, "note": hard.note, "known": known,
-    }  # fmt: skip
+    return HardRow(hard.name, hard.wanted, got, holds, found, hard.note, known)
 
 
 def solution(scene: Scene) -> Run:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Final
 
@@ -25,6 +25,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Scene
+from harness.records.stress import HardRow
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
@@ -59,14 +60,14 @@ def tasks(quick: bool) -> list[str]:
 
 def compute(task: str) -> list[Row]:
     """The row of one question."""
-    return [QUESTIONS[task]()]
+    return [asdict(QUESTIONS[task]())]
 
 
-def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS, note: str = "") -> Row:
+def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
     got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in found.items()}
     said = [f"{engine}: {sentence}" for engine, (_, sentence) in found.items()]
     holds = all(good for good, _ in found.values())
-    return {"name": name, "wanted": wanted, "got": got, "holds": holds, "checks": said, "note": note}
+    return HardRow(name, wanted, got, holds, said)
 
 
 def _here(names: tuple[str, ...]) -> list[Engine]:
@@ -90,7 +91,7 @@ def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
     return float(np.max(np.abs(one.history.theta_rad - sign * other.history.theta_rad)))
 
 
-def _repeated() -> Row:
+def _repeated() -> HardRow:
     """The same scene twice, another one between."""
     scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
     found = {}
@@ -102,7 +103,7 @@ def _repeated() -> Row:
     return _row("the same scene twice, another between: bit for bit", found)
 
 
-def _mirrored() -> Row:
+def _mirrored() -> HardRow:
     """Mirrored input gives the mirrored output."""
     given = {**FORCED, "duration_s": 0.6}
     statue = {**PAESTUM, "corner_left_m": PAESTUM["corner_right_m"], "corner_right_m": PAESTUM["corner_left_m"]}
@@ -117,7 +118,7 @@ def _mirrored() -> Row:
     return _row("mirrored input, mirrored output", found)
 
 
-def _perturbed() -> Row:
+def _perturbed() -> HardRow:
     """Starts perturbed by 1e-12 to 1e-3."""
     found = {}
     scenes = {size: scene_of("start", leaning(COLUMN, 0.5 + size, 2.0)) for size in (0.0, *PERTURBATIONS)}
@@ -130,7 +131,7 @@ def _perturbed() -> Row:
     return _row("starts perturbed by 1e-12 to 1e-3", found)
 
 
-def _permuted() -> Row:
+def _permuted() -> HardRow:
     """Bodies added in the other order."""
     scene = scene_of("permuted", FORCED)
     found = {}
@@ -144,7 +145,7 @@ def _permuted() -> Row:
     return _row("bodies in the other order", found)
 
 
-def _refined() -> Row:
+def _refined() -> HardRow:
     """Observed order of convergence before the first impact, against the declared one."""
     scene = scene_of("refined", leaning(COLUMN, 0.5, 0.3))
     judge = solution(scene)
@@ -158,7 +159,7 @@ def _refined() -> Row:
     return _row("order of convergence over three halvings", found)
 
 
-def _touched() -> Row:
+def _touched() -> HardRow:
     """A near-tangent impact: a fall turned back just before and just after it lands."""
     exact = engines.load("analytic")
     sides = {}
@@ -177,7 +178,7 @@ def _touched() -> Row:
     return _row("an impact touched and missed by a billionth of a second", found)
 
 
-def _far() -> Row:
+def _far() -> HardRow:
     """Rocking and overturning a kilometre from where the table started."""
     t_s = np.arange(round((FAR_S + 2.0) / FAR_STEP_S) + 1) * FAR_STEP_S
     pulse = 0.3 * np.sin(4.0 * np.pi * (t_s - FAR_S)) * (t_s < FAR_S + 0.5)
@@ -193,7 +194,7 @@ def _far() -> Row:
     return _row("rocking and overturning 1 km from the origin", found)
 
 
-def _hulls() -> Row:
+def _hulls() -> HardRow:
     """Hulls of 8 to 10 000 vertices on the same base."""
     import trimesh
 
@@ -228,7 +229,7 @@ def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return np.vstack([base, dome])
 
 
-def _no_motion() -> Row:
+def _no_motion() -> HardRow:
     """Motions with NaN, without samples, with one sample."""
     files = {
         "NaN": "t_s,a\n0,0\n0.01,nan\n0.02,0\n",
@@ -253,7 +254,7 @@ def _no_motion() -> Row:
     return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
 
 
-QUESTIONS: Final[Mapping[str, Callable[[], Row]]] = {
+QUESTIONS: Final[Mapping[str, Callable[[], HardRow]]] = {
     (question.__doc__ or "").split(".")[0]: question
     for question in (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion)
 }

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.campaign.parts import Row
+from harness.records.stress import Harm, Mutated
 
 ROOT: Final = Path(__file__).resolve().parents[3]
 PIECE: Final = 1000
@@ -54,14 +55,12 @@ def died(task: str) -> list[Row]:
     ]
 
 
-def summed(rows: Sequence[Row]) -> list[Row]:
+def summed(rows: Sequence[Row]) -> list[Mutated]:
     """One row for each kind of file from the rows of all pieces."""
-    kinds: dict[str, Row] = {}
-    said: dict[str, set[int]] = {}
-    for row in rows:
-        known = kinds.setdefault(row["reader"], {"reader": row["reader"], **dict.fromkeys(COUNTS, 0), "found": []})
-        for name in COUNTS:
-            known[name] += row[name]
-        known["found"] = [*known["found"], *row["found"]][:EXAMPLES]
-        said.setdefault(row["reader"], set()).update(row["said"])
-    return [{**row, "refusals": len(said[name])} for name, row in kinds.items()]
+    kinds = []
+    for name in dict.fromkeys(row["reader"] for row in rows):
+        mine = [row for row in rows if row["reader"] == name]
+        counts = {key: sum(row[key] for row in mine) for key in COUNTS}
+        harm = [Harm(**item) for row in mine for item in row["found"]][:EXAMPLES]
+        kinds.append(Mutated(name, **counts, refusals=len({text for row in mine for text in row["said"]}), found=harm))
+    return kinds

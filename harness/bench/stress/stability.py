@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
 from typing import Any, Final
@@ -15,13 +15,14 @@ from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harm
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
 from harness.bench.stress.converged import converged, iterations
-from harness.bench.stress.explained import Cell, explained
+from harness.bench.stress.explained import explained
 from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.stress import Cell
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
 NONE: Final = RunOptions(skips=frozenset())
@@ -78,13 +79,13 @@ def compute(quick: bool, task: str) -> list[Row]:
     )
     if name == "pybullet":
         found += _hulls(row, scene, exact, found)
-    return [cell.as_dict() for cell in found]
+    return [asdict(cell) for cell in found]
 
 
 def died(task: str) -> list[Row]:
     """A row whose process died: one cell, diverged and not explained."""
     name, _, words = task.partition(": ")
-    return [Cell(name, "any", words, "diverged", "the engine's process died").as_dict()]
+    return [asdict(Cell(name, "any", words, "diverged", "the engine's process died"))]
 
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:

@@ -85,9 +85,9 @@ def test_the_kernel_alone_is_the_same_run() -> None:
 
 def test_work_of_an_overturning_map() -> None:
     found = bench.throughput(100)
-    assert found["two_block"]["steps_per_run"] <= budgets.MAP_STEPS
-    assert found["single_block"]["steps_per_run"] <= budgets.MAP_STEPS_ON_FLOOR
-    assert bench.map_time(4)["overturned"] > 0.0
+    assert found["two_block"].steps_per_run <= budgets.MAP_STEPS
+    assert found["single_block"].steps_per_run <= budgets.MAP_STEPS_ON_FLOOR
+    assert bench.map_time(4).overturned > 0.0
 
 
 def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,9 +119,9 @@ def test_a_start_leaves_out_its_first_turn_and_what_others_slow(monkeypatch: pyt
 
     monkeypatch.setattr(start, "timed", timed)
     found = start.startup(3)
-    assert (found["import_ratio"], found["first_call_ratio"]) == pytest.approx((1.2, 1.5))
-    assert found["uncollected"] == pytest.approx({"import_ratio": 1.1, "first_call_ratio": 1.25})
-    assert (found["import_s"], found["first_call_s"]) == pytest.approx((2.4, 1.5))
+    assert (found.import_ratio, found.first_call_ratio) == pytest.approx((1.2, 1.5))
+    assert found.uncollected == pytest.approx({"import_ratio": 1.1, "first_call_ratio": 1.25})
+    assert (found.import_s, found.first_call_s) == pytest.approx((2.4, 1.5))
     assert asked[:6] == asked[6:12][::-1] == asked[12:18], "one after the other, there and back"
 
 

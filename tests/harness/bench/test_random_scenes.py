@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from harness.bench import random_scenes
-from harness.bench.coverage import Statement
 from harness.bench.random_scenes import Judged, SceneRow, measured, row_of, tables
 from harness.bench.seeded_scenes import GENERATORS
+from harness.records.bench import Statement
 
 
 def test_a_row_holds_each_engine_s_statement_and_each_pair_s_verdict() -> None:
