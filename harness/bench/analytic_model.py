@@ -1,7 +1,7 @@
 """The analytic model against public integrators on the same scenes, and its throughput.
 
 Errors are the largest difference of θ from a run of 1e-13 at twenty instants of the scene; times are processor time, the least
-of many runs, in which solvers of a like cost take turns. A rival that is not installed is a row that says so.
+of many runs, in which solvers of a like cost take turns. A solver that is not installed is a row that says so.
 """
 
 from __future__ import annotations
@@ -117,8 +117,8 @@ HEYOKA_TOLERANCES: Final = (1e-8, 1e-10, 1e-12)
 
 
 def _ours(case: Case, tolerance: float) -> Answer:
-    found = case.ours(tolerance)
-    return found.theta_rad[1:], found.work.steps
+    solution = case.ours(tolerance)
+    return solution.theta_rad[1:], solution.work.steps
 
 
 def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: float = math.inf) -> Answer:

@@ -142,19 +142,19 @@ def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, floa
 
 def row(name: str, level: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> Cells:
     """One line of a table: the four cases, the worst slip and lean across, the mean cost."""
-    found, costs = [], []
+    misses, costs = [], []
     for amplitude, frequency in PAPER:
         scene = paper_scene(amplitude, frequency, pedestal=pedestal)
         record, cost = measure(scene, level, build, half=half)
-        found.append(errors(scene, trajectory(scene, record, np.eye(3), level.dt_s)))
+        misses.append(errors(scene, trajectory(scene, record, np.eye(3), level.dt_s)))
         costs.append(cost)
-    return _line(name, found, costs)
+    return _line(name, misses, costs)
 
 
-def _line(name: str, found: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> Cells:
+def _line(name: str, misses: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> Cells:
     """A row of a table from each case's errors and cost."""
-    _, slip, across = np.max(np.array(found), axis=0)
-    each = ", ".join(f"{item[0]:.1e}" for item in found)
+    _, slip, across = np.max(np.array(misses), axis=0)
+    each = ", ".join(f"{item[0]:.1e}" for item in misses)
     return [name, each, f"{slip:.1e}", f"{across:.1e}", f"{np.mean(costs):.0f}"]
 
 
@@ -195,11 +195,11 @@ def variations() -> Iterator[Cells]:
 
 
 def levels(pedestal: bool) -> Iterator[Cells]:
-    """The ladder."""
+    """The levels of refinement."""
     refinement_levels = load("pybullet").refinement_levels(paper_scene(0.429, 3.0, pedestal=pedestal))
     for number, level in enumerate(refinement_levels, 1):
         if isinstance(level, BulletSettings):
-            name = f"rung {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
+            name = f"level {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
             yield row(name, level, pedestal=pedestal)
             yield row("half of it", level, pedestal=pedestal, half=True)
 
@@ -210,7 +210,7 @@ def conditions() -> Iterator[Cells]:
     kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
     for name, ratio in kinds:
         for level in engine.refinement_levels(paper_scene(*PAPER[0]))[:5]:
-            found, costs = [], []
+            misses, costs = [], []
             for amplitude, frequency in PAPER:
                 scene = paper_scene(amplitude, frequency, static=0.20, ratio=ratio)
                 start = time.process_time()
@@ -218,8 +218,8 @@ def conditions() -> Iterator[Cells]:
                 costs.append(1e6 * (time.process_time() - start) / run.steps)
                 if run.history is None:
                     raise RuntimeError("pybullet gave no history")
-                found.append(errors(scene, run.history))
-            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", found, costs)
+                misses.append(errors(scene, run.history))
+            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", misses, costs)
 
 
 def overhead() -> Iterator[Cells]:

@@ -33,12 +33,12 @@ def tasks(quick: bool) -> list[str]:
     """All points, each named by its engine, quantity and value."""
     few = 1 if quick else None
     engines = ("analytic", "pymunk", "pybullet")
-    found = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
-    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
-    found += [("analytic", "runs", float(value)) for value in RUNS[:few]]
+    points = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
+    points += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
+    points += [("analytic", "runs", float(value)) for value in RUNS[:few]]
     if not quick:
-        found += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
-    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in found]
+        points += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
+    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in points]
 
 
 def compute(task: str) -> list[Row]:

@@ -62,7 +62,7 @@ CASES: Final = {
 """For each skip the engines that have it, and the scene on which it is measured."""
 STUDY_RUNS: Final = 16
 RESOLVED_RAD: Final = 3e-4
-"""A rung that is expected to resolve what a skip may change."""
+"""A level that is expected to resolve what a skip may change."""
 LEAST_RAD: Final = 1e-9
 """Rotations nearer than this are the same, whatever a run's own error."""
 GAINS: Final = 1.05

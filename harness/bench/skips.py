@@ -141,7 +141,7 @@ def difference(one: Run, other: Run) -> float:
 
 
 def decides_nothing(engine: Engine, scene: Scene, run: Run) -> bool:
-    """Whether the engine's own finer settings, without any skip, end otherwise: then this rung decides nothing here."""
+    """Whether the engine's own finer settings, without any skip, end otherwise: then this level decides nothing here."""
     if engine.capabilities.certifies:
         return False
     verification_settings = engine.verification_settings(scene, level(engine, scene))
@@ -155,7 +155,7 @@ def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RA
 
 
 def simulate(engine: Engine, scene: Scene, want: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
-    """One run of the outcome study: certified, or on the rung that an outcome needs."""
+    """One run of the outcome study: certified, or on the level that an outcome needs."""
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
     return engine.simulate(scene, level(engine, scene, expected_rad), want)

@@ -31,7 +31,7 @@ MESHES: Final = "${" + DATA_VARIABLE + "}/meshes"
 class Standard:
     """One scene of the set: its name, its content as in a scene file, and its reference.
 
-    `reference`: `analytic` where the two-block model is exact for the scene, `own` for each engine's own finest rung.
+    `reference`: `analytic` where the two-block model is exact for the scene, `own` for each engine's own finest level.
     `block`: given by numbers alone, so that every engine is asked for its speed. `spatial`: asked of 3D engines alone.
     """
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from harness.engines.base import Settings
 
 ITERATIONS: Final = 3000
-"""Sweeps a step: ten times those of the finest rungs, which leaves a bench scene's error to the step alone."""
+"""Sweeps a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
 IMPACT_ITERATIONS: Final = 9000
 RESIDUAL: Final = 1e-16
 """Squared change of velocity, (m/s)², at which a solver that watches it may end before."""

@@ -51,7 +51,7 @@ def row_of(hard: Hard) -> HardRow:
     scene = scene_of(hard.name, hard.content)
     exact = solution(scene) if hard.exact else None
     got: dict[str, str] = {}
-    found: list[str] = []
+    said: list[str] = []
     known: dict[str, str] = {}
     for name in hard.engines:
         engine = engines.load(name)
@@ -64,28 +64,30 @@ def row_of(hard: Hard) -> HardRow:
             continue
         findings = judged(hard, scene, run, exact)
         bad = [item for item in findings if not item.holds]
-        found += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
+        said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
         if bad and hard.converged_s is not None:
             avoids, told = _converged(engine, scene, hard, exact)
-            said = "; ".join(item.sentence for item in bad)
-            known[name] = f"{said} at {1e3 * hard.dt_s:g} ms; {told}"
+            wrong = "; ".join(item.sentence for item in bad)
+            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {told}"
             bad = [] if avoids else bad
         outcome = run.outcome.value
         got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
     holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
-    return HardRow(hard.name, hard.wanted, got, holds, found, hard.note, known)
+    return HardRow(hard.name, hard.wanted, got, holds, said, hard.note, known)
 
 
 def solution(scene: Scene) -> Run:
-    """The analytic solution on its finest rung, with nothing left out."""
+    """The analytic solution on its finest level, with nothing left out."""
     engine = engines.load("analytic")
     return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
 
 
 def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
     """What the checks of a hard scene find in a run of `share` of its time."""
-    found = [checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks]
-    return found if exact is None else [*found, checks.agrees(scene, run, exact)]
+    findings = [
+        checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks
+    ]
+    return findings if exact is None else [*findings, checks.agrees(scene, run, exact)]
 
 
 def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> tuple[bool, str]:

@@ -63,10 +63,10 @@ def compute(task: str) -> list[Row]:
     return [asdict(QUESTIONS[task]())]
 
 
-def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
-    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in found.items()}
-    said = [f"{engine}: {sentence}" for engine, (_, sentence) in found.items()]
-    holds = all(good for good, _ in found.values())
+def _row(name: str, answers: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
+    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in answers.items()}
+    said = [f"{engine}: {sentence}" for engine, (_, sentence) in answers.items()]
+    holds = all(good for good, _ in answers.values())
     return HardRow(name, wanted, got, holds, said)
 
 
@@ -94,13 +94,13 @@ def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
 def _repeated() -> HardRow:
     """The same scene twice, another one between."""
     scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
-    found = {}
+    answers = {}
     for engine in _here(ALL):
         first = _run(engine, scene)
         _run(engine, other)
         apart = _apart(first, _run(engine, scene))
-        found[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
-    return _row("the same scene twice, another between: bit for bit", found)
+        answers[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
+    return _row("the same scene twice, another between: bit for bit", answers)
 
 
 def _mirrored() -> HardRow:
@@ -109,40 +109,40 @@ def _mirrored() -> HardRow:
     statue = {**PAESTUM, "corner_left_m": PAESTUM["corner_right_m"], "corner_right_m": PAESTUM["corner_left_m"]}
     mirror = {**given, "statue": statue, "motion": harmonic(-0.429, 3.0)}
     scene, image = scene_of("given", given), scene_of("mirror", mirror)
-    found = {}
+    answers = {}
     for engine in _here(ALL):
         apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
         # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
         allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
-        found[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
-    return _row("mirrored input, mirrored output", found)
+        answers[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
+    return _row("mirrored input, mirrored output", answers)
 
 
 def _perturbed() -> HardRow:
     """Starts perturbed by 1e-12 to 1e-3."""
-    found = {}
+    answers = {}
     scenes = {size: scene_of("start", leaning(COLUMN, 0.5 + size, 2.0)) for size in (0.0, *PERTURBATIONS)}
     for engine in _here(ALL):
         base = _run(engine, scenes[0.0])
         own = 1e-12 if engine.capabilities.certifies else ROUNDING_RAD
         apart = {size: _apart(base, _run(engine, scenes[size])) for size in PERTURBATIONS}
         good = all(GROWTH[0] * size <= value <= GROWTH[1] * size + own for size, value in apart.items())
-        found[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
-    return _row("starts perturbed by 1e-12 to 1e-3", found)
+        answers[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
+    return _row("starts perturbed by 1e-12 to 1e-3", answers)
 
 
 def _permuted() -> HardRow:
     """Bodies added in the other order."""
     scene = scene_of("permuted", FORCED)
-    found = {}
+    answers = {}
     for engine in _here(CONTACT):
         settings = _settings(engine, scene, PERMUTED_STEP_S)
         plain = settings.as_dict()
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
         apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
-        found[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
-    return _row("bodies in the other order", found)
+        answers[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
+    return _row("bodies in the other order", answers)
 
 
 def _refined() -> HardRow:
@@ -150,13 +150,13 @@ def _refined() -> HardRow:
     scene = scene_of("refined", leaning(COLUMN, 0.5, 0.3))
     judge = solution(scene)
     steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
-    found = {}
+    answers = {}
     for engine in _here(CONTACT):
         errors = [error_rad(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
         told = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
-        found[engine.name] = order >= engine.order - ORDER_SHORT, told
-    return _row("order of convergence over three halvings", found)
+        answers[engine.name] = order >= engine.order - ORDER_SHORT, told
+    return _row("order of convergence over three halvings", answers)
 
 
 def _touched() -> HardRow:
@@ -171,11 +171,11 @@ def _touched() -> HardRow:
     impacts = [run.work["impacts"] for _, run in sides.values()]
     apart = _apart(sides["missed"][1], sides["touched"][1])
     told = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
-    found = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
+    answers = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
     for engine in _here(CONTACT):
         checked = [checks.agrees(scene, _run(engine, scene), truth) for scene, truth in sides.values()]
-        found[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
-    return _row("an impact touched and missed by a billionth of a second", found)
+        answers[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
+    return _row("an impact touched and missed by a billionth of a second", answers)
 
 
 def _far() -> HardRow:
@@ -185,20 +185,20 @@ def _far() -> HardRow:
     away = SampledAcceleration(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
     content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
     scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(base_excitation=BaseExcitation(x=away))
-    truth, found = solution(scene), {}
+    truth, answers = solution(scene), {}
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)
         findings = [checks.agrees(scene, run, truth), checks.energy(scene, run)]
         good = run.outcome is truth.outcome and run.outcome.overturned and all(item.holds for item in findings)
-        found[engine.name] = good, "; ".join(item.sentence for item in findings)
-    return _row("rocking and overturning 1 km from the origin", found)
+        answers[engine.name] = good, "; ".join(item.sentence for item in findings)
+    return _row("rocking and overturning 1 km from the origin", answers)
 
 
 def _hulls() -> HardRow:
     """Hulls of 8 to 10 000 vertices on the same base."""
     import trimesh
 
-    found: dict[str, tuple[bool, str]] = {}
+    answers: dict[str, tuple[bool, str]] = {}
     peaks: dict[str, list[float]] = {engine.name: [] for engine in _here(ALL)}
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         for count in HULLS:
@@ -213,8 +213,11 @@ def _hulls() -> HardRow:
                 peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():
         spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
-        found[name] = spread <= HULL_RAD, f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices"
-    return _row("hulls of 8 to 10 000 vertices", found)
+        answers[name] = (
+            spread <= HULL_RAD,
+            f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices",
+        )
+    return _row("hulls of 8 to 10 000 vertices", answers)
 
 
 def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -237,7 +240,7 @@ def _no_motion() -> HardRow:
         "no samples": "t_s,a\n",
         "one sample": "t_s,a\n0,1\n",
     }
-    found: dict[str, tuple[bool, str]] = {}
+    answers: dict[str, tuple[bool, str]] = {}
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         file = Path(name) / "motion.csv"
         for what, text in files.items():
@@ -246,11 +249,11 @@ def _no_motion() -> HardRow:
             try:
                 scene_of(what, {"duration_s": 1.0, "statue": COLUMN, "motion": motion})
             except InputError as refusal:
-                found[what] = True, str(refusal).replace(str(file), file.name)
+                answers[what] = True, str(refusal).replace(str(file), file.name)
             else:
-                found[what] = False, "read as a motion"
-    good = all(item[0] for item in found.values())
-    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in found.items())
+                answers[what] = False, "read as a motion"
+    good = all(item[0] for item in answers.values())
+    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in answers.items())
     return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
 
 

@@ -74,12 +74,12 @@ def compute(quick: bool, task: str) -> list[Row]:
     row = next(item for item in difficulties() if item.name == words)
     scene = scene_of(row.name, row.content)
     exact = solution(scene)
-    found = list(
+    cells = list(
         explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
     )
     if name == "pybullet":
-        found += _hulls(row, scene, exact, found)
-    return [asdict(cell) for cell in found]
+        cells += _hulls(row, scene, exact, cells)
+    return [asdict(cell) for cell in cells]
 
 
 def died(task: str) -> list[Row]:
@@ -153,15 +153,15 @@ def _hulls(row: Difficulty, scene: Scene, exact: Run, own: Sequence[Cell]) -> It
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
     """
     module = import_module("harness.engines.pybullet.defaults")
-    allowed, found = checks.allowed_rad(exact), []
+    allowed, cells = checks.allowed_rad(exact), []
     for label, given in HULLS:
         t_s, theta = module.run(scene, module.Stock(**given))
         error = largest(t_s[t_s <= checks.holds_until_s(exact)], theta, exact)
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed else "stable"
         evidence = f"error {error:.1e} rad of {allowed:.1e} rad allowed"
-        found.append(Cell("pybullet", label, row.name, category, evidence))
+        cells.append(Cell("pybullet", label, row.name, category, evidence))
     whole = [cell for cell in own if cell.category == "stable" and not cell.short]
-    yield from (replace(cell, explained=_hull_avoided(cell, found[1], whole)) for cell in found)
+    yield from (replace(cell, explained=_hull_avoided(cell, cells[1], whole)) for cell in cells)
 
 
 def _hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> str:

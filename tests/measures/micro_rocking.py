@@ -1,6 +1,6 @@
 """Micro-rocking, in half-cycles of some milliseconds that decide what follows: an engine's error by step, a scene's sensitivity.
 
-`python -m harness.bench.micro_rocking ENGINE [SEED...]` prints a line per scene of `harness.bench.seeded_scenes.random_scene`.
+`python -m tests.measures.micro_rocking ENGINE [SEED...]` prints a line per scene of `harness.bench.seeded_scenes.random_scene`.
 """
 
 from __future__ import annotations
