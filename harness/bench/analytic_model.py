@@ -31,9 +31,8 @@ from analytic.kernel.entries import run
 from analytic.problem import Options, Problem
 from analytic.results import Prepared
 from analytic.solver import prepare
-from harness.bench.interleaved_timing import Answer, Entry, take_turns
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
-from harness.bench.timing import cost
+from harness.bench.timing import Answer, Entry, cost, take_turns
 from harness.records.bench import SolverRow, Throughput
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)

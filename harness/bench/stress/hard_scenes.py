@@ -11,7 +11,7 @@ from harness.bench.standard_scenes import scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import Hard, catalogue
 from harness.bench.stress.checks import Finding
-from harness.bench.stress.converged import converged, iterations
+from harness.bench.stress.explained import converged, iterations
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import SKIPS, RunOptions

@@ -12,8 +12,8 @@ from analytic import Friction, Harmonic, Pedestal
 from analytic.kernel.entries import run
 from harness.bench import analytic_model as bench
 from harness.bench import start
-from harness.bench.interleaved_timing import Answer, Entry, take_turns
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
+from harness.bench.timing import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
 
 SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]

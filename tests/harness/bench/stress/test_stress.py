@@ -15,7 +15,7 @@ from harness.bench.stress import checks, explained, stability
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress import invariance_checks as more
 from harness.bench.stress.catalogue import catalogue, leaning
-from harness.bench.stress.converged import converged
+from harness.bench.stress.explained import converged
 from harness.bench.stress.stress_run import sentences
 from harness.engines.base import Settings
 from harness.model.history import History, Outcome

@@ -1,4 +1,4 @@
-"""What a scan of two million faces costs: `python -m meshes.bench_scan [EDGE_M]` makes one of the generated statue and measures.
+"""What a scan of two million faces costs: `python -m tests.measures.scan_cost [EDGE_M]` makes one of the generated statue.
 
 Reading, inspecting and preparing are measured in a process of their own that does nothing else; the slenderness rose of 360
 azimuths after it.
@@ -58,7 +58,7 @@ def main(arguments: list[str]) -> None:
     edge = float(arguments[0]) if arguments else EDGE_M
     with tempfile.TemporaryDirectory() as folder:
         file = write(scan(togatus.build(), Faults(edge_m=edge, noise_m=2e-4)), Path(folder) / "scan.ply")
-        command = [sys.executable, "-m", "meshes.bench_scan", MEASURE, str(file)]
+        command = [sys.executable, "-m", "tests.measures.scan_cost", MEASURE, str(file)]
         found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     print(
         f"{found['faces']} faces inspected and prepared ({found['kept_faces']} kept): {found['wall_s']:.1f} s, of processor"

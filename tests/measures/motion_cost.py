@@ -1,4 +1,4 @@
-"""What motions cost: `python -m reports.bench.motion_cost` reads, processes and draws a long record, makes matched motions."""
+"""What motions cost: `python -m tests.measures.motion_cost` reads, processes and draws a long record, makes matched motions."""
 
 from __future__ import annotations
 

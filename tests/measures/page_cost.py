@@ -1,4 +1,4 @@
-"""What pages cost: `python -m reports.bench.page_cost DIR...` writes the pages of result folders anew and opens them in Chromium.
+"""What pages cost: `python -m tests.measures.page_cost DIR...` writes pages of result folders anew and opens them.
 
 For each folder: the time of writing (first and again: the first loads the libraries), the bytes, and the time from opening the
 file to a page that answers (`rockcheck.readyMs`, which the page itself keeps), best and worst of some openings in a browser
@@ -119,7 +119,7 @@ def run(folders: Sequence[Path]) -> int:
 
 def main() -> int:
     """Measure the folders named on the command line."""
-    words = argparse.ArgumentParser(prog="python -m reports.bench.page_cost", description=__doc__)
+    words = argparse.ArgumentParser(prog="python -m tests.measures.page_cost", description=__doc__)
     words.add_argument("folder", metavar="DIR", nargs="+", type=Path, help="a folder with a result.json")
     return run(words.parse_args().folder)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.bench import page_cost as bench_pages
+from tests.measures import page_cost as bench_pages
 from tests.reports.invented_run import write_invented
 
 
