@@ -190,6 +190,7 @@ def compute(
     horizon: bool = False,
     out: Path | None = None,
     assess: bool = False,
+    witness: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.accuracy.simulation import check_target
@@ -220,6 +221,7 @@ def compute(
             iso=iso,
             horizon=horizon,
             assess=assess,
+            witness=witness,
         )
 
 
@@ -253,6 +255,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     from harness.assess.assessment import sentence
+    from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
     lines += [f"  {name}: the statue {sentence(item)}" for name, item in result.assessment.items()]
@@ -268,6 +271,7 @@ def summary(result: Result) -> str:
         lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
+    lines += [f"  witness: {text}" for text in witness_sentences(result.witness)]
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]

@@ -23,6 +23,7 @@ from harness.records.result_folder import PAGES, RECORD, check_folder, check_inp
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
+from harness.records.witness import Witness
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -41,6 +42,7 @@ class Result:
     seconds: float
     horizons: Mapping[str, Horizon] = field(default_factory=dict)
     assessment: Mapping[str, Assessment] = field(default_factory=dict)
+    witness: Mapping[str, Witness] = field(default_factory=dict)
 
     @property
     def failed(self) -> bool:
@@ -64,6 +66,7 @@ class Result:
             scores=self.scores,
             horizons={name: horizon.record() for name, horizon in self.horizons.items()},
             assessment=self.assessment,
+            witness=self.witness,
             plan=self.plan,
             warnings=[f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
             seconds=self.seconds,
@@ -85,6 +88,7 @@ def run_scene(
     horizon: bool = False,
     apart: bool = False,
     assess: bool = False,
+    witness: bool = False,
     stored: Mapping[str, Run] | None = None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
@@ -93,7 +97,8 @@ def run_scene(
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
     `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
-    from what the scene does not know. `stored` are runs of this very scene and target that are there already.
+    from what the scene does not know. With `witness` engines as they come are run beside those that locate events
+    (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already.
     """
     check_target(accuracy_rad, dt_s)
     want = want or RunOptions()
@@ -135,11 +140,17 @@ def run_scene(
         if doubtful:
             answers = [run for run in runs.values() if not run.outcome.failed]
             scores = _scores(scene, answers, known, iso)
+    seen: Mapping[str, Witness] = {}
+    if witness:
+        from harness.scene_run.witness import witnesses
+
+        told("witness")
+        seen = witnesses(scene, runs, want)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
     assessed = _assessed(scene, told) if assess else {}
-    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessed)
+    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessed, seen)
 
 
 def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment]:

@@ -10,8 +10,7 @@ another convention than the model's: where that parts the two, it is said, and w
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.accuracy.spread import Error, spread, target_of
@@ -20,50 +19,12 @@ from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
 
-PLAIN: Final = ":plain"
-"""What the name of an engine as it comes adds to that of the event-located one."""
 BUDGET: Final = 3.0
 """A witness costs at most so many times what the run beside it cost, in steps of that run's engine."""
 TARGET_RAD: Final = 5e-3
 """Nothing is confirmed from where the plain engine's own error is above this: a twentieth of a slender statue's balance angle."""
-LEAST_S: Final = 1e-9
-"""A shorter time is none."""
-
-
-@dataclass(frozen=True)
-class Judged:
-    """One run held against a plain engine: whether they agree, until when, and how far the run is from that engine at most.
-
-    `parts_s`: when they part by more than twice their joint numerical error, while both are bounded. `convention_s`: the instant
-    of the choice that decided it, where it is one between conventions; `other`: what the plain engine's choice gives.
-    """
-
-    agrees: bool
-    until_s: float
-    to_rad: float
-    parts_s: float | None = None
-    convention: str = ""
-    convention_s: float | None = None
-    other: str = ""
-
-
-@dataclass(frozen=True)
-class Witness:
-    """What one plain engine says: until when it was computed and bounded, its own error, and each run judged against it.
-
-    `reason` says why it says nothing, or why no further than `until_s`. `steps`: of all its runs.
-    """
-
-    engine: str
-    until_s: float
-    to_rad: float | None
-    agrees: bool | None
-    reason: str
-    dt_s: float | None = None
-    uncertainty_rad: float | None = None
-    steps: int = 0
-    runs: Mapping[str, Judged] = field(default_factory=dict)
 
 
 def plain_names(names: Sequence[str]) -> list[str]:
@@ -137,15 +98,15 @@ def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     scores = compare(run, plain)
     evidence = scores.evidence
     known_s = min(_bounded_s(run), _bounded_s(plain))
-    parts_s = evidence["exceeded_s"]
+    parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
-        at = float(parts_s)
+        at = parts_s
         convention, convention_s = _convention(scene, run, at)
         fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
         other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
-        apart = float(evidence["largest_difference_rad"])
+        apart = evidence.largest_difference_rad
         return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
-    apart = float(evidence["largest_reliable_difference_rad"])
+    apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 
 
@@ -168,35 +129,3 @@ def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wa
     if bounded_s < min(plain.end_s, reached_s):
         return f"its own error is not bounded by {TARGET_RAD:g} rad from {bounded_s:.4g} s on"
     return f"the numerical error of {own.engine} is not bounded beyond {wanted_s:.4g} s"
-
-
-def sentences(found: Mapping[str, Witness]) -> list[str]:
-    """What the witnesses say, one sentence for each run and kind of answer; for terminals and pages."""
-    told = []
-    for name in dict.fromkeys(run for item in found.values() for run in item.runs):
-        told += _of_run(name, {item.engine: item.runs[name] for item in found.values() if name in item.runs})
-    for item in found.values():
-        if not item.runs:
-            told.append(f"{item.engine} could not witness: {item.reason}.")
-    return told
-
-
-def _of_run(name: str, judged: Mapping[str, Judged]) -> list[str]:
-    told = []
-    agree = {engine: item for engine, item in judged.items() if item.agrees and item.until_s > LEAST_S}
-    if agree:
-        until_s, to_rad = min(item.until_s for item in agree.values()), max(item.to_rad for item in agree.values())
-        who = " and ".join(engine.removesuffix(PLAIN) for engine in agree)
-        told.append(f"{name}: confirmed by {who} as {_come(agree)}, until {until_s:.4g} s, to {to_rad:.1g} rad.")
-    for engine, item in judged.items():
-        if item.agrees:
-            continue
-        text = f"{name}: not confirmed by {engine.removesuffix(PLAIN)} as it comes from {item.parts_s or 0.0:.4g} s on"
-        if item.convention and item.convention_s is not None:
-            text += f"; by convention, at {item.convention_s:.4g} s: {item.convention}. The other choice: {item.other}"
-        told.append(f"{text}.")
-    return told
-
-
-def _come(agree: Mapping[str, Any]) -> str:
-    return "they come" if len(agree) > 1 else "it comes"

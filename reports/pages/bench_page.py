@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,7 +10,6 @@ from harness.records.bench import BenchRecord, PrecisionRow
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables
-from reports.source import read_typed
 from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
@@ -30,9 +29,8 @@ HEADS: Final = (
 WORDS: Final = {"ladder": "", "accuracy": "to the target", "default": "own defaults", "peer": "nearest peer's settings"}
 
 
-def context(folder: Path, _: Mapping[str, Any]) -> dict[str, Any]:
+def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
     """Everything that the bench template shows."""
-    record = read_typed(folder, BenchRecord)
     rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
     charts = [(f"work-{k}", scene, precision_figure(scene, rows, record.target_rad)) for k, scene in enumerate(scenes)]
     return {

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.stress import Cell, StressRecord
-from reports.source import read_typed
 from reports.text.numbers import count_word, unit
 from reports.text.wording import Verdict
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
 
 
-def context(folder: Path, _: Mapping[str, Any]) -> dict[str, Any]:
+def context(_folder: Path, record: StressRecord) -> dict[str, object]:
     """Everything that the stress template shows."""
-    record = read_typed(folder, StressRecord)
     engines = list(dict.fromkeys(cell.engine for cell in record.cells))
     return {
         "title": record.title,

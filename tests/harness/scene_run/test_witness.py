@@ -13,8 +13,9 @@ from harness.bench.random_scenes import GENERATORS
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from harness.records.witness import sentences
 from harness.scene_run import witness
-from harness.scene_run.witness import BUDGET, sentences, witnesses
+from harness.scene_run.witness import BUDGET, witnesses
 
 SCENES = Path(__file__).parents[3] / "scenes"
 
@@ -36,7 +37,7 @@ def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bou
     assert seen.to_rad is not None
     assert seen.uncertainty_rad is not None
     assert seen.uncertainty_rad <= seen.to_rad
-    assert sentences({seen.engine: seen})[0].startswith("analytic: confirmed by pymunk as it comes, until ")
+    assert sentences({seen.engine: seen})[0].startswith("pymunk as it comes confirms analytic and pymunk until ")
 
 
 def test_a_witness_costs_no_more_than_its_budget(pedestal: Scene) -> None:
@@ -66,7 +67,7 @@ def test_a_run_of_a_heavier_impact_is_not_confirmed(seed: int, monkeypatch: pyte
     seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is False
     assert seen.runs["pymunk"].parts_s is not None
-    assert "not confirmed by pymunk as it comes from" in sentences({seen.engine: seen})[0]
+    assert "pymunk as it comes does not confirm pymunk from" in sentences({seen.engine: seen})[0]
 
 
 def test_two_coefficients_part_by_convention_and_the_other_choice_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,7 +89,7 @@ def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:
     run = replace(simulate(pedestal, "pymunk", dt_s=4e-3), reliable_until_s=0.0)
     seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is None
-    assert "could not witness" in sentences({seen.engine: seen})[0]
+    assert "confirms nothing" in sentences({seen.engine: seen})[0]
 
 
 def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:
