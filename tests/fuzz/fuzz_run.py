@@ -28,6 +28,9 @@ Row = dict[str, Any]
 
 HANG_S: Final = 10
 """Longest time for one small file; reading takes milliseconds."""
+START_S: Final = 120
+"""The same for the first, whole file of a kind: it imports and compiles what its use takes, and an import that is cut short on a
+busy machine breaks all that follow."""
 DEAD_SHARE: Final = 2.0
 """Times that limit after which a process that does not even hear of it is ended."""
 
@@ -63,12 +66,12 @@ class Tried:
     refusal: str | None = None
 
 
-def attempt(kind: Kind, content: bytes, folder: Path) -> Tried:
-    """Use one file in `folder` and clear away what it left."""
+def attempt(kind: Kind, content: bytes, folder: Path, limit_s: int | None = None) -> Tried:
+    """Use one file in `folder`, for `HANG_S` unless told otherwise, and clear away what it left."""
     path = folder / kind.file
     path.write_bytes(content)
     before = {item.name for item in folder.iterdir()} | {WRITTEN}
-    tried = _tried(kind, path)
+    tried = _tried(kind, path, limit_s or HANG_S)
     left = {item.name for item in folder.iterdir()} - before
     half = unfinished(folder / WRITTEN, accepted=tried == Tried())
     for item in [folder / name for name in (*left, WRITTEN)]:
@@ -78,9 +81,9 @@ def attempt(kind: Kind, content: bytes, folder: Path) -> Tried:
     return tried
 
 
-def _tried(kind: Kind, path: Path) -> Tried:
+def _tried(kind: Kind, path: Path, limit_s: int) -> Tried:
     try:
-        with limited(HANG_S), warnings.catch_warnings():
+        with limited(limit_s), warnings.catch_warnings():
             warnings.simplefilter("error")
             kind.read(path)
     except (InputError, MeshError) as refusal:
@@ -107,7 +110,7 @@ def rows(first: int, last: int) -> Iterator[Row]:
 
 
 def _row(kind: Kind, seeds: Sequence[int], folder: Path) -> Row:
-    whole = attempt(kind, kind.content, folder)
+    whole = attempt(kind, kind.content, folder, START_S)
     found: list[dict[str, Any]] = [] if whole == Tried() else [{"seed": None, "what": whole.wrong or whole.refusal}]
     counts = dict.fromkeys(COUNTS, 0) | {"inputs": len(seeds), "tracebacks": len(found)}
     said: set[int] = set()

@@ -179,6 +179,8 @@ def test_the_search_sees_what_it_looks_for(
     with monkeypatch.context() as short:
         short.setattr("tests.fuzz.fuzz_run.HANG_S", 1)
         assert attempt(replace(scene, read=waits), b"", folder).wrong == "hang"
+        slow = replace(scene, read=lambda path: time.sleep(1.5))
+        assert attempt(slow, SCENE, folder, 10) == Tried(), "the first file of a kind imports what its use takes"
     assert attempt(scene, SCENE, folder) == Tried()
 
 
