@@ -43,7 +43,8 @@ lint: $(STAMP) ## check style, types and import rules
 
 bench: $(STAMP) ## run time against error, in one run
 	@$(VENV)/bin/rockcheck bench
-	@$(VENV)/bin/python -m harness.bench.scoring
+	-@$(VENV)/bin/python -m tests.measures.goals
+	@$(VENV)/bin/python -m tests.measures.scoring
 
 stress: $(STAMP) ## hard scenes and mutated input
 	@$(VENV)/bin/rockcheck stress

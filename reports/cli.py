@@ -245,13 +245,14 @@ def stress(
     quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
 ) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
-    from harness.bench import stress as stresses
+    from harness.bench.stress.stress_run import run, sentences
+    from harness.records.base import as_file
 
     folder = out or OUT / "stress"
     with ProgressMessages(quiet or as_json) as telling:
-        found = stresses.run(folder, quick, telling.engine, _names(parts))
-    _say(found, "\n".join(stresses.sentences(found)), folder, as_json, quiet)
-    raise typer.Exit(harness_cli.OK if stresses.holds(found) else harness_cli.FAILED)
+        found = run(folder, quick, telling.engine, _names(parts))
+    _say(as_file(found), "\n".join(sentences(found)), folder, as_json, quiet)
+    raise typer.Exit(harness_cli.OK if found.holds else harness_cli.FAILED)
 
 
 @app.command(epilog="Examples:  `rockcheck report out/maria`  ·  `rockcheck report out/maria --for conservator`")

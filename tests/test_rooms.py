@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 PACKAGES = ("harness", "analytic", "meshes", "reports")
+CHECKS = ("fuzz", "measures")
+"""Folders of tests that are commands: mutated input files, and what the whole must reach."""
 ROW = re.compile(r"^\| ((?:`[a-z0-9_]+(?:\.py|/)` ?)+)\|", re.M)
 ASIDE = re.compile(r"\(`(\w+\.py)`:")
 """A module told in brackets beside the room that it serves."""
@@ -46,8 +48,9 @@ def test_what_has_no_place_or_two_is_seen(tmp_path: Path) -> None:
 
 
 def test_tests_mirror_the_rooms(root: Path) -> None:
-    """Every folder of tests is a package, every folder of tests/harness a room of it."""
-    for place, rooms in (("", {f"{name}/" for name in PACKAGES}), ("harness", there(root / "harness"))):
+    """Every folder of tests is a package, or what checks them all; every folder of tests/harness a room of it."""
+    whole = {f"{name}/" for name in PACKAGES} | {f"{name}/" for name in CHECKS}
+    for place, rooms in (("", whole), ("harness", there(root / "harness"))):
         folders = {f"{path.parent.name}/" for path in (root / "tests" / place).glob("*/*.py")}
         assert folders
         assert folders <= rooms

@@ -1,14 +1,12 @@
 """The analytic model against public integrators on the same scenes, and its throughput.
 
 Errors are the largest difference of θ from a run of 1e-13 at twenty instants of the scene; times are processor time, the least
-of many runs, in which solvers of a like cost take turns. A rival that is not installed is a row that says so.
+of many runs, in which solvers of a like cost take turns. A solver that is not installed is a row that says so.
 """
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
@@ -33,8 +31,9 @@ from analytic.kernel.entries import run
 from analytic.problem import Options, Problem
 from analytic.results import Prepared
 from analytic.solver import prepare
-from harness.bench.interleaved_timing import Answer, Entry, take_turns
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
+from harness.bench.timing import Answer, Entry, cost, take_turns
+from harness.records.bench import SolverRow, Throughput
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
 STATUE: Final = Block.two_corners(
@@ -117,8 +116,8 @@ HEYOKA_TOLERANCES: Final = (1e-8, 1e-10, 1e-12)
 
 
 def _ours(case: Case, tolerance: float) -> Answer:
-    found = case.ours(tolerance)
-    return found.theta_rad[1:], found.work.steps
+    solution = case.ours(tolerance)
+    return solution.theta_rad[1:], solution.work.steps
 
 
 def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: float = math.inf) -> Answer:
@@ -150,9 +149,9 @@ def _told(stops: bool, longest_step_s: float) -> str:
     return "stopping at kinks" if stops else held
 
 
-def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """Rows (case, solver, how, tolerance, error_rad, seconds, work) of all scenes and solvers."""
-    rows: list[dict[str, Any]] = []
+def measure(repeats: int = REPEATS) -> list[SolverRow]:
+    """A row for each setting of all scenes and solvers."""
+    rows: list[SolverRow] = []
     for case in CASES:
         exact = _ours(case, REFERENCE_RAD)[0]
         quick = [Entry("analytic", each, partial(_ours, case, each)) for each in OUR_TOLERANCES]
@@ -170,7 +169,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
     return rows
 
 
-def taylor() -> tuple[list[Entry], list[dict[str, Any]]]:
+def taylor() -> tuple[list[Entry], list[SolverRow]]:
     """The single block under its harmonic motion by heyoka, built and compiled beforehand, and by the kernel alone, packed
     beforehand: the integration and nothing else; and a row for each that is not installed. θ at the last instant only:
     neither keeps a history."""
@@ -189,7 +188,7 @@ def taylor() -> tuple[list[Entry], list[dict[str, Any]]]:
             other = heyoka_solver(FORCED.block, FORCED.motion, FORCED.theta0_rad, FORCED.duration_s, tolerance)
             entries.append(Entry("heyoka", tolerance, other))
         except ImportError as error:
-            absent.append({"case": FORCED.name, "solver": "heyoka", "tolerance": tolerance, "failed": str(error)})
+            absent.append(SolverRow(FORCED.name, "heyoka", tolerance, failed=str(error)))
     return entries, absent
 
 
@@ -219,44 +218,24 @@ def _map(size: int, pedestal: bool) -> dict[str, Any]:
     return {"sweep": sweep, "duration_s": 10.0, **scene}
 
 
-def _least(repeats: int, call: Callable[[], Any]) -> tuple[float, float, Any]:
-    """Seconds by the clock and of the processor, each the least of several calls, and the answer."""
-    walls, cpus, answer = [], [], None
-    for _ in range(repeats):
-        start, cpu = time.perf_counter(), time.process_time()
-        answer = call()
-        walls.append(time.perf_counter() - start)
-        cpus.append(time.process_time() - cpu)
-    return min(walls), min(cpus), answer
+def outcomes(size: int, pedestal: bool, threads: int, repeats: int) -> Throughput:
+    """A size × size map of outcomes of 10 s at 1e-6 over amplitude and frequency, of the paper's statue; the least of several."""
+    ensemble(STATUE, Harmonic(1.0, 1.0), **_map(1, pedestal))
+    call = partial(ensemble, STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(size, pedestal))
+    spent, result, runs = cost(call, repeats, math.inf), call(), size * size
+    steps = float(result.steps.sum())
+    return Throughput(
+        runs, threads, spent.wall_s, spent.cpu_s, runs / spent.wall_s, runs / spent.cpu_s, steps / runs,
+        1e6 * spent.cpu_s / steps, float(result.overturned.mean()),
+    )  # fmt: skip
 
 
-def throughput(runs: int = 2000, threads: int = 1, repeats: int = REPEATS) -> dict[str, Any]:
-    """Outcome-only two-block runs of 10 s per second at 1e-6, over an amplitude × frequency map of the paper's statue."""
+def throughput(runs: int = 2000, threads: int = 1, repeats: int = REPEATS) -> dict[str, Throughput]:
+    """Outcomes with and without the pedestal."""
     side = max(math.isqrt(runs), 1)
-    found = {}
-    for name, pedestal in (("two_block", True), ("single_block", False)):
-        ensemble(STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(1, pedestal))
-        call = partial(ensemble, STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(side, pedestal))
-        wall, used, result = _least(repeats, call)
-        found[name] = {
-            "runs": side * side,
-            "runs_per_s": side * side / wall,
-            "runs_per_core_s": side * side / used,
-            "steps_per_run": float(result.steps.mean()),
-            "us_per_step": 1e6 * used / float(result.steps.sum()),
-        }
-    return found
+    return {name: outcomes(side, on, threads, repeats) for name, on in (("two_block", True), ("single_block", False))}
 
 
-def map_time(size: int = 200, threads: int = 2, repeats: int = 1) -> dict[str, Any]:
-    """Seconds of a size × size overturning map on a pedestal: by the clock, and of the processor in all threads."""
-    ensemble(STATUE, Harmonic(1.0, 1.0), **_map(1, True))
-    call = partial(ensemble, STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(size, True))
-    wall, used, result = _least(repeats, call)
-    return {
-        "size": size,
-        "threads": threads,
-        "wall_s": wall,
-        "cpu_s": used,
-        "overturned": float(result.overturned.mean()),
-    }
+def map_time(size: int = 200, threads: int = 2) -> Throughput:
+    """One size × size overturning map on a pedestal: seconds by the clock, and of the processor in all threads."""
+    return outcomes(size, True, threads, 1)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from harness.bench import other_integrators as others
-from harness.bench import precision, scaling, sentences, skips
-from harness.bench import skip_savings as alone
-from harness.bench import uncertainty_coverage as cover
+from harness.bench import coverage as cover
+from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Part, Row
-from harness.model.run import SCHEMA_VERSION
+from harness.model.run import machine, versions
+from harness.records.base import as_file
+from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
@@ -24,7 +24,7 @@ def run(
     quick: bool = False,
     told: Callable[[str], None] = lambda text: None,
     only: Sequence[str] | None = None,
-) -> dict[str, Any]:
+) -> Row:
     """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes the first of each kind.
 
     What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
@@ -32,8 +32,7 @@ def run(
     """
     listed = all_parts(quick)
     measured = parts.session(folder, listed, quick, only, told)
-    found = assembled(listed, measured) | {"command": parts.command("bench", quick, measured)}
-    return parts.written(folder, found)
+    return parts.written(folder, as_file(assembled(listed, measured, parts.command("bench", quick, measured))))
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -42,47 +41,42 @@ def all_parts(quick: bool) -> list[Part]:
         Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
         Part("coverage", cover.tasks(quick), cover.compute, cover.died),
         Part("skips", skips.tasks(quick), skips.compute),
-        Part("alone", alone.tasks(quick), alone.compute),
+        Part("alone", skip_savings.tasks(quick), skip_savings.compute),
         Part("scaling", scaling.tasks(quick), scaling.compute),
-        Part("others", others.tasks(), partial(others.compute, quick)),
+        Part("others", other_integrators.tasks(), partial(other_integrators.compute, quick)),
     ]
 
 
-def assembled(listed: Sequence[Part], measured: dict[str, Measured]) -> dict[str, Any]:
+def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: str = "rockcheck bench") -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
     order = [item.name for item in standard_set()]
-    timed = sorted((row for row in rows["precision"] if "absent" not in row), key=lambda row: order.index(row["scene"]))
-    spent = parts.seconds(measured)
-    found: dict[str, Any] = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "bench",
-        "title": "Run time against error",
-        "target_rad": precision.TARGET_RAD,
-        "clock": CLOCK,
-        "rows": timed,
-        "absent": absent,
-        "choice": sentences.choice(timed, precision.TARGET_RAD),
-        "seeded": sentences.choice(cover.choice_rows(rows["coverage"]), precision.TARGET_RAD),
-        "coverage_rows": rows["coverage"],
-        "coverage": cover.counted(rows["coverage"]),
-        "skips": [*skips.together(rows["skips"]), *rows["alone"]],
-        "scaling": rows["scaling"],
-        **others.collected(rows["others"]),
-        "parts": spent,
-        "seconds": sum(item["wall_s"] for item in spent),
-    }
-    found["sentences"] = [*said(found), *parts.sentences(spent)]
-    return found
-
-
-def said(found: Row) -> list[str]:
-    """Every sentence that the rows hold."""
-    return [
-        *sentences.sentences(found),
-        *alone.sentences(found["skips"]),
-        *scaling.sentences(found["scaling"]),
-        *others.sentences(found),
-        *(f"“{name}” was left out: {why}." for name, why in found["absent"].items()),
+    timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
+    timed.sort(key=lambda row: order.index(row.scene))
+    seeded = [cover.read(row) for row in rows["coverage"]]
+    together = skips.together([SkipRow(**row) for row in rows["skips"]])
+    alone = [SkipRow(**row) for row in rows["alone"]]
+    grown = [ScalingRow(**row) for row in rows["scaling"]]
+    others = other_integrators.collected(rows["others"])
+    target_rad, counts, spent = precision.TARGET_RAD, cover.counted(seeded), parts.seconds(measured)
+    standard = sentences.choice(timed, target_rad)
+    on_seeds = sentences.choice(cover.choice_rows(seeded), target_rad)
+    told = [
+        *sentences.speeds(timed, target_rad),
+        *sentences.choices(standard, on_seeds, target_rad),
+        *sentences.coverage(counts),
+        *skips.sentences(together),
+        *sentences.defaults(timed),
+        *skip_savings.sentences(alone),
+        *scaling.sentences(grown),
+        *other_integrators.sentences(others),
+        *(f"“{name}” was left out: {why}." for name, why in absent.items()),
+        *parts.sentences(spent),
     ]
+    return BenchRecord(
+        command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
+        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(others),
+        parts=[PartRow(**item) for item in spent], sentences=told, seconds=sum(item["wall_s"] for item in spent),
+        versions=versions(), machine=machine(),
+    )  # fmt: skip

@@ -1,9 +1,9 @@
-"""Work against precision: every engine and rung, the engines' own defaults, a peer's settings, and what a target takes."""
+"""Work against precision: every engine on every level, on its own defaults, on a peer's settings, and what a target takes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
 from typing import Any, Final
@@ -13,30 +13,28 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import Standard, standard_set
 from harness.bench.timing import Cost, cost, costs
+from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, PrecisionRow
 
 Array = NDArray[np.float64]
-Row = dict[str, Any]
 
-INSTANTS: Final = 4000
-"""Instants at which two histories are compared: the finest features, impacts, last longer than a thousandth of any scene."""
 TARGET_RAD: Final = 1e-3
-DEAR_S: Final = 4.0
-"""A rung is left out (and said so) when the one before it took this long: finer rungs show the same line further."""
-
-
+LONG_S: Final = 4.0
+"""A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
 TURNS: Final = 15
-"""Turns in which rungs are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
+"""Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 
 
 @dataclass(frozen=True)
-class Rival:
+class Default:
     """Settings that are not this project's: `label`, the module that runs them, and what its `Stock` is given."""
 
     engine: str
@@ -48,20 +46,20 @@ class Rival:
 
 BULLET: Final = "harness.engines.pybullet.defaults"
 MUNK: Final = "harness.engines.pymunk.defaults"
-RIVALS: Final = (
-    Rival("pybullet", "default", "own defaults, 1/240 s", BULLET, {}),
-    Rival("pybullet", "default", "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
-    Rival("pybullet", "default", "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
-    Rival(
-        "pybullet", "default", "damping 0, hull at margin 0, 0.25 ms", BULLET,
+DEFAULTS: Final = (
+    Default("pybullet", DEFAULT, "own defaults, 1/240 s", BULLET, {}),
+    Default("pybullet", DEFAULT, "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
+    Default("pybullet", DEFAULT, "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
+    Default(
+        "pybullet", DEFAULT, "damping 0, hull at margin 0, 0.25 ms", BULLET,
         {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
     ),
-    Rival(
-        "pybullet", "peer", "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+    Default(
+        "pybullet", PEER, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
         {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
     ),
-    Rival("pymunk", "default", "own defaults, 1/240 s", MUNK, {}),
-    Rival("pymunk", "default", "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
+    Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),
+    Default("pymunk", DEFAULT, "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
 )  # fmt: skip
 """The peer is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
 
@@ -79,40 +77,39 @@ def of(quick: bool, name: str) -> list[Row]:
         scene = item.scene()
     except InputError as error:
         return [{"scene": name, "absent": str(error)}]
-    return list(rows_of(item, scene, list(engines.REGISTRY), quick=quick))
+    return [asdict(row) for row in rows_of(item, scene, list(engines.REGISTRY), quick=quick)]
 
 
 def died(name: str) -> list[Row]:
     """A scene whose process died: one row that says so."""
-    item = next(item for item in standard_set() if item.name == name)
-    return [_row(item, "any", "ladder", "all", failed="the process died")]
+    return [asdict(PrecisionRow("any", name, LEVEL, "all", failed="the process died"))]
 
 
-def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[Row]:
-    """All rows of one scene: each engine's ladder, its rivals, what the target takes."""
-    exact = engines.load("analytic").simulate(
-        scene, engines.load("analytic").refinement_levels(scene)[-1], RunOptions()
-    )
+def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[PrecisionRow]:
+    """All rows of one scene: each engine's levels, what the target takes, the engine's own defaults."""
+    model = engines.load("analytic")
+    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
     for name in names:
         engine = engines.load(name)
         if item.spatial and engine.capabilities.dimensions < 3:
             continue
+        base = PrecisionRow(name, item.name, LEVEL, "not here", item.block)
         reason = engine.missing()
         if reason is not None:
-            yield _row(item, name, "ladder", "not here", failed=reason)
+            yield replace(base, failed=reason)
             continue
         # A self-certifying model has no finer settings of another kind to be judged by than its own finest.
         own = item.reference == "own" or engine.capabilities.certifies
-        yield from _ladder(item, scene, engine, None if own else exact, quick)
-        if not engine.capabilities.certifies:
-            yield from _rivals(item, scene, name, exact if item.reference == "analytic" else None)
+        yield from _levels(base, scene, engine, None if own else exact, quick)
+        if item.reference == "analytic":
+            yield from _defaults(base, scene, exact)
 
 
-def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, quick: bool) -> Iterator[Row]:
-    """Every rung and what the target takes: errors first, then all of them timed in turns, as they are compared."""
-    reference = "analytic" if exact is not None else "own finest rung"
-    found = _computed(engine, scene, quick)
-    good = [(settings, run) for settings, run in found if isinstance(run, Run)]
+def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None, quick: bool) -> Iterator[PrecisionRow]:
+    """Every level and what the target takes: errors first, then all of them timed in turns, as they are compared."""
+    base = replace(base, reference="analytic" if exact is not None else "own finest level")
+    tried = _tried(engine, scene, quick)
+    good = [(settings, run) for settings, run in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
     asked = None if judge is None or engine.capabilities.certifies else _asked(engine, scene)
     works: list[Callable[[], object]] = [
@@ -121,35 +118,29 @@ def _ladder(item: Standard, scene: Scene, engine: Engine, exact: Run | None, qui
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
     spent = iter(costs(works, repeats=TURNS))
-    for settings, run in found:
-        label = _label(settings)
+    for settings, run in tried:
+        row = replace(base, label=_label(settings), dt_s=settings.dt_s)
         if isinstance(run, str) or judge is None:
-            yield _row(item, engine.name, "ladder", label, dt_s=settings.dt_s, failed=str(run), reference=reference)
+            yield replace(row, failed=str(run))
             continue
         took = next(spent)
-        if run is judge:
-            continue
-        yield _row(
-            item, engine.name, "ladder", label,
-            dt_s=settings.dt_s, error_rad=error(run, judge), spent=took, run=run, reference=reference, scene=scene,
-        )  # fmt: skip
+        if run is not judge:
+            yield _costing(_with(row, run, error_rad(run, judge)), took, run.end_s)
     if asked is not None and judge is not None:
-        yield _chosen(item, scene, engine.name, judge, reference, asked, next(spent, None))
+        yield _chosen(replace(base, group=TARGET, label=f"--accuracy {TARGET_RAD:g}"), asked, judge, next(spent, None))
 
 
-def _computed(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str]]:
-    """Each rung's run, whose error is taken, or why there is none."""
-    found: list[tuple[Settings, Run | str]] = []
-    levels = engine.refinement_levels(scene)
-    for settings in levels[:3] if quick else levels:
-        before = found[-1][1] if found else None
-        dear = isinstance(before, Run) and before.wall_s > DEAR_S
-        told = f"not run: the rung before it took {DEAR_S:g} s or more"
-        found.append((settings, told if dear else _run(engine, scene, settings)))
-        if dear:
-            found += [(coming, told) for coming in levels[len(found) :]]
-            break
-    return found
+def _tried(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str]]:
+    """Each level's run, whose error is taken, or why there is none."""
+    tried: list[tuple[Settings, Run | str]] = []
+    levels = engine.refinement_levels(scene)[: 3 if quick else None]
+    for settings in levels:
+        before = tried[-1][1] if tried else None
+        if isinstance(before, Run) and before.wall_s > LONG_S:
+            left_out = f"not run: the level before it took {LONG_S:g} s or more"
+            return [*tried, *((finer, left_out) for finer in levels[len(tried) :])]
+        tried.append((settings, _run(engine, scene, settings)))
+    return tried
 
 
 def _run(engine: Engine, scene: Scene, settings: Settings) -> Run | str:
@@ -168,43 +159,48 @@ def _asked(engine: Engine, scene: Scene) -> Run | str:
         return str(failure)
 
 
-def _chosen(
-    item: Standard, scene: Scene, engine: str, judge: Run, reference: str, run: Run | str, spent: Cost | None
-) -> Row:
+def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -> PrecisionRow:
     """What the target accuracy takes, its own checks included."""
-    short = f"--accuracy {TARGET_RAD:g}"
     if isinstance(run, Run) and run.settings == judge.settings:
-        run = "it goes on to the very rung by which errors are judged here"
-    if isinstance(run, str):
-        return _row(item, engine, "accuracy", short, failed=run, reference=reference)
-    until = run.reliable_until_s
-    row = _row(
-        item, engine, "accuracy", f"{short}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}",
-        dt_s=float(run.settings["dt_s"]), error_rad=error(run, judge, until), spent=spent, run=run,
-        reference=reference, scene=scene,
-    )  # fmt: skip
-    return row | {
-        "chosen": True,
-        "reliable_until_s": until,
-        "steps": run.work.get("steps_of_all_runs", run.steps),
-    }
+        run = "it goes on to the very level by which errors are judged here"
+    if isinstance(run, str) or spent is None:
+        return replace(row, failed=str(run))
+    until_s = run.reliable_until_s
+    error = error_rad(run, judge, run.end_s if until_s is None else until_s)
+    row = _costing(_with(row, run, error), spent, run.end_s)
+    label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
+    steps = run.work.get("steps_of_all_runs", run.steps)
+    return replace(row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=until_s, steps=steps)
 
 
-def _rivals(item: Standard, scene: Scene, name: str, exact: Run | None) -> Iterator[Row]:
-    if exact is None:
-        return
-    for rival in RIVALS:
-        if rival.engine != name:
+def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[PrecisionRow]:
+    for default in DEFAULTS:
+        if default.engine != base.engine:
             continue
-        module = import_module(rival.module)
-        settings = module.Stock(**rival.given)
+        module = import_module(default.module)
+        settings = module.Stock(**default.given)
         t_s, theta = module.run(scene, settings)
-        spent = cost(partial(module.run, scene, settings))
-        row = _row(item, name, rival.group, rival.label, dt_s=settings.dt_s, spent=spent, scene=scene)
-        apart = largest(t_s, theta, exact)
-        if not np.isfinite(apart):
-            row |= {"failed": "its numbers diverged"}
-        yield row | {"error_rad": apart if np.isfinite(apart) else None, "steps": t_s.size - 1}
+        spent, error = cost(partial(module.run, scene, settings)), largest(t_s, theta, exact)
+        finite = bool(np.isfinite(error))
+        row = replace(
+            base, group=default.group, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,
+            error_rad=error if finite else None, failed=None if finite else "its numbers diverged",
+        )  # fmt: skip
+        yield _costing(row, spent, scene.duration_s)
+
+
+def _with(row: PrecisionRow, run: Run, error: float) -> PrecisionRow:
+    """A row with a run's work, its statement and its error."""
+    return replace(
+        row, error_rad=error, steps=run.steps, iterations=run.settings.get("iterations"),
+        stated_rad=run.numerical_uncertainty_rad,
+    )  # fmt: skip
+
+
+def _costing(row: PrecisionRow, spent: Cost, simulated_s: float) -> PrecisionRow:
+    """A row with what it took to simulate so long."""
+    factor = simulated_s / spent.cpu_s
+    return replace(row, wall_s=spent.wall_s, cpu_s=spent.cpu_s, repeats=spent.repeats, real_time_factor=factor)
 
 
 def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
@@ -215,60 +211,11 @@ def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
     return float(np.max(np.abs(theta_rad[: t_s.size][inside] - exact.history.at(t_s[inside]))))
 
 
-def error(run: Run, judge: Run, until_s: float | None = None) -> float:
-    """Largest difference of two rotations, rad, up to the earlier end (or `until_s`); infinite without histories."""
-    if run.history is None or judge.history is None:
-        return float("inf")
-    end = min(run.end_s, judge.end_s, run.end_s if until_s is None else until_s)
-    times = np.linspace(0.0, end, INSTANTS)
-    return float(np.max(np.abs(run.history.at(times) - judge.history.at(times))))
-
-
 def _label(settings: Settings | Mapping[str, Any]) -> str:
-    """A rung in words."""
+    """A level in words."""
     plain = settings.as_dict() if isinstance(settings, Settings) else settings
     if "accuracy_rad" in plain:
         return f"aimed at {plain['accuracy_rad']:g} rad"
     parts = [f"{1e3 * float(plain['dt_s']):g} ms"]
     parts += [f"{plain['iterations']} iterations"] if "iterations" in plain else []
     return ", ".join(parts)
-
-
-def _row(
-    item: Standard,
-    engine: str,
-    group: str,
-    label: str,
-    *,
-    scene: Scene | None = None,
-    dt_s: float | None = None,
-    error_rad: float | None = None,
-    spent: Cost | None = None,
-    run: Run | None = None,
-    reference: str = "analytic",
-    failed: str | None = None,
-) -> Row:
-    factor = None if spent is None or scene is None else _simulated_s(scene, run) / spent.cpu_s
-    return {
-        "engine": engine,
-        "scene": item.name,
-        "block": item.block,
-        "group": group,
-        "label": label,
-        "dt_s": dt_s,
-        "error_rad": error_rad,
-        "wall_s": None if spent is None else spent.wall_s,
-        "cpu_s": None if spent is None else spent.cpu_s,
-        "repeats": None if spent is None else spent.repeats,
-        "steps": None if run is None else run.steps,
-        "iterations": None if run is None else run.settings.get("iterations"),
-        "real_time_factor": factor,
-        "reference": reference,
-        "chosen": False,
-        "stated_rad": None if run is None else run.numerical_uncertainty_rad,
-        "failed": failed,
-    }
-
-
-def _simulated_s(scene: Scene, run: Run | None) -> float:
-    return scene.duration_s if run is None else run.end_s

@@ -1,25 +1,25 @@
-"""The base contact and the solver's settings, settled by measurement; writes docs/pybullet_contact.md.
+"""The base contact and the solver's settings, settled by measurement: the tables of docs/pybullet_contact.md.
 
-`python -m harness.bench.pybullet_settings [FILE]` computes every row again. Errors are against the analytic model over the first
-second of the surveyed statue, given by its numbers, under 0.429 g and 0.334 g at 2 Hz and 3 Hz; costs are processor time.
+`python -m harness.bench.pybullet_settings [TABLE...]` computes them again, or those named. Errors are against the analytic model
+over the first second of the surveyed statue, given by its numbers, under the paper's cases; costs are processor time.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from analytic.constants import GRAVITY_M_S2
-from analytic.excitation import Harmonic
-from harness.bench.pybullet_settings_text import TEXT
+from harness.bench.pages import renew_tables
+from harness.bench.pages import table as page_table
+from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
@@ -32,49 +32,13 @@ from harness.engines.pybullet.stepper import Record, Stepper, reader
 from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions
-from harness.model.run import machine, versions
-from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+from harness.model.scene import Pedestal, Scene
 
 Array = NDArray[np.float64]
 Build = Callable[[World, Scene, course.Setup], None]
+Cells = list[str]
 
-PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "pybullet_contact.md"
-CASES: Final = ((0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0))
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
-
-
-def scene_of(
-    amplitude_g: float,
-    frequency_hz: float,
-    *,
-    pedestal: bool = True,
-    static: float = 0.15,
-    ratio: float | None = None,
-) -> Scene:
-    """The surveyed statue (docs/model.md, section 1) as a block, for one second."""
-    left, right, half, height = 0.3585, 0.0682, 0.36, 1.46
-    statue = Statue(
-        mass_kg=707.0,
-        centroid_height_m=0.774,
-        corner_left_m=left,
-        corner_right_m=right,
-        inertia_kg_m2=152.4,
-        height_m=height,
-        depth_m=2.0 * half,
-        section_m=np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]]),
-        footprint_m=np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]]),
-        inertia_tensor_kg_m2=np.diag([172.3, 152.4, 41.3]),
-    )
-    return Scene(
-        title="settling the contact",
-        duration_s=1.0,
-        gravity_m_s2=GRAVITY_M_S2,
-        form=Form(),
-        statue=statue,
-        pedestal=Pedestal(250.0, 0.60, 0.80, 0.20) if pedestal else None,
-        contact=Contact(static, 0.15, 1.0, ratio),
-        base_excitation=BaseExcitation(x=Harmonic(amplitude_g * GRAVITY_M_S2, frequency_hz)),
-    )
 
 
 def _ours(world: World, scene: Scene, setup: course.Setup) -> None:
@@ -176,31 +140,25 @@ def errors(scene: Scene, path: Trajectory | History) -> tuple[float, float, floa
     )
 
 
-def row(name: str, level: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> str:
+def row(name: str, level: BulletSettings, build: Build = _ours, *, pedestal: bool = True, half: bool = False) -> Cells:
     """One line of a table: the four cases, the worst slip and lean across, the mean cost."""
-    found, costs = [], []
-    for amplitude, frequency in CASES:
-        scene = scene_of(amplitude, frequency, pedestal=pedestal)
+    misses, costs = [], []
+    for amplitude, frequency in PAPER:
+        scene = paper_scene(amplitude, frequency, pedestal=pedestal)
         record, cost = measure(scene, level, build, half=half)
-        found.append(errors(scene, trajectory(scene, record, np.eye(3), level.dt_s)))
+        misses.append(errors(scene, trajectory(scene, record, np.eye(3), level.dt_s)))
         costs.append(cost)
-    return _line(name, found, costs)
+    return _line(name, misses, costs)
 
 
-def _line(name: str, found: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> str:
+def _line(name: str, misses: Sequence[tuple[float, float, float]], costs: Sequence[float]) -> Cells:
     """A row of a table from each case's errors and cost."""
-    _, slip, across = np.max(np.array(found), axis=0)
-    each = ", ".join(f"{item[0]:.1e}" for item in found)
-    return f"| {name} | {each} | {slip:.1e} | {across:.1e} | {np.mean(costs):.0f} |"
+    _, slip, across = np.max(np.array(misses), axis=0)
+    each = ", ".join(f"{item[0]:.1e}" for item in misses)
+    return [name, each, f"{slip:.1e}", f"{across:.1e}", f"{np.mean(costs):.0f}"]
 
 
-HEAD: Final = (
-    "| contact or setting | error of rotation, rad (four cases) | slip, m | out of plane, rad | µs/step |\n"
-    "|---|---|---|---|---|"
-)
-
-
-def contacts() -> Iterator[str]:
+def contacts() -> Iterator[Cells]:
     """The choice of bodies."""
     yield row("a box on a box on the floor", CHOSEN, _other(True, "box"))
     yield row("spheres at the base's vertices, on a box on the floor", CHOSEN, _other(False, "box"))
@@ -209,7 +167,7 @@ def contacts() -> Iterator[str]:
     yield row("**half of it, where the scene mirrors itself**", CHOSEN, half=True)
 
 
-def variations() -> Iterator[str]:
+def variations() -> Iterator[Cells]:
     """One setting changed at a time."""
     changes: list[tuple[str, dict[str, Any]]] = [
         ("chosen", {}),
@@ -236,66 +194,62 @@ def variations() -> Iterator[str]:
         yield row(name, replace(CHOSEN, **change))
 
 
-def levels(pedestal: bool) -> Iterator[str]:
-    """The ladder."""
-    refinement_levels = load("pybullet").refinement_levels(scene_of(0.429, 3.0, pedestal=pedestal))
+def levels(pedestal: bool) -> Iterator[Cells]:
+    """The levels of refinement."""
+    refinement_levels = load("pybullet").refinement_levels(paper_scene(0.429, 3.0, pedestal=pedestal))
     for number, level in enumerate(refinement_levels, 1):
         if isinstance(level, BulletSettings):
-            name = f"rung {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
+            name = f"level {number}: {1e3 * level.dt_s:g} ms, residual {level.residual:g}"
             yield row(name, level, pedestal=pedestal)
             yield row("half of it", level, pedestal=pedestal, half=True)
 
 
-def conditions() -> Iterator[str]:
+def conditions() -> Iterator[Cells]:
     """Two coefficients of friction and prescribed ratios, by whole runs of the engine."""
     engine = load("pybullet")
     kinds = (("μ_s = 0.20", None), ("the same, ratio 0.85 imposed", 0.85), ("the same, ratio 0.90 imposed", 0.90))
     for name, ratio in kinds:
-        for level in engine.refinement_levels(scene_of(*CASES[0]))[:5]:
-            found, costs = [], []
-            for amplitude, frequency in CASES:
-                scene = scene_of(amplitude, frequency, static=0.20, ratio=ratio)
+        for level in engine.refinement_levels(paper_scene(*PAPER[0]))[:5]:
+            misses, costs = [], []
+            for amplitude, frequency in PAPER:
+                scene = paper_scene(amplitude, frequency, static=0.20, ratio=ratio)
                 start = time.process_time()
                 run = engine.simulate(scene, level, RunOptions(skips=frozenset({"base_only", "mirror"})))
                 costs.append(1e6 * (time.process_time() - start) / run.steps)
                 if run.history is None:
                     raise RuntimeError("pybullet gave no history")
-                found.append(errors(scene, run.history))
-            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", found, costs)
+                misses.append(errors(scene, run.history))
+            yield _line(f"{name}; {1e3 * level.dt_s:g} ms", misses, costs)
 
 
-def overhead() -> Iterator[str]:
+def overhead() -> Iterator[Cells]:
     """Whole loop against a bare one, in turns; the least of many samples, as other work disturbs each."""
     plain = replace(CHOSEN, events=False)
     for pedestal, half in ((False, False), (False, True), (True, False), (True, True)):
-        scene = scene_of(0.334, 2.0, pedestal=pedestal)
+        scene = paper_scene(0.334, 2.0, pedestal=pedestal)
         pairs = [(bare_us(scene, CHOSEN, half=half), measure(scene, plain, half=half)[1]) for _ in range(15)]
         bare, whole = (min(column) for column in zip(*pairs, strict=True))
         where = ("on the pedestal" if pedestal else "on the floor") + (", half of it" if half else "")
-        yield f"| {where} | {bare:.1f} | {whole:.1f} | {whole / bare - 1.0:+.1%} |"
+        yield [where, f"{bare:.1f}", f"{whole:.1f}", f"{whole / bare - 1.0:+.1%}"]
 
 
-def page() -> str:
-    """The whole page."""
-    about = ", ".join(f"{name} {version}" for name, version in versions().items() if name in ("python", "pybullet"))
-    return TEXT.format(
-        about=f"This one: {about}; {machine()['processor']}, other work running beside it.",
-        head=HEAD,
-        contacts="\n".join(contacts()),
-        variations="\n".join(variations()),
-        on_pedestal="\n".join(levels(True)),
-        on_floor="\n".join(levels(False)),
-        conditions="\n".join(conditions()),
-        overhead="\n".join(overhead()),
-    )
+HEAD: Final = ("contact or setting", "error of rotation, rad (four cases)", "slip, m", "out of plane, rad", "µs/step")
+TABLES: Final[Mapping[str, tuple[Sequence[str], Callable[[], Iterator[Cells]]]]] = {
+    "bodies": (HEAD, contacts),
+    "settings": (HEAD, variations),
+    "pedestal": (HEAD, partial(levels, True)),
+    "floor": (HEAD, partial(levels, False)),
+    "conditions": (HEAD, conditions),
+    "overhead": (("", "bare", "whole loop", "more"), overhead),
+}
 
 
-def main(arguments: list[str]) -> None:
-    """Write the page."""
-    target = Path(arguments[0]) if arguments else PAGE
-    target.write_text(page(), encoding="utf-8")
-    sys.stdout.write(f"{target}\n")
+def table(name: str) -> str:
+    """One table, measured."""
+    head, rows = TABLES[name]
+    return page_table(head, rows())
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    made = {name: partial(table, name) for name in TABLES}
+    renew_tables("pybullet_contact.md", "harness.bench.pybullet_settings", made, sys.argv[1:])

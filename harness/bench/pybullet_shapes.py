@@ -94,10 +94,10 @@ def run_row(name: str, solid: Solid) -> str:
 
 def _run(scene: Scene, kind: Literal["hull", "parts"]) -> Run:
     engine = load("pybullet")
-    return engine.simulate(scene, replace(_rung(scene), full_shape=kind), RunOptions())
+    return engine.simulate(scene, replace(_settings(scene), full_shape=kind), RunOptions())
 
 
-def _rung(scene: Scene) -> BulletSettings:
+def _settings(scene: Scene) -> BulletSettings:
     settings = load("pybullet").settings_for_dt(scene, STEP_S)
     if not isinstance(settings, BulletSettings):
         raise TypeError(f"pybullet gave settings of another engine: {type(settings).__name__}")
@@ -122,7 +122,7 @@ def step_us(scene: Scene, kind: Literal["feet", "hull", "parts"]) -> float:
     bodies = None if kind == "feet" else full_shape(still, kind).turned(centroid, setup.axes)
     pedestal = None if still.pedestal is None else (still.pedestal, statue.base_centre_m)
     best = math.inf
-    with World(_rung(still)) as world:
+    with World(_settings(still)) as world:
         world.build(still.contact, pedestal, None, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
         pybullet.setGravity(0.0, 0.0, -GRAVITY_M_S2, world.client)
         for _ in range(BEST_OF):
@@ -135,16 +135,16 @@ def step_us(scene: Scene, kind: Literal["feet", "hull", "parts"]) -> float:
 
 def main(names: Sequence[str]) -> None:
     """Print the tables, of the named statues or all."""
-    found = [(name, solid) for name, solid in statues(paths.data_folder() / "meshes") if not names or name in names]
+    solids = [(name, solid) for name, solid in statues(paths.data_folder() / "meshes") if not names or name in names]
     sys.stdout.write(f"{SHAPES_HEAD}\n")
-    for name, solid in found:
+    for name, solid in solids:
         below_m = shape_needed(thrown(solid, beside_m(name))).below_m
         sys.stdout.write(f"{shape_row(name, solid, below_m)}\n")
     sys.stdout.write(f"\n{CONTACT_HEAD}\n")
-    for name, solid in found:
+    for name, solid in solids:
         sys.stdout.write(f"{contact_row(name, solid, beside_m(name))}\n")
     sys.stdout.write(f"\n{RUNS_HEAD}\n")
-    for name, solid in found:
+    for name, solid in solids:
         sys.stdout.write(f"{run_row(name, solid)}\n")
 
 

@@ -121,28 +121,28 @@ class Model:
 def _events(model: Model, accel: Accel, side: int, slide: int) -> list[Any]:
     """The functions that end the joint state by falling to zero."""
     height, weight = model.height_m, GRAVITY_M_S2
-    found: list[Any] = []
+    functions: list[Any] = []
     if side != 0:
-        found += [lambda t, y: side * y[0], lambda t, y: OVERTURN_RAD - abs(y[0])]
+        functions += [lambda t, y: side * y[0], lambda t, y: OVERTURN_RAD - abs(y[0])]
     else:
         for b, sign in ((model.right_m, 1.0), (model.left_m, -1.0)):
-            found.append(
+            functions.append(
                 lambda t, y, b=b, sign=sign: (
                     weight * b + sign * height * (model.forces(accel(t), y, 0, slide)[1] + accel(t))
                 )
             )
     if model.base_kg > 0.0 and slide != 0:
-        found.append(lambda t, y: slide * y[3])
+        functions.append(lambda t, y: slide * y[3])
     elif model.base_kg > 0.0:
 
         def grip(t: float, y: Sequence[float]) -> float:
             _, _, floor, normal = model.forces(accel(t), y, side, 0)
             return model.static * normal - abs(floor)
 
-        found.append(grip)
-    for function in found:
+        functions.append(grip)
+    for function in functions:
         function.terminal, function.direction = True, -1.0
-    return found
+    return functions
 
 
 def _after(
@@ -199,19 +199,19 @@ def scipy_run(
             return [state[1] if side else 0.0, turn, state[3] if slide else 0.0, slip if slide else 0.0]
 
         inside = (at_s > t) & (at_s <= end)
-        found = solve(
+        piece = solve(
             motion, (t, end), y, "DOP853", t_eval=np.union1d(at_s[inside], [end]),
             events=_events(model, accel, side, slide), rtol=tolerance, atol=tolerance,
             max_step=longest_step_s if side else min(longest_step_s, rest_step_s),
         )  # fmt: skip
-        work += int(found.nfev)
-        ended = found.status == 1
-        hit = next((i for i, times in enumerate(found.t_events) if times.size), -1) if ended else -1
-        now = float(found.t_events[hit][0]) if ended else end
+        work += int(piece.nfev)
+        ended = piece.status == 1
+        hit = next((i for i, times in enumerate(piece.t_events) if times.size), -1) if ended else -1
+        now = float(piece.t_events[hit][0]) if ended else end
         reached = inside & (at_s <= now)
         if reached.any():
-            theta[reached] = found.y[0][: int(reached.sum())]
-        y = [float(v) for v in (found.y_events[hit][0] if ended else found.y[:, -1])]
+            theta[reached] = piece.y[0][: int(reached.sum())]
+        y = [float(v) for v in (piece.y_events[hit][0] if ended else piece.y[:, -1])]
         t = now
         if ended and side != 0 and hit == 1:
             theta[at_s > t] = y[0]

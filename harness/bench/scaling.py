@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +18,7 @@ import numpy as np
 from harness.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.bench.timing import children_cpu_s, cost, largest_child_mb, peak_memory_mb
 from harness.campaign.parts import Row
+from harness.records.bench import ScalingRow
 
 Point = tuple[str, str, float]
 
@@ -31,12 +33,12 @@ def tasks(quick: bool) -> list[str]:
     """All points, each named by its engine, quantity and value."""
     few = 1 if quick else None
     engines = ("analytic", "pymunk", "pybullet")
-    found = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
-    found += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
-    found += [("analytic", "runs", float(value)) for value in RUNS[:few]]
+    points = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
+    points += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
+    points += [("analytic", "runs", float(value)) for value in RUNS[:few]]
     if not quick:
-        found += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
-    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in found]
+        points += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
+    return [f"{engine} {quantity} {value:g}" for engine, quantity, value in points]
 
 
 def compute(task: str) -> list[Row]:
@@ -45,12 +47,7 @@ def compute(task: str) -> list[Row]:
     point = engine, quantity, float(value)
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         seconds, memory_mb, cpu_s = pool.submit(measure, point).result()
-    return [
-        {
-            "engine": engine, "quantity": quantity, "value": point[2], "wall_s": seconds, "cpu_s": cpu_s,
-            "memory_mb": memory_mb,
-        }
-    ]  # fmt: skip
+    return [asdict(ScalingRow(engine, quantity, point[2], seconds, memory_mb, cpu_s))]
 
 
 def measure(point: Point) -> tuple[float, float, float]:
@@ -125,21 +122,19 @@ def _workers(jobs: int) -> tuple[float, float, float]:
     return wall_s, peak_memory_mb() + jobs * largest_child_mb(), children_cpu_s() + time.process_time()
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
+def sentences(rows: Sequence[ScalingRow]) -> list[str]:
     """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
     told = []
-    for engine, quantity in dict.fromkeys((row["engine"], row["quantity"]) for row in rows):
+    for engine, quantity in dict.fromkeys((row.engine, row.quantity) for row in rows):
         mine = sorted(
-            (r for r in rows if (r["engine"], r["quantity"]) == (engine, quantity)), key=lambda r: float(r["value"])
+            (row for row in rows if (row.engine, row.quantity) == (engine, quantity)), key=lambda row: row.value
         )
         if len(mine) < 2:
             continue
         (less, more), words = mine[-2:], quantity.removesuffix("_s").replace("_", " ")
         if quantity == "workers":
-            told.append(
-                f"{more['value']:g} workers are {less['wall_s'] / more['wall_s']:.2g} times as fast as {less['value']:g}"
-            )
+            told.append(f"{more.value:g} workers are {less.wall_s / more.wall_s:.2g} times as fast as {less.value:g}")
             continue
-        power = math.log(more["wall_s"] / less["wall_s"]) / math.log(more["value"] / less["value"])
+        power = math.log(more.wall_s / less.wall_s) / math.log(more.value / less.value)
         told.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
     return [f"Scaling: {'; '.join(told)}."] if told else []

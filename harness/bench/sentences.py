@@ -5,163 +5,113 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
 
-Row = Mapping[str, Any]
-
-REAL_TIME: Final = {"pymunk": 250.0, "pybullet": 60.0}
-"""Times real time wanted on the block scenes at the target accuracy."""
-COST_SHARE: Final = 0.5
-"""Share of the fixed rung's total cost that the target accuracy may take, its checks included."""
-HINDSIGHT: Final = 3.0
-"""Times the best rung in hindsight that it may take on one scene."""
-SKIP_GAIN: Final = {"analytic": 5.0, "pymunk": 2.0, "pybullet": 2.0}
-STATED_SHARE: Final = 0.95
+from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, Choice, Covered, PrecisionRow
 
 
-def choice(rows: Sequence[Row], target_rad: float) -> list[dict[str, Any]]:
-    """For each engine: total cost of `--accuracy`, of the one fixed rung that meets the target everywhere, worst in hindsight."""
-    found = []
-    for engine in dict.fromkeys(row["engine"] for row in rows):
-        mine = [row for row in rows if row["engine"] == engine]
-        taken = {row["scene"]: row for row in mine if row["group"] == "accuracy" and row["failed"] is None}
-        if not taken:
-            continue
-        # By its place in the ladder: one rung may have other iterations on another scene.
-        levels: dict[int, dict[str, Row]] = defaultdict(dict)
-        passed: dict[str, int] = defaultdict(int)
-        for row in mine:
-            if row["group"] != "ladder" or row["scene"] not in taken:
-                continue
-            if row["failed"] is None:
-                levels[passed[row["scene"]]][row["scene"]] = row
-            passed[row["scene"]] += 1
-        meets = [
-            sum(row["cpu_s"] for row in by_scene.values())
-            for by_scene in levels.values()
-            if set(by_scene) == set(taken) and all(row["error_rad"] <= target_rad for row in by_scene.values())
-        ]
-        hindsight = {}
-        for scene, row in taken.items():
-            good = [
-                by[scene]["cpu_s"] for by in levels.values() if scene in by and by[scene]["error_rad"] <= target_rad
-            ]
-            if good:
-                hindsight[scene] = row["cpu_s"] / min(good)
-        total = sum(row["cpu_s"] for row in taken.values())
-        worst = max(hindsight, key=lambda scene: hindsight[scene], default=None)
-        found.append(
-            {
-                "engine": engine, "scenes": len(taken), "total_s": total, "fixed_s": min(meets, default=None),
-                "share": None if not meets else total / min(meets), "worst_scene": worst,
-                "worst_times": None if worst is None else hindsight[worst],
-                "median_times": statistics.median(hindsight.values()) if hindsight else None,
-                "met": sum(row["error_rad"] <= target_rad for row in taken.values()),
-            }
-        )  # fmt: skip
-    return found
+def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[Choice]:
+    """For each engine what the target takes on the scenes where it gave an answer."""
+    engines = dict.fromkeys(row.engine for row in rows)
+    choices = [_choice([row for row in rows if row.engine == engine], target_rad) for engine in engines]
+    return [item for item in choices if item is not None]
 
 
-def fastest(rows: Sequence[Row], target_rad: float) -> dict[str, tuple[float, str]]:
-    """For each engine the least real-time factor, over the block scenes, of the fastest rung that meets the target."""
-    found: dict[str, tuple[float, str]] = {}
-    for engine in dict.fromkeys(row["engine"] for row in rows):
+def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> Choice | None:
+    taken = {row.scene: row for row in rows if row.group == TARGET and row.failed is None}
+    if not taken:
+        return None
+    # By its place among the levels: one level may have other iterations on another scene.
+    levels: dict[int, dict[str, PrecisionRow]] = defaultdict(dict)
+    passed: dict[str, int] = defaultdict(int)
+    for row in rows:
+        if row.group == LEVEL and row.scene in taken:
+            if row.failed is None:
+                levels[passed[row.scene]][row.scene] = row
+            passed[row.scene] += 1
+    whole = [
+        by for by in levels.values() if set(by) == set(taken) and all(row.meets(target_rad) for row in by.values())
+    ]
+    fixed_s = min((sum(row.cpu_s or 0.0 for row in by.values()) for by in whole), default=None)
+    times = {}
+    for scene, row in taken.items():
+        good = [by[scene].cpu_s or 0.0 for by in levels.values() if scene in by and by[scene].meets(target_rad)]
+        if good:
+            times[scene] = (row.cpu_s or 0.0) / min(good)
+    total_s = sum(row.cpu_s or 0.0 for row in taken.values())
+    worst = max(times, key=lambda scene: times[scene], default=None)
+    return Choice(
+        rows[0].engine,
+        len(taken),
+        sum(row.meets(target_rad) for row in taken.values()),
+        total_s,
+        fixed_s,
+        None if fixed_s is None else total_s / fixed_s,
+        worst,
+        None if worst is None else times[worst],
+        statistics.median(times.values()) if times else None,
+    )
+
+
+def fastest(rows: Sequence[PrecisionRow], target_rad: float) -> dict[str, tuple[float, str]]:
+    """For each engine the least real-time factor, over the block scenes, of the fastest level that meets the target."""
+    slowest: dict[str, tuple[float, str]] = {}
+    for engine in dict.fromkeys(row.engine for row in rows):
         by_scene: dict[str, float] = {}
         for row in rows:
-            if row["engine"] != engine or not row["block"] or row["group"] != "ladder":
-                continue
-            met = row["failed"] is None and row["error_rad"] <= target_rad
-            by_scene[row["scene"]] = max(by_scene.get(row["scene"], 0.0), row["real_time_factor"] if met else 0.0)
+            if row.engine == engine and row.block and row.group == LEVEL:
+                factor = (row.real_time_factor or 0.0) if row.meets(target_rad) else 0.0
+                by_scene[row.scene] = max(by_scene.get(row.scene, 0.0), factor)
         if by_scene:
-            slowest = min(by_scene, key=lambda scene: by_scene[scene])
-            found[engine] = by_scene[slowest], slowest
-    return found
+            slowest[engine] = min((factor, scene) for scene, factor in by_scene.items())
+    return slowest
 
 
-def sentences(record: Mapping[str, Any]) -> list[str]:
-    """All sentences of a bench record."""
-    rows, target = record["rows"], float(record["target_rad"])
-    told = [_speed(engine, *item, target) for engine, item in fastest(rows, target).items()]
-    told += [_choice(item, target) for item in record["choice"]]
-    told += [_seeded(item, target) for item in record.get("seeded", ())]
-    told += [_coverage(engine, item) for engine, item in record["coverage"].items()]
-    told += [_skip(row) for row in record["skips"] if row["skip"] == "all together"]
-    told += [
-        f"{row['label']} ({row['engine']}): {row['error_rad']:.2g} rad on “{row['scene']}”."
-        for row in _worst(rows)
-        if row["group"] in ("default", "peer")
+def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[str]:
+    """How fast each engine meets the target."""
+    return [
+        f"{engine} meets {target_rad:g} rad at {factor:.3g} times real time or faster; slowest: “{scene}”."
+        if factor > 0.0
+        else f"{engine}: no level of its meets {target_rad:g} rad on “{scene}”."
+        for engine, (factor, scene) in fastest(rows, target_rad).items()
     ]
-    return told
 
 
-def _speed(engine: str, factor: float, scene: str, target: float) -> str:
-    if factor == 0.0:
-        return f"{engine}: no rung of its ladder meets {target:g} rad on “{scene}”."
-    wanted = REAL_TIME.get(engine)
-    against = "" if wanted is None else f" ({'at least' if factor >= wanted else 'short of'} the {wanted:g} wanted)"
-    return f"{engine} meets {target:g} rad at {factor:.3g} times real time or faster{against}; slowest: “{scene}”."
+def choices(standard: Sequence[Choice], seeded: Sequence[Choice], target_rad: float) -> list[str]:
+    """What the target takes on the standard set, and on the seeded scenes that meet it to the end."""
+    told = [
+        f"--accuracy {target_rad:g} with {item.engine}: {item.met} of {item.scenes} scenes met, {_cost(item)}."
+        for item in standard
+    ]
+    return told + [
+        f"On {item.scenes} seeded scenes that {item.engine} meets to the end, --accuracy {target_rad:g} takes {_cost(item)}."
+        for item in seeded
+    ]
 
 
-def _choice(item: Mapping[str, Any], target: float) -> str:
-    engine, times, worst = item["engine"], item["worst_times"], item["worst_scene"]
-    start = f"--accuracy {target:g} with {engine}: {item['met']} of {item['scenes']} scenes met, {item['total_s']:.3g} s in all"
-    if item["share"] is None:
-        middle = ", where no fixed rung meets it on every scene"
-    else:
-        held = "within" if item["share"] <= COST_SHARE else "above"
-        middle = f", {item['share']:.2f} times the one fixed rung that meets it everywhere ({held} the {COST_SHARE:g} wanted)"
-    if times is None:
-        return f"{start}{middle}."
-    held = "within" if times <= HINDSIGHT else "above"
-    return f"{start}{middle}; at most {times:.2g} times the best rung in hindsight ({held} {HINDSIGHT:g}; “{worst}”)."
+def _cost(item: Choice) -> str:
+    fixed = "where no fixed level that was tried meets all of them"
+    if item.share is not None:
+        fixed = f"{item.share:.2f} times the one fixed level that meets all of them"
+    start = f"{item.total_s:.3g} s in all, {fixed}"
+    if item.worst_times is None:
+        return start
+    half = f"{item.median_times:.2g} times the best level in hindsight on half of them"
+    return f"{start}; {half}, at most {item.worst_times:.2g} (“{item.worst_scene}”)"
 
 
-def _seeded(item: Mapping[str, Any], target: float) -> str:
-    on = f"On {item['scenes']} seeded scenes that {item['engine']} meets to the end, --accuracy {target:g} takes"
-    end = "" if item["median_times"] is None else f"; {_hindsight(item)}"
-    if item["share"] is None:
-        return f"{on} {item['total_s']:.3g} s, where no fixed rung that was tried meets all of them{end}."
-    held = "within" if item["share"] <= COST_SHARE else "above"
-    fixed = f"{item['share']:.2f} times the one fixed rung that meets all of them ({held} the {COST_SHARE:g} wanted)"
-    return f"{on} {item['total_s']:.3g} s, {fixed}{end}."
+def coverage(counts: Mapping[str, Covered]) -> list[str]:
+    """How often errors lay within what was stated."""
+    return [
+        f"{engine}: the error lay within what was stated on {item.inside} of {item.total} seeded scenes."
+        for engine, item in counts.items()
+    ]
 
 
-def _hindsight(item: Mapping[str, Any]) -> str:
-    held = "within" if item["worst_times"] <= HINDSIGHT else "above"
-    return (
-        f"{item['median_times']:.2g} times the best rung in hindsight on half of them, at most {item['worst_times']:.2g} "
-        f"({held} {HINDSIGHT:g}; {item['worst_scene']})"
-    )
-
-
-def _coverage(engine: str, item: Mapping[str, Any]) -> str:
-    share = item["inside"] / item["total"] if item["total"] else 0.0
-    held = "at least" if share >= STATED_SHARE else "less than"
-    return (
-        f"{engine}: the error lay within what was stated on {item['inside']} of {item['total']} seeded scenes "
-        f"({held} {STATED_SHARE:.0%})."
-    )
-
-
-def _skip(row: Row) -> str:
-    if row.get("failed"):
-        return f"The skips were not measured: {row['failed']}."
-    wanted = SKIP_GAIN[row["engine"]]
-    held = "at least" if row["gain"] >= wanted else "short of"
-    same = "no outcome changed" if row["same"] else "; ".join(row["changed"])
-    if row.get("unsettled"):
-        same += f", but for {len(row['unsettled'])} that the engine's own finer settings without skips change as well"
-    return (
-        f"All skips together on {row['scenes']} outcomes under the real records, {row['engine']}: {row['gain']:.2g} times "
-        f"faster ({held} {wanted:g} wanted); {same}."
-    )
-
-
-def _worst(rows: Sequence[Row]) -> list[Row]:
-    """Of each setting that is no rung, its row with the largest error."""
-    found: dict[tuple[str, str], Row] = {}
+def defaults(rows: Sequence[PrecisionRow]) -> list[str]:
+    """The largest error of each setting that is no level."""
+    worst: dict[tuple[str, str], PrecisionRow] = {}
     for row in rows:
-        key = row["engine"], row["label"]
-        if row["failed"] is None and (key not in found or row["error_rad"] > found[key]["error_rad"]):
-            found[key] = row
-    return list(found.values())
+        key = row.engine, row.label
+        if row.group in (DEFAULT, PEER) and row.error_rad is not None:
+            worst[key] = max(row, worst.get(key, row), key=lambda each: each.error_rad or 0.0)
+    return [f"{row.label} ({row.engine}): {row.error_rad:.2g} rad on “{row.scene}”." for row in worst.values()]

@@ -6,15 +6,25 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.skips import ALL, RECORDS, SHARES, STUDY, decides_nothing, level, outcome_scenes, simulate
+from harness.bench.skips import (
+    ALL,
+    RECORDS,
+    SHARES,
+    STUDY,
+    decides_nothing,
+    difference,
+    level,
+    other_outcome,
+    outcome_scenes,
+    simulate,
+)
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
 from harness.bench.timing import cost
 from harness.campaign.parts import Row
@@ -23,18 +33,19 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import SkipRow
+
+
+def _alone(skip: str, *beside: str, history: bool = True) -> tuple[RunOptions, RunOptions]:
+    """What is asked with a skip, and without it, none but those `beside` it either way."""
+    return RunOptions(history, frozenset({skip, *beside})), RunOptions(history, frozenset(beside))
+
 
 LEVERS: Final = {
-    "quiet_start": (RunOptions(True, frozenset({"quiet_start"})), RunOptions(True, frozenset())),
-    "quiet_end": (RunOptions(True, frozenset({"quiet_end"})), RunOptions(True, frozenset())),
     "no_history": (RunOptions(False, frozenset({"no_history"})), RunOptions(True, frozenset())),
-    "energy_outcome": (
-        RunOptions(False, frozenset({"no_history", "energy_outcome"})),
-        RunOptions(False, frozenset({"no_history"})),
-    ),
-    "stop_at_overturn": (RunOptions(True, frozenset({"stop_at_overturn"})), RunOptions(True, frozenset())),
-    "base_only": (RunOptions(True, frozenset({"base_only"})), RunOptions(True, frozenset())),
-    "mirror": (RunOptions(True, frozenset({"base_only", "mirror"})), RunOptions(True, frozenset({"base_only"}))),
+    "energy_outcome": _alone("energy_outcome", "no_history", history=False),
+    "mirror": _alone("mirror", "base_only"),
+    **{skip: _alone(skip) for skip in ("quiet_start", "quiet_end", "stop_at_overturn", "base_only")},
 }
 """What is asked with a skip alone and without it."""
 PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
@@ -51,7 +62,7 @@ CASES: Final = {
 """For each skip the engines that have it, and the scene on which it is measured."""
 STUDY_RUNS: Final = 16
 RESOLVED_RAD: Final = 3e-4
-"""A rung that is expected to resolve what a skip may change."""
+"""A level that is expected to resolve what a skip may change."""
 LEAST_RAD: Final = 1e-9
 """Rotations nearer than this are the same, whatever a run's own error."""
 GAINS: Final = 1.05
@@ -67,16 +78,16 @@ def tasks(quick: bool) -> list[str]:
 def compute(task: str) -> list[Row]:
     """The row of one skip and engine; one that says why where a record is absent or an engine not here."""
     skip, _, name = task.partition(": ")
-    others: dict[str, Callable[[], Row]] = {"lazy_engines": _imports, "cached": _cached, "planar": _planar}
+    others: dict[str, Callable[[], SkipRow]] = {"lazy_engines": _imports, "cached": _cached, "planar": _planar}
     try:
         if skip in others:
-            return [others[skip]()]
+            return [asdict(others[skip]())]
         engine = engines.load(name)
         if engine.missing() is not None:
             return []
-        return [_measured(skip, engine, CASES[skip][name])]
+        return [asdict(_measured(skip, engine, CASES[skip][name]))]
     except InputError as error:
-        return [{"skip": skip, "engine": name, "failed": str(error)}]
+        return [asdict(SkipRow(skip, name, failed=str(error)))]
 
 
 def scenes_of(kind: str, engine: str) -> list[Scene]:
@@ -102,7 +113,7 @@ PULSE: Final = {
 }
 
 
-def _measured(skip: str, engine: Engine, kind: str) -> Row:
+def _measured(skip: str, engine: Engine, kind: str) -> SkipRow:
     on, off = LEVERS[skip]
     scenes = scenes_of(kind, engine.name)
     changed: list[str] = []
@@ -110,15 +121,17 @@ def _measured(skip: str, engine: Engine, kind: str) -> Row:
     steps = [0, 0]
     for scene in scenes:
         first, second = simulate(engine, scene, on, RESOLVED_RAD), simulate(engine, scene, off, RESOLVED_RAD)
-        if first.outcome is not second.outcome and not decides_nothing(engine, scene, second):
-            changed.append(f"{scene.title}: {first.outcome.value}, without {second.outcome.value}")
-        parted, known = difference(first, second), own_error_rad(engine, scene, off, second)
-        apart, own = max(apart, parted), max(own, known)
+        text = other_outcome(scene, first, second)
+        changed += [text] if text and not decides_nothing(engine, scene, second) else []
+        apart = max(apart, difference(first, second))
+        own = max(own, own_error_rad(engine, scene, off, second))
         steps = [steps[0] + first.steps, steps[1] + second.steps]
         on_s += cost(partial(simulate, engine, scene, on, RESOLVED_RAD), 3).cpu_s
         off_s += cost(partial(simulate, engine, scene, off, RESOLVED_RAD), 3).cpu_s
-    row = _row(skip, engine.name, on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart, steps=steps)
-    return row | {"own_rad": own}
+    return SkipRow(
+        skip, engine.name, len(scenes), on_s, off_s, tuple(changed), apart_rad=apart, own_rad=own,
+        steps=(steps[0], steps[1]),
+    )  # fmt: skip
 
 
 def own_error_rad(engine: Engine, scene: Scene, want: RunOptions, run: Run) -> float:
@@ -126,58 +139,33 @@ def own_error_rad(engine: Engine, scene: Scene, want: RunOptions, run: Run) -> f
     if engine.capabilities.certifies:
         return run.numerical_uncertainty_rad or 0.0
     return max(
-        difference(run, engine.simulate(scene, probe, want))
-        for probe in engine.verification_settings(scene, level(engine, scene, RESOLVED_RAD))
+        difference(run, engine.simulate(scene, finer, want))
+        for finer in engine.verification_settings(scene, level(engine, scene, RESOLVED_RAD))
     )
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
+def sentences(rows: Sequence[SkipRow]) -> list[str]:
     """Which skips gain nothing where they were measured alone, and which move a rotation by more than its own error."""
-    alone = [row for row in rows if row["skip"] != "all together" and not row.get("failed")]
-    if not alone:
+    measured = [row for row in rows if not row.failed]
+    if not measured:
         return []
-    idle = [f"{row['skip']} ({row['engine']}, {row['gain']:.2g})" for row in alone if row["gain"] < GAINS]
-    told = f"Alone {len(alone) - len(idle)} of {len(alone)} skips gain a twentieth or more of the time where they were measured"
+    idle = [f"{row.skip} ({row.engine}, {row.gain:.2g})" for row in measured if row.gain < GAINS]
+    told = f"Alone {len(measured) - len(idle)} of {len(measured)} skips gain a twentieth or more of the time"
     moved = [
-        f"{row['skip']} ({row['engine']}) parts rotations by {row['apart_rad']:.1e} rad, finer settings without it by "
-        f"{row['own_rad']:.1e} rad."
-        for row in alone
-        if row.get("own_rad") is not None and row["apart_rad"] > max(row["own_rad"], LEAST_RAD)
+        f"{row.skip} ({row.engine}) parts rotations by {row.apart_rad:.1e} rad, finer settings without it by "
+        f"{row.own_rad:.1e} rad."
+        for row in measured
+        if row.apart_rad is not None and row.own_rad is not None and row.apart_rad > max(row.own_rad, LEAST_RAD)
     ]
-    changed = [f"{row['skip']} ({row['engine']}): {'; '.join(row['changed'])}." for row in alone if not row["same"]]
-    return [f"{told}{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
+    changed = [f"{row.skip} ({row.engine}): {'; '.join(row.changed)}." for row in measured if row.changed]
+    return [f"{told} where they were measured{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
 
 
-def _row(
-    skip: str,
-    engine: str,
-    on_s: float,
-    off_s: float,
-    *,
-    scenes: int = 1,
-    changed: list[str] | None = None,
-    apart_rad: float | None = None,
-    steps: list[int] | None = None,
-) -> Row:
-    return {
-        "skip": skip, "engine": engine, "scenes": scenes, "on_s": on_s, "off_s": off_s, "gain": off_s / on_s,
-        "same": not changed, "changed": changed or [], "apart_rad": apart_rad, "steps": steps,
-    }  # fmt: skip
-
-
-def difference(first: Run, second: Run) -> float:
-    """Largest difference of two rotations, rad, where both were kept; of the two peaks otherwise."""
-    if first.history is None or second.history is None:
-        return abs(first.peak_theta_rad - second.peak_theta_rad)
-    times = np.linspace(0.0, min(first.end_s, second.end_s), 4000)
-    return float(np.max(np.abs(first.history.at(times) - second.history.at(times))))
-
-
-def _imports() -> Row:
+def _imports() -> SkipRow:
     """Seconds of processor time to be ready to answer `--help`, against importing all simulators as well."""
     lazy = "import reports.cli"
     eager = lazy + "\nfrom harness.engines import REGISTRY, load\nfor name in REGISTRY: load(name).missing()"
-    return _row("lazy_engines", "*", _fresh_s(lazy), _fresh_s(eager))
+    return SkipRow("lazy_engines", "*", 1, _fresh_s(lazy), _fresh_s(eager))
 
 
 def _fresh_s(code: str) -> float:
@@ -190,7 +178,7 @@ def _fresh_s(code: str) -> float:
     return min(float(done.stdout.split()[-1]) for done in tries)
 
 
-def _cached() -> Row:
+def _cached() -> SkipRow:
     """A study of sixteen runs, then the same study again from its store."""
     from harness.campaign.runner import LocalPool
     from harness.campaign.store import Store
@@ -211,7 +199,7 @@ def _cached() -> Row:
     changed = [] if again.computed == 0 and again.found == again.distinct else ["the second study computed again"]
     # Stored failures are found again at no cost as well: a gain over them would be none.
     changed += [f"{seen[0].failed} of the runs failed"] if seen[0].failed else []
-    return _row("cached", "analytic", on_s, off_s, scenes=seen[0].wanted, changed=changed)
+    return SkipRow("cached", "analytic", seen[0].wanted, on_s, off_s, tuple(changed))
 
 
 def write_study(folder: Path, runs: int, engine: str) -> Path:
@@ -250,16 +238,16 @@ engines = ["{engine}"]
 """
 
 
-def _planar() -> Row:
+def _planar() -> SkipRow:
     """Planar questions answered in the plane, against the same in three dimensions: the block scenes of the standard set."""
     scenes = [scene for item, scene in resolved(standard_set())[0] if item.block]
     flat, solid = engines.load("pymunk"), engines.load("pybullet")
-    changed, apart, on_s, off_s = [], 0.0, 0.0, 0.0
+    changed: list[str] = []
+    apart = on_s = off_s = 0.0
     for scene in scenes:
         first, second = run_to_accuracy(flat, scene, 1e-3, ALL), run_to_accuracy(solid, scene, 1e-3, ALL)
-        if first.outcome is not second.outcome:
-            changed.append(f"{scene.title}: {first.outcome.value}, in three dimensions {second.outcome.value}")
+        changed += filter(None, [other_outcome(scene, first, second)])
         apart = max(apart, abs(abs(first.peak_theta_rad) - abs(second.peak_theta_rad)))
         on_s += cost(partial(run_to_accuracy, flat, scene, 1e-3, ALL), 3).cpu_s
         off_s += cost(partial(run_to_accuracy, solid, scene, 1e-3, ALL), 3).cpu_s
-    return _row("planar", "pymunk for pybullet", on_s, off_s, scenes=len(scenes), changed=changed, apart_rad=apart)
+    return SkipRow("planar", "pymunk for pybullet", len(scenes), on_s, off_s, tuple(changed), apart_rad=apart)

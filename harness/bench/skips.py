@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import COLUMN, PAESTUM, record, scene_of
 from harness.bench.timing import cost
 from harness.campaign.parts import Row
@@ -16,6 +18,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import TOGETHER, SkipRow
 
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),
@@ -31,7 +34,7 @@ SHARES: Final = {
 }
 """Peak accelerations by engine, in units of the least g b/h: from nothing moves to overturning."""
 ENGINE_ACCURACY_RAD: Final = 1e-2
-"""What an outcome needs: a rung coarse enough for a study, not a history."""
+"""What an outcome needs: a level coarse enough for a study, not a history."""
 ALL: Final = RunOptions(history=False)
 NONE: Final = RunOptions(history=True, skips=frozenset())
 REPEATS: Final = {"analytic": 3}
@@ -68,55 +71,81 @@ def compute(task: str) -> list[Row]:
     try:
         scenes = list(outcome_scenes(case, SHARES[name]))
     except InputError as error:
-        return [{"engine": name, "failed": str(error)}]
+        return [asdict(SkipRow(TOGETHER, name, failed=str(error)))]
     simulate(engine, scenes[0], ALL)
-    on_s = off_s = 0.0
-    changed: list[str] = []
-    unsettled: list[str] = []
-    outcomes = set()
+    row = SkipRow(TOGETHER, name, len(scenes))
     for scene in scenes:
-        kept: dict[bool, Run] = {}
-        on_s += cost(partial(_keep, kept, engine, scene, True), REPEATS.get(name, 1)).cpu_s
-        off_s += cost(partial(_keep, kept, engine, scene, False), REPEATS.get(name, 1)).cpu_s
-        outcomes.add(kept[True].outcome.value)
-        if kept[True].outcome is not kept[False].outcome:
-            said = f"{scene.title}: {kept[True].outcome.value}, without skips {kept[False].outcome.value}"
-            (unsettled if decides_nothing(engine, scene, kept[False]) else changed).append(said)
-    return [
-        {
-            "engine": name, "case": case, "scenes": len(scenes), "on_s": on_s, "off_s": off_s, "changed": changed,
-            "unsettled": unsettled, "outcomes": sorted(outcomes),
-        }
-    ]  # fmt: skip
+        runs: dict[bool, Run] = {}
+        on, off = (
+            cost(partial(_keep, runs, engine, scene, skip), REPEATS.get(name, 1)).cpu_s for skip in (True, False)
+        )
+        outcomes = tuple(sorted({*row.outcomes, runs[True].outcome.value}))
+        row = replace(row, on_s=row.on_s + on, off_s=row.off_s + off, outcomes=outcomes)
+        if text := other_outcome(scene, runs[True], runs[False]):
+            if decides_nothing(engine, scene, runs[False]):
+                row = replace(row, unsettled=(*row.unsettled, text))
+            else:
+                row = replace(row, changed=(*row.changed, text))
+    return [asdict(row)]
 
 
-def together(rows: Sequence[Row]) -> list[Row]:
+def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
     """One row for each engine, over all statues and records; the sentence of what is missing where a record is."""
-    found = []
-    for name in dict.fromkeys(row["engine"] for row in rows):
-        mine = [row for row in rows if row["engine"] == name]
-        failed = next((row["failed"] for row in mine if "failed" in row), None)
-        if failed is not None:
-            found.append({"skip": "all together", "engine": name, "failed": failed})
+    sums: dict[str, SkipRow] = {}
+    for row in rows:
+        known = sums.get(row.engine)
+        if known is None or known.failed or row.failed:
+            sums[row.engine] = known if known is not None and known.failed else row
             continue
-        on_s, off_s = (sum(row[side] for row in mine) for side in ("on_s", "off_s"))
-        changed, unsettled = ([text for row in mine for text in row[kind]] for kind in ("changed", "unsettled"))
-        found.append(
-            {
-                "skip": "all together", "engine": name, "scenes": sum(row["scenes"] for row in mine), "on_s": on_s,
-                "off_s": off_s, "gain": off_s / on_s, "same": not changed, "changed": changed, "unsettled": unsettled,
-                "outcomes": sorted({outcome for row in mine for outcome in row["outcomes"]}),
-            }
-        )  # fmt: skip
-    return found
+        sums[row.engine] = replace(
+            known,
+            scenes=known.scenes + row.scenes,
+            on_s=known.on_s + row.on_s,
+            off_s=known.off_s + row.off_s,
+            changed=(*known.changed, *row.changed),
+            unsettled=(*known.unsettled, *row.unsettled),
+            outcomes=tuple(sorted({*known.outcomes, *row.outcomes})),
+        )
+    return list(sums.values())
+
+
+def sentences(rows: Sequence[SkipRow]) -> list[str]:
+    """What all skips together gain, and change."""
+    told = []
+    for row in rows:
+        if row.failed:
+            told.append(f"The skips were not measured: {row.failed}.")
+            continue
+        same = "; ".join(row.changed) or "no outcome changed"
+        if row.unsettled:
+            same += f", but for {len(row.unsettled)} that the engine's own finer settings without skips change as well"
+        told.append(
+            f"All skips together on {row.scenes} outcomes under the real records, {row.engine}: {row.gain:.2g} times faster; "
+            f"{same}."
+        )
+    return told
+
+
+def other_outcome(scene: Scene, on: Run, off: Run) -> str:
+    """What a skip changed of an outcome, or nothing."""
+    if on.outcome is off.outcome:
+        return ""
+    return f"{scene.title}: {on.outcome.value}, without {off.outcome.value}"
+
+
+def difference(one: Run, other: Run) -> float:
+    """Largest difference of two rotations, rad, where both were kept; of the two peaks otherwise."""
+    if one.history is None or other.history is None:
+        return abs(one.peak_theta_rad - other.peak_theta_rad)
+    return error_rad(one, other)
 
 
 def decides_nothing(engine: Engine, scene: Scene, run: Run) -> bool:
-    """Whether the engine's own finer settings, without any skip, end otherwise: then this rung decides nothing here."""
+    """Whether the engine's own finer settings, without any skip, end otherwise: then this level decides nothing here."""
     if engine.capabilities.certifies:
         return False
     verification_settings = engine.verification_settings(scene, level(engine, scene))
-    return any(engine.simulate(scene, probe, NONE).outcome is not run.outcome for probe in verification_settings)
+    return any(engine.simulate(scene, finer, NONE).outcome is not run.outcome for finer in verification_settings)
 
 
 def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RAD) -> Settings:
@@ -126,11 +155,11 @@ def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RA
 
 
 def simulate(engine: Engine, scene: Scene, want: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
-    """One run of the outcome study: certified, or on the rung that an outcome needs."""
+    """One run of the outcome study: certified, or on the level that an outcome needs."""
     if engine.capabilities.certifies:
         return run_to_accuracy(engine, scene, 1e-3, want)
     return engine.simulate(scene, level(engine, scene, expected_rad), want)
 
 
-def _keep(kept: dict[bool, Run], engine: Engine, scene: Scene, skip: bool) -> None:
-    kept[skip] = simulate(engine, scene, ALL if skip else NONE)
+def _keep(runs: dict[bool, Run], engine: Engine, scene: Scene, skip: bool) -> None:
+    runs[skip] = simulate(engine, scene, ALL if skip else NONE)

@@ -6,7 +6,9 @@ import os
 import statistics
 import subprocess
 import sys
-from typing import Any, Final
+from typing import Final
+
+from harness.records.bench import Start
 
 STARTS: Final = 9
 """Processes of each kind of start."""
@@ -38,7 +40,7 @@ def timed(first: str, second: str, collecting: bool) -> tuple[float, float]:
     return float(told[0]), float(told[1])
 
 
-def startup(repeats: int = STARTS) -> dict[str, Any]:
+def startup(repeats: int = STARTS) -> Start:
     """Processor seconds to import analytic against numpy and numba, and of a first call from the cache against a trivial one.
 
     Kinds of start take turns, after one turn that does not count. The imports are timed in one process, where a processor that
@@ -62,8 +64,9 @@ def startup(repeats: int = STARTS) -> dict[str, Any]:
             ),
             "first_call_ratio": called["analytic kernel"] / called["trivial kernel"],
         }
-    seconds = {
-        "import_s": statistics.median(first + second for first, second in times["import", True]),
-        "first_call_s": min(second for _, second in times["analytic kernel", True]),
-    }
-    return seconds | ratios[True] | {"uncollected": ratios[False]}
+    return Start(
+        statistics.median(first + second for first, second in times["import", True]),
+        min(second for _, second in times["analytic kernel", True]),
+        uncollected=ratios[False],
+        **ratios[True],
+    )

@@ -21,7 +21,7 @@ from harness.records.result_folder import check_folder, listing
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
-PACKAGES: Final = ("analytic", "meshes", "harness")
+PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz")
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ CLASSES: Final[Mapping[str, str]] = {
     "study": "harness.records.study:StudyRecord",
     "effects3d": "harness.records.effects3d:EffectsRecord",
     "validation": "harness.records.validation:ValidationRecord",
+    "bench": "harness.records.bench:BenchRecord",
+    "stress": "harness.records.stress:StressRecord",
 }
 """By kind the module and the class of its record, imported where one is read."""
 

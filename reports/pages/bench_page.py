@@ -1,19 +1,12 @@
-"""The page of a bench: run time against error for every engine and setting.
-
-The record: `kind` "bench", `title`, `target_rad`, `rows` (each `engine`, `scene`, `label`, `group` = `ladder` | `accuracy` |
-`default` | `peer`, `dt_s`, `error_rad`, `cpu_s` (processor time), `wall_s`, `steps`, `real_time_factor`, `reference`,
-`chosen` (what the target accuracy takes), `stated_rad` (its own uncertainty or None), `failed` (None or why)), `scaling` (each
-`engine`, `quantity`, `value`, `wall_s`, `memory_mb`), `coverage` by engine (`inside` of `total`), `choice`,
-`skips`, `solvers`, `throughput`, `overhead`, `parts` (reports/pages/bench_tables.py), `sentences` computed from the rows,
-`command`, `versions`, `machine`, `seconds`.
-"""
+"""The page of a bench (`harness/records/bench.py`): run time against error for every engine and setting."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from harness.records.bench import BenchRecord, PrecisionRow
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables
@@ -23,57 +16,55 @@ from reports.text.wording import Verdict
 Json = dict[str, Any]
 
 SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
+HEADS: Final = (
+    "engine",
+    "setting",
+    "step [s]",
+    "error [rad]",
+    "time [s]",
+    "steps",
+    "times real time",
+    "stated ± [rad]",
+)
 WORDS: Final = {"ladder": "", "accuracy": "to the target", "default": "own defaults", "peer": "nearest peer's settings"}
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
     """Everything that the bench template shows."""
-    rows: Sequence[Mapping[str, Any]] = record["rows"]
-    scenes = list(dict.fromkeys(str(row["scene"]) for row in rows))
-    charts = [
-        (f"work-{k}", scene, precision_figure(scene, rows, record["target_rad"])) for k, scene in enumerate(scenes)
-    ]
+    rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
+    charts = [(f"work-{k}", scene, precision_figure(scene, rows, record.target_rad)) for k, scene in enumerate(scenes)]
     return {
-        "title": record["title"],
+        "title": record.title,
         "verdict": bench_verdict(record),
         "chips": [],
         "charts": charts,
-        "scaling": scaling_figure(record["scaling"]) if record["scaling"] else None,
+        "scaling": scaling_figure(record.scaling) if record.scaling else None,
         "extra": tables(record),
-        "heads": [
-            "engine",
-            "setting",
-            "step [s]",
-            "error [rad]",
-            "time [s]",
-            "steps",
-            "times real time",
-            "stated ± [rad]",
-        ],
-        "tables": [(scene, [_cells(row, rows) for row in rows if row["scene"] == scene]) for scene in scenes],
-        "command": record.get("command", "rockcheck bench"),
-        "versions": record["versions"],
-        "machine": record["machine"],
-        "seconds": unit(record["seconds"], "s"),
+        "heads": HEADS,
+        "tables": [(scene, [_cells(row, rows) for row in rows if row.scene == scene]) for scene in scenes],
+        "command": record.command,
+        "versions": record.versions,
+        "machine": record.machine,
+        "seconds": unit(record.seconds, "s"),
     }
 
 
-def bench_verdict(record: Mapping[str, Any]) -> Verdict:
+def bench_verdict(record: BenchRecord) -> Verdict:
     """Who meets the target on every scene, and how fast the slowest of them is."""
-    target, rows = float(record["target_rad"]), record["rows"]
-    scenes = {row["scene"] for row in rows}
+    target, rows = record.target_rad, record.rows
+    scenes = {row.scene for row in rows}
     slowest: dict[str, float] = {}
-    for engine in dict.fromkeys(row["engine"] for row in rows):
+    for engine in dict.fromkeys(row.engine for row in rows):
         factors = []
         for scene in scenes:
-            mine = [row for row in rows if row["engine"] == engine and row["scene"] == scene]
-            good = [row["real_time_factor"] for row in mine if row["failed"] is None and row["error_rad"] <= target]
+            mine = [row for row in rows if row.engine == engine and row.scene == scene]
+            good = [row.real_time_factor or 0.0 for row in mine if row.meets(target)]
             # A scene in three dimensions is not asked of a planar model.
             factors += [max(good, default=0.0)] if mine else []
         if factors and min(factors) > 0.0:
             slowest[engine] = min(factors)
-    failed = [row for row in rows if row["failed"] is not None]
-    points = [*record["sentences"]]
+    failed = [row for row in rows if row.failed is not None]
+    points = [*record.sentences]
     points += [f"{len(failed)} of {len(rows)} settings failed; they stand in the tables."] if failed else []
     parts = [f"{name} at {digits(factor, 2)} times real time or faster" for name, factor in slowest.items()]
     aim = f"{unit(target, 'rad', 1)}"
@@ -82,52 +73,49 @@ def bench_verdict(record: Mapping[str, Any]) -> Verdict:
     return Verdict(f"On every scene {aim} is met by {'; '.join(parts)}", "agree", points)
 
 
-def on_front(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> bool:
+def on_front(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> bool:
     """Whether no other setting of its kind on the same scene is both faster and more accurate.
 
     Contact engines, which have a step, compete with each other; the analytic model, which has none, would leave no front.
     An error of exactly nothing is that of a run compared with itself: it stands in the table only.
     """
-    if row["failed"] is not None or row["error_rad"] == 0.0:
+    if not row.error_rad or row.failed is not None:
         return False
-    return not any(
-        other["scene"] == row["scene"]
-        and bool(other["dt_s"]) == bool(row["dt_s"])
-        and other["failed"] is None
-        and other["error_rad"] > 0.0
-        and other["error_rad"] <= row["error_rad"]
-        and other["cpu_s"] <= row["cpu_s"]
-        and (other["error_rad"], other["cpu_s"]) != (row["error_rad"], row["cpu_s"])
+    mine = row.error_rad, row.cpu_s or 0.0
+    others = [
+        (other.error_rad, other.cpu_s or 0.0)
         for other in rows
-    )
+        if other.scene == row.scene and bool(other.dt_s) == bool(row.dt_s) and other.failed is None and other.error_rad
+    ]
+    return not any(error <= mine[0] and cost <= mine[1] and (error, cost) != mine for error, cost in others)
 
 
-def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: float) -> Json:
-    """Work–precision of one scene on logarithmic axes: one line per engine's ladder, open signs for other settings."""
-    here = [row for row in rows if row["scene"] == scene and row["failed"] is None and row["error_rad"] > 0.0]
-    engines = list(dict.fromkeys(str(row["engine"]) for row in rows))
+def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float) -> Json:
+    """Work–precision of one scene on logarithmic axes: one line per engine's levels, open signs for other settings."""
+    here = [row for row in rows if row.scene == scene and row.failed is None and row.error_rad]
+    engines = list(dict.fromkeys(row.engine for row in rows))
     data: list[Json] = []
     for engine in engines:
         style = look(engine, engines)
         for group, symbol in SYMBOLS.items():
-            mine = sorted((row for row in here if (row["engine"], row["group"]) == (engine, group)), key=_error)
+            mine = sorted((row for row in here if (row.engine, row.group) == (engine, group)), key=_error)
             if not mine:
                 continue
-            marker = {"color": style.colour, "symbol": symbol, "size": [15 if row["chosen"] else 8 for row in mine]}
+            marker = {"color": style.colour, "symbol": symbol, "size": [15 if row.chosen else 8 for row in mine]}
             line = {"color": style.colour, "dash": style.dash, "width": 1.6}
             data.append(
                 {
                     "type": "scatter", "mode": "lines+markers" if group == "ladder" else "markers", "marker": marker,
-                    "line": line, "x": [row["cpu_s"] for row in mine], "y": [row["error_rad"] for row in mine],
-                    "name": f"{engine} {WORDS[group]}".strip(), "text": [row["label"] for row in mine],
+                    "line": line, "x": [row.cpu_s for row in mine], "y": [row.error_rad for row in mine],
+                    "name": f"{engine} {WORDS[group]}".strip(), "text": [row.label for row in mine],
                     "hovertemplate": f"{engine}, %{{text}}: %{{y:.2e}} rad in %{{x:.3g}} s<extra></extra>",
                 }
             )  # fmt: skip
-    front = sorted((row for row in here if row["dt_s"] and on_front(row, here)), key=_error)
+    front = sorted((row for row in here if row.dt_s and on_front(row, here)), key=_error)
     data.append(
         {
-            "type": "scatter", "mode": "lines", "name": "best contact engine", "x": [row["cpu_s"] for row in front],
-            "y": [row["error_rad"] for row in front], "line": {"color": MUTED, "width": 6, "shape": "hv"}, "opacity": 0.25,
+            "type": "scatter", "mode": "lines", "name": "best contact engine", "x": [row.cpu_s for row in front],
+            "y": [row.error_rad for row in front], "line": {"color": MUTED, "width": 6, "shape": "hv"}, "opacity": 0.25,
             "hoverinfo": "skip",
         }
     )  # fmt: skip
@@ -144,13 +132,13 @@ def precision_figure(scene: str, rows: Sequence[Mapping[str, Any]], target_rad: 
     return {"data": data, "layout": layout}
 
 
-def _error(row: Mapping[str, Any]) -> float:
-    return float(row["error_rad"])
+def _error(row: PrecisionRow) -> float:
+    return row.error_rad or 0.0
 
 
-def _cells(row: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    error = row["failed"] if row["failed"] is not None else digits(row["error_rad"], 2)
-    steps = "–" if row["steps"] is None else str(row["steps"])
-    cells = [row["engine"], row["label"], digits(row["dt_s"]), error, digits(row["cpu_s"]), steps]
-    cells += [digits(row["real_time_factor"], 2), digits(row["stated_rad"], 2)]
-    return {"cells": cells, "front": on_front(row, rows), "chosen": row["chosen"], "failed": row["failed"] is not None}
+def _cells(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> dict[str, Any]:
+    error = row.failed if row.failed is not None else digits(row.error_rad, 2)
+    steps = "–" if row.steps is None else row.steps
+    cells = [row.engine, row.label, digits(row.dt_s), error, digits(row.cpu_s), steps]
+    cells += [digits(row.real_time_factor, 2), digits(row.stated_rad, 2)]
+    return {"cells": cells, "front": on_front(row, rows), "chosen": row.chosen, "failed": row.failed is not None}

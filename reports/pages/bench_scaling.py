@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
+from harness.records.bench import ScalingRow
 from reports.charts.palette import HAIRLINE, MUTED, look
 from reports.text.numbers import heading
 
-Row = Mapping[str, Any]
 Json = dict[str, Any]
 
 SYMBOLS: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
@@ -16,24 +16,22 @@ PANELS: Final = {"wall_s": ("y", [0.42, 1.0], "time  [s]"), "memory_mb": ("y2", 
 """For each measure its axis, its part of the height and its title."""
 
 
-def scaling_figure(items: Sequence[Row]) -> Json:
+def scaling_figure(items: Sequence[ScalingRow]) -> Json:
     """Time above, peak memory below, on logarithmic axes; one line for each engine (colour) and quantity (sign)."""
-    engines = list(dict.fromkeys(str(item["engine"]) for item in items))
+    engines = list(dict.fromkeys(item.engine for item in items))
     data: list[Json] = [_proportional(items)]
-    for engine, quantity in dict.fromkeys((str(item["engine"]), str(item["quantity"])) for item in items):
-        mine = sorted(
-            (i for i in items if (i["engine"], i["quantity"]) == (engine, quantity)), key=lambda i: float(i["value"])
-        )
+    for engine, quantity in dict.fromkeys((item.engine, item.quantity) for item in items):
+        mine = sorted((i for i in items if (i.engine, i.quantity) == (engine, quantity)), key=lambda i: i.value)
         style, words = look(engine, engines), heading(quantity)
         for measure, (axis, _, _) in PANELS.items():
             data.append(
                 {
                     "type": "scatter", "mode": "lines+markers", "name": f"{engine}, {words}",
                     "legendgroup": f"{engine} {quantity}", "showlegend": measure == "wall_s", "xaxis": "x", "yaxis": axis,
-                    "x": [float(item["value"]) / float(mine[0]["value"]) for item in mine], "y": [item[measure] for item in mine],
+                    "x": [item.value / mine[0].value for item in mine], "y": [getattr(item, measure) for item in mine],
                     "line": {"color": style.colour, "dash": style.dash, "width": 1.6},
                     "marker": {"color": style.colour, "symbol": SYMBOLS[quantity], "size": 9},
-                    "text": [f"{item['value']:g}" for item in mine],
+                    "text": [f"{item.value:g}" for item in mine],
                     "hovertemplate": f"{engine}, {words} %{{text}}: %{{y:.3g}}<extra></extra>",
                 }
             )  # fmt: skip
@@ -50,13 +48,13 @@ def scaling_figure(items: Sequence[Row]) -> Json:
     return {"data": data, "layout": layout}
 
 
-def _proportional(items: Sequence[Row]) -> Json:
+def _proportional(items: Sequence[ScalingRow]) -> Json:
     """What grows with the size itself, from the least time of all."""
     by_line: dict[tuple[str, str], list[float]] = {}
     for item in items:
-        by_line.setdefault((str(item["engine"]), str(item["quantity"])), []).append(float(item["value"]))
+        by_line.setdefault((item.engine, item.quantity), []).append(item.value)
     most = max(max(values) / min(values) for values in by_line.values())
-    least = min(float(item["wall_s"]) for item in items)
+    least = min(item.wall_s for item in items)
     return {
         "type": "scatter", "mode": "lines", "name": "in proportion", "x": [1.0, most], "y": [least, least * most],
         "xaxis": "x", "yaxis": "y", "line": {"color": MUTED, "width": 6}, "opacity": 0.25, "hoverinfo": "skip",

@@ -6,40 +6,46 @@ Each is a caption, heads and rows (a key and its values), empty where the record
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from harness.records.bench import (
+    BenchRecord,
+    Choice,
+    Covered,
+    PartRow,
+    ScalingRow,
+    SkipRow,
+    SolverRow,
+    Throughput,
+)
 from reports.text.numbers import digits, heading
 
-Row = Mapping[str, Any]
 Table = tuple[str, list[str], list[tuple[str, list[str]]]]
 
 
-def tables(record: Mapping[str, Any]) -> dict[str, list[Table]]:
+def tables(record: BenchRecord) -> dict[str, list[Table]]:
     """The tables by section, without those that are empty."""
     found = {
         "choice": [
-            _choice(
-                record.get("choice", ()), f"What {float(record['target_rad']):g} rad takes, its own checks included"
-            ),
-            _choice(record.get("seeded", ()), "The same on the seeded scenes that meet it to the end"),
-            _coverage(record["coverage"]),
+            _choice(record.choice, f"What {record.target_rad:g} rad takes, its own checks included"),
+            _choice(record.seeded, "The same on the seeded scenes that meet it to the end"),
+            _coverage(record.coverage),
         ],
-        "skips": [_skips(record.get("skips", ()))],
-        "others": [*_solvers(record.get("solvers", ())), _throughput(record), _overhead(record.get("overhead") or {})],
-        "scaling": [_scaling(record.get("scaling", ()))],
-        "parts": [_parts(record.get("parts", ()))],
+        "skips": [_skips(record.skips)],
+        "others": [*_solvers(record.solvers), _throughput(record.throughput), _overhead(record.overhead)],
+        "scaling": [_scaling(record.scaling)],
+        "parts": [_parts(record.parts)],
     }
     return {name: [item for item in items if item[2]] for name, items in found.items()}
 
 
-def _choice(items: Sequence[Row], caption: str) -> Table:
+def _choice(items: Sequence[Choice], caption: str) -> Table:
     rows = [
         (
-            str(item["engine"]),
+            str(item.engine),
             [
-                f"{item['met']}\u00a0of\u00a0{item['scenes']}", digits(item["total_s"], 2), digits(item["fixed_s"], 2),
-                digits(item["share"], 2), digits(item.get("median_times"), 2), digits(item["worst_times"], 2),
-                str(item["worst_scene"] or "–"),
+                f"{item.met}\u00a0of\u00a0{item.scenes}", digits(item.total_s, 2), digits(item.fixed_s, 2),
+                digits(item.share, 2), digits(item.median_times, 2), digits(item.worst_times, 2),
+                str(item.worst_scene or "–"),
             ],
         )
         for item in items
@@ -56,63 +62,62 @@ def _choice(items: Sequence[Row], caption: str) -> Table:
     return caption, heads, rows
 
 
-def _coverage(found: Mapping[str, Row]) -> Table:
+def _coverage(found: Mapping[str, Covered]) -> Table:
     rows = [
-        (name, [f"{item['inside']} of {item['total']}", ", ".join(map(str, item.get("missed", ()))) or "–"])
+        (name, [f"{item.inside} of {item.total}", ", ".join(map(str, item.missed)) or "–"])
         for name, item in found.items()
     ]
     return "How often the error lies within what the engine states", ["scenes", "missed (seed)"], rows
 
 
-def _skips(items: Sequence[Row]) -> Table:
+def _skips(items: Sequence[SkipRow]) -> Table:
     rows = []
     for item in items:
-        words = f"{item['skip'].replace('_', ' ')}, {item['engine']}".removesuffix(", *")
-        if item.get("failed"):
-            rows.append((words, ["–", "–", "–", "–", str(item["failed"])]))
+        words = f"{item.skip.replace('_', ' ')}, {item.engine}".removesuffix(", *")
+        if item.failed:
+            rows.append((words, ["–", "–", "–", "–", str(item.failed)]))
             continue
-        same = "the same" if item["same"] else "; ".join(item["changed"])
-        apart = item.get("apart_rad")
-        if apart is not None:
-            same += f", {digits(apart, 2)} rad apart"
-        if item.get("unsettled"):
-            same += f"; {len(item['unsettled'])} that finer settings without skips change as well"
-        times = [digits(item[side], 2) for side in ("on_s", "off_s", "gain")]
-        rows.append((words, [str(item["scenes"]), *times, same]))
+        same = "; ".join(item.changed) or "the same"
+        if item.apart_rad is not None:
+            same += f", {digits(item.apart_rad, 2)} rad apart"
+        if item.unsettled:
+            same += f"; {len(item.unsettled)} that finer settings without skips change as well"
+        times = [digits(value, 2) for value in (item.on_s, item.off_s, item.gain)]
+        rows.append((words, [str(item.scenes), *times, same]))
     return "Skips: each alone, and all together", ["runs", "with [s]", "without [s]", "times faster", "result"], rows
 
 
-def _solvers(items: Sequence[Row]) -> list[Table]:
+def _solvers(items: Sequence[SolverRow]) -> list[Table]:
     found = []
     heads = ["tolerance", "error [rad]", "time [s]", "steps or evaluations"]
-    for case in dict.fromkeys(str(item.get("case", "one block")) for item in items):
+    for case in dict.fromkeys(item.case for item in items):
         rows = [
             (
-                ", ".join(word for word in (str(item["solver"]), str(item.get("how", ""))) if word),
-                [digits(item["tolerance"], 2), str(item["failed"]), "–", "–"]
-                if item.get("failed")
-                else [digits(item["tolerance"], 2), digits(item["error_rad"], 2), digits(item["seconds"], 2), str(item["work"])],
+                ", ".join(word for word in (str(item.solver), item.how) if word),
+                [digits(item.tolerance, 2), str(item.failed), "–", "–"]
+                if item.failed
+                else [digits(item.tolerance, 2), digits(item.error_rad, 2), digits(item.seconds, 2), str(item.work)],
             )
             for item in items
-            if str(item.get("case", "one block")) == case
+            if item.case == case
         ]  # fmt: skip
         found.append((f"The analytic model and other solvers: {case}", heads, rows))
     return found
 
 
-def _throughput(record: Mapping[str, Any]) -> Table:
+def _throughput(rates: Mapping[str, Throughput]) -> Table:
     rows = [
         (
             name.replace("_", " "),
-            [digits(item["runs_per_core_s"], 3), digits(item["steps_per_run"], 3), str(item["runs"])],
+            [digits(item.runs_per_core_s, 3), digits(item.steps_per_run, 3), str(item.runs)],
         )
-        for name, item in (record.get("throughput") or {}).items()
-        if "runs_per_core_s" in item
+        for name, item in rates.items()
+        if name != "map"
     ]
     return "Outcomes of the compiled model", ["a second and core", "steps a run", "runs timed"], rows
 
 
-def _overhead(found: Row) -> Table:
+def _overhead(found: Mapping[str, float]) -> Table:
     kinds = [name.removesuffix("_ratio") for name in found if name.endswith("_ratio")]
     rows = [
         (kind.replace("_", " "), [digits(found[f"{kind}_{what}"], 3) for what in ("run_s", "bare_s", "ratio")])
@@ -121,20 +126,17 @@ def _overhead(found: Row) -> Table:
     return "A whole pymunk run over a bare loop", ["run [s]", "bare loop [s]", "ratio"], rows
 
 
-def _scaling(items: Sequence[Row]) -> Table:
+def _scaling(items: Sequence[ScalingRow]) -> Table:
     rows = [
         (
-            f"{item['engine']}, {heading(str(item['quantity']))}",
-            [f"{item['value']:g}", digits(item["wall_s"], 2), digits(item["memory_mb"], 3)],
+            f"{item.engine}, {heading(str(item.quantity))}",
+            [f"{item.value:g}", digits(item.wall_s, 2), digits(item.memory_mb, 3)],
         )
         for item in items
     ]
     return "How time and memory grow", ["size", "by the clock [s]", "memory [MB]"], rows
 
 
-def _parts(items: Sequence[Row]) -> Table:
-    rows = [
-        (str(item["part"]), [digits(item["wall_s"], 3), str(item["tasks"]), ", ".join(item["left"]) or "–"])
-        for item in items
-    ]
+def _parts(items: Sequence[PartRow]) -> Table:
+    rows = [(str(item.part), [digits(item.wall_s, 3), str(item.tasks), ", ".join(item.left) or "–"]) for item in items]
     return "Time of each part", ["by the clock [s]", "tasks", "not measured yet"], rows

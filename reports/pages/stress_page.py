@@ -1,66 +1,56 @@
-"""The page of a stress run: the stability map of each engine, the hard scenes, the mutated inputs.
-
-The record: `kind` "stress", `title`, `cells` (each `engine`, `setting`, `difficulty`, `category` = `stable` | `inaccurate` |
-`drifting` | `diverged`, `evidence` in one sentence, `explained`: why this is known and what avoids it, or ""), `scenes` (each
-`name`, `wanted`, `got` by engine, `holds`, `checks`, `note`, `known`: by engine, what fails and what avoids it), `absent`
-(engines that were not run, and why), `fuzz` (each `reader`, `inputs`, `accepted`, `refusals`, `tracebacks`, `hangs`,
-`half_written`), `parts`, `command`, `versions`, `machine`, `seconds`.
-"""
+"""The page of a stress run (`harness/records/stress.py`): each engine's stability map, the hard scenes, the mutated inputs."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+from harness.records.stress import Cell, StressRecord
 from reports.text.numbers import count_word, unit
 from reports.text.wording import Verdict
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(_folder: Path, record: StressRecord) -> dict[str, object]:
     """Everything that the stress template shows."""
-    engines = list(dict.fromkeys(str(cell["engine"]) for cell in record["cells"]))
-    catalogued = list(dict.fromkeys(name for scene in record["scenes"] for name in scene["got"]))
+    engines = list(dict.fromkeys(cell.engine for cell in record.cells))
     return {
-        "title": record["title"],
+        "title": record.title,
         "verdict": stress_verdict(record),
         "chips": [],
-        "maps": [
-            (engine, *stability_map(engine, record["cells"]), notes(engine, record["cells"])) for engine in engines
-        ],
+        "maps": [(engine, *stability_map(engine, record.cells), notes(engine, record.cells)) for engine in engines],
         "signs": SIGNS,
-        "engines": catalogued,
-        "scenes": record["scenes"],
-        "fuzz": record["fuzz"],
-        "command": record.get("command", "rockcheck stress"),
-        "versions": record["versions"],
-        "machine": record["machine"],
-        "seconds": unit(record["seconds"], "s"),
+        "engines": list(dict.fromkeys(name for scene in record.scenes for name in scene.got)),
+        "scenes": record.scenes,
+        "fuzz": record.fuzz,
+        "command": record.command,
+        "versions": record.versions,
+        "machine": record.machine,
+        "seconds": unit(record.seconds, "s"),
     }
 
 
-def stress_verdict(record: Mapping[str, Any]) -> Verdict:
+def stress_verdict(record: StressRecord) -> Verdict:
     """How many hard scenes came out as they must, what the maps hold, what the mutated inputs did."""
-    scenes = record["scenes"]
-    wrong = [scene["name"] for scene in scenes if not scene["holds"]]
-    counts = Counter(cell["category"] for cell in record["cells"])
-    unexplained = [cell for cell in record["cells"] if cell["category"] != "stable" and not cell["explained"]]
+    scenes = record.scenes
+    wrong = [scene.name for scene in scenes if not scene.holds]
+    counts = Counter(cell.category for cell in record.cells)
+    unexplained = [cell for cell in record.cells if cell.unexplained]
     held = ", ".join(f"{counts[name]} {name}" for name in SIGNS if counts[name])
     points = [f"Cells of the stability maps: {held}."] if counts else []
     if unexplained:
         points.append(f"{len(unexplained)} cells of the maps that are not stable stand without an explanation.")
-    points += [f"{name} was not run: {why}." for name, why in record.get("absent", {}).items()]
-    known = [scene["name"] for scene in scenes if scene.get("known")]
+    points += [f"{name} was not run: {why}." for name, why in record.absent.items()]
+    known = [scene.name for scene in scenes if scene.known]
     if known:
         points.append(f"Known failures, each with the setting that avoids it: {', '.join(known)}.")
-    inputs = sum(item["inputs"] for item in record["fuzz"])
-    bad = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in record["fuzz"])
+    inputs, bad = sum(item.inputs for item in record.fuzz), sum(item.harm for item in record.fuzz)
     if inputs:
         points.append(f"Of {inputs} mutated inputs {bad} ended in a traceback, a hang or a half-written output.")
-    left = [f"{part['part']} ({len(part['left'])} to do)" for part in record.get("parts", ()) if part["left"]]
+    left = [f"{part.part} ({len(part.left)} to do)" for part in record.parts if part.left]
     if left:
         points.append(f"Not measured yet: {', '.join(left)}.")
     if not scenes:
@@ -75,19 +65,19 @@ def stress_verdict(record: Mapping[str, Any]) -> Verdict:
     )
 
 
-def stability_map(engine: str, cells: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str, list[Any]]]]:
+def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[tuple[str, list[Cell | None]]]]:
     """The settings across, and one row per difficulty with its cells (None: not tried)."""
-    mine = [cell for cell in cells if cell["engine"] == engine]
-    settings = list(dict.fromkeys(str(cell["setting"]) for cell in mine))
-    difficulties = list(dict.fromkeys(str(cell["difficulty"]) for cell in mine))
-    found = {(cell["difficulty"], cell["setting"]): cell for cell in mine}
+    mine = [cell for cell in cells if cell.engine == engine]
+    settings = list(dict.fromkeys(cell.setting for cell in mine))
+    difficulties = list(dict.fromkeys(cell.difficulty for cell in mine))
+    found = {(cell.difficulty, cell.setting): cell for cell in mine}
     return settings, [(row, [found.get((row, column)) for column in settings]) for row in difficulties]
 
 
-def notes(engine: str, cells: Sequence[Mapping[str, Any]]) -> list[str]:
+def notes(engine: str, cells: Sequence[Cell]) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
     found: dict[tuple[str, str], list[str]] = {}
     for cell in cells:
-        if cell["engine"] == engine and cell["explained"]:
-            found.setdefault((str(cell["difficulty"]), str(cell["explained"])), []).append(str(cell["setting"]))
+        if cell.engine == engine and cell.explained:
+            found.setdefault((cell.difficulty, cell.explained), []).append(cell.setting)
     return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in found.items()]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from reports.bench.page_cost import NoBrowser, chromium
+from tests.measures.page_cost import NoBrowser, chromium
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,11 @@ from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.model import run as record
 from harness.model.history import Outcome
+from harness.records.base import plain
+from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
 from harness.records.scores import Scores
 from harness.records.sets import FragilityCurve
+from harness.records.stress import Cell, HardRow, Mutated, StressRecord
 from harness.records.validation import BaselineOutcomes
 from tests import doubles
 
@@ -119,106 +122,79 @@ def _model(
     }
 
 
-def bench_rows() -> list[dict[str, Any]]:
-    """Three scenes, two engines, five rungs and the engines' own defaults; one row failed."""
+def bench_rows() -> list[PrecisionRow]:
+    """Three scenes, two engines, five levels and the engines' own defaults; one row failed."""
     rows = []
     for scene in ("free_rocking", "harmonic_floor", "harmonic_pedestal"):
         for engine, cost, error in (("pymunk", 4e-6, 0.4), ("pybullet", 16e-6, 0.6)):
+            base = PrecisionRow(engine, scene, "ladder", "")
             for k, dt in enumerate((4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)):
                 seconds = cost * 10.0 / dt
-                row = {
-                    "engine": engine,
-                    "scene": scene,
-                    "label": f"rung {k}",
-                    "group": "ladder",
-                    "dt_s": dt,
-                    "failed": None,
-                }
-                row |= {
-                    "error_rad": error * dt,
-                    "wall_s": seconds,
-                    "cpu_s": seconds,
-                    "steps": int(10.0 / dt),
-                    "real_time_factor": 10.0 / seconds,
-                }
-                rows.append(row | {"reference": "analytic", "chosen": k == 2, "stated_rad": 2.0 * error * dt})
-            rows.append(
-                {
-                    "engine": engine,
-                    "scene": scene,
-                    "label": "own defaults",
-                    "group": "default",
-                    "dt_s": 1 / 240,
-                    "failed": None,
-                }
-                | {
-                    "error_rad": 0.11,
-                    "wall_s": 0.05,
-                    "cpu_s": 0.05,
-                    "steps": 2400,
-                    "real_time_factor": 200.0,
-                    "reference": "analytic",
-                }
-                | {"chosen": False, "stated_rad": None}
-            )
-    rows[-1] |= {"failed": "diverged", "error_rad": None}
+                row = replace(base, label=f"level {k}", dt_s=dt, error_rad=error * dt, wall_s=seconds, cpu_s=seconds)
+                row = replace(row, steps=int(10.0 / dt), real_time_factor=10.0 / seconds, chosen=k == 2)
+                rows.append(replace(row, stated_rad=2.0 * error * dt))
+            own = replace(base, group="default", label="own defaults", dt_s=1 / 240, error_rad=0.11, wall_s=0.05)
+            rows.append(replace(own, cpu_s=0.05, steps=2400, real_time_factor=200.0))
+    rows[-1] = replace(rows[-1], failed="diverged", error_rad=None)
     return rows
 
 
-def write_bench(folder: Path) -> Path:
+def bench() -> BenchRecord:
     """A bench of three scenes."""
-    scaling = [
-        {"engine": "pymunk", "quantity": "duration_s", "value": v, "wall_s": 0.04 * v, "memory_mb": 80.0}
-        for v in (1.0, 10.0, 100.0)
-    ]
-    return _write(
-        folder,
-        {
-            "kind": "bench",
-            "title": "An invented bench",
-            "target_rad": 1e-3,
-            "rows": bench_rows(),
-            "scaling": scaling,
-            "coverage": {"pymunk": {"inside": 15, "total": 15}, "pybullet": {"inside": 14, "total": 15, "missed": [7]}},
-            "choice": [
-                {"engine": "pymunk", "scenes": 3, "met": 3, "total_s": 0.3, "fixed_s": 1.2, "share": 0.25}
-                | {"worst_times": 2.5, "worst_scene": "harmonic, pedestal"},
-                {"engine": "pybullet", "scenes": 3, "met": 2, "total_s": 3.0, "fixed_s": None, "share": None}
-                | {"worst_times": None, "worst_scene": None},
-            ],
-            "seeded": [
-                {"engine": "pymunk", "scenes": 15, "met": 15, "total_s": 0.5, "fixed_s": 2.0, "share": 0.25}
-                | {"median_times": 2.6, "worst_times": 5.5, "worst_scene": "seed 7"},
-            ],
-            "skips": [
-                {"skip": "all together", "engine": "analytic", "scenes": 48, "on_s": 0.1, "off_s": 0.8, "gain": 8.0}
-                | {"same": True, "changed": []},
-                {"skip": "quiet_end", "engine": "pymunk", "scenes": 1, "on_s": 1.0, "off_s": 3.0, "gain": 3.0}
-                | {"same": False, "changed": ["stands, without overturned_left"], "apart_rad": 1e-7},
-                {"skip": "quiet_start", "engine": "pymunk", "failed": "no record here"},
-            ],
-            "parts": [{"part": "precision", "wall_s": 60.0, "tasks": 3, "left": []}],
-            "sentences": ["pymunk meets 1e-3 rad at 250 times real time"],
-        },
+    return BenchRecord(
+        title="An invented bench",
+        target_rad=1e-3,
+        rows=bench_rows(),
+        scaling=[ScalingRow("pymunk", "duration_s", v, 0.04 * v, 80.0) for v in (1.0, 10.0, 100.0)],
+        coverage={"pymunk": Covered(15, 15), "pybullet": Covered(14, 15, [7])},
+        choice=[
+            Choice("pymunk", 3, 3, 0.3, 1.2, 0.25, "harmonic, pedestal", 2.5),
+            Choice("pybullet", 3, 2, 3.0, None, None, None, None),
+        ],
+        seeded=[Choice("pymunk", 15, 15, 0.5, 2.0, 0.25, "seed 7", 5.5, 2.6)],
+        skips=[
+            SkipRow("all together", "analytic", 48, 0.1, 0.8),
+            SkipRow("quiet_end", "pymunk", 1, 1.0, 3.0, ["stands, without overturned_left"], apart_rad=1e-7),
+            SkipRow("quiet_start", "pymunk", failed="no record here"),
+        ],
+        parts=[PartRow("precision", 60.0, 3, [])],
+        sentences=["pymunk meets 1e-3 rad at 250 times real time"],
+        seconds=1.0,
+        versions=record.versions(),
+        machine=record.machine(),
     )
 
 
-def write_stress(folder: Path, *, sound: bool = True) -> Path:
+def write_bench(folder: Path) -> Path:
+    """The invented bench in a folder."""
+    return _write(folder, plain(bench()))
+
+
+def stress(*, sound: bool = True) -> StressRecord:
     """A stability map and a catalogue of hard scenes; `sound` False leaves one scene wrong."""
     cells = []
     for engine in ("pymunk", "pybullet"):
         for k, setting in enumerate(("1/60 s", "1 ms", "0.1 ms")):
             for m, difficulty in enumerate(("slenderness 5", "slenderness 50", "1 cm")):
                 category = ("stable", "inaccurate", "drifting", "diverged")[max(0, m - k + (engine == "pybullet"))]
-                cell = {"engine": engine, "setting": setting, "difficulty": difficulty, "category": category}
-                cells.append(cell | {"evidence": f"error {10.0 ** -(k + 2):.0e} rad", "explained": ""})
+                cells.append(Cell(engine, setting, difficulty, category, f"error {10.0 ** -(k + 2):.0e} rad"))
     lifted = "lift_off" if sound else "stands"
     answers = {"600 s at rest": ("stands", "stands", "stands"), "vertical −1 g": ("lift_off", "lift_off", lifted)}
     scenes = [
-        {"name": name, "wanted": wanted, "got": {"pymunk": munk, "pybullet": bullet}, "holds": munk == bullet == wanted}
-        | {"checks": ["finite", "no creep"], "note": ""}
+        HardRow(name, wanted, {"pymunk": munk, "pybullet": bullet}, munk == bullet == wanted, ["finite", "no creep"])
         for name, (wanted, munk, bullet) in answers.items()
     ]
-    fuzz = [{"reader": "scene", "inputs": 10_000, "tracebacks": 0, "hangs": 0, "half_written": 0}]
-    found = {"kind": "stress", "title": "Invented hard scenes", "cells": cells, "scenes": scenes, "fuzz": fuzz}
-    return _write(folder, found)
+    return StressRecord(
+        title="Invented hard scenes",
+        scenes=scenes,
+        cells=cells,
+        fuzz=[Mutated("scene", 10_000, 0, 0, 0)],
+        seconds=1.0,
+        versions=record.versions(),
+        machine=record.machine(),
+    )
+
+
+def write_stress(folder: Path, *, sound: bool = True) -> Path:
+    """The invented stress run in a folder."""
+    return _write(folder, plain(stress(sound=sound)))

@@ -10,7 +10,9 @@ import pytest
 
 from harness.model.run import write_json
 from harness.records.base import as_file
+from harness.records.bench import PartRow, ScalingRow
 from harness.records.scores import Interval
+from harness.records.stress import Cell
 from harness.records.validation import ValidationRecord
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
@@ -126,23 +128,22 @@ def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> No
 def test_the_front_holds_what_nothing_beats() -> None:
     rows = invented_records.bench_rows()
     front = [row for row in rows if on_front(row, rows)]
-    assert {row["engine"] for row in front} == {"pymunk"}
-    assert all(row["group"] == "ladder" for row in front)
+    assert {row.engine for row in front} == {"pymunk"}
+    assert all(row.group == "ladder" for row in front)
 
 
 def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -> None:
-    folder = invented_records.write_bench(tmp_path)
-    record = read_record(folder)
+    folder, record = invented_records.write_bench(tmp_path), invented_records.bench()
     assert "pymunk at 500 times real time or faster" in bench_verdict(record).headline
     html = shown(folder)
     assert "diverged" in html
-    record["target_rad"] = 1e-9
-    assert bench_verdict(record).headline.startswith("No engine meets")
+    assert bench_verdict(replace(record, target_rad=1e-9)).headline.startswith("No engine meets")
 
 
 def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
-    assert stress_verdict(read_record(invented_records.write_stress(tmp_path / "sound"))).headline.startswith("All 2")
-    wrong = stress_verdict(read_record(invented_records.write_stress(tmp_path / "wrong", sound=False)))
+    assert stress_verdict(invented_records.stress()).headline.startswith("All 2")
+    invented_records.write_stress(tmp_path / "wrong", sound=False)
+    wrong = stress_verdict(invented_records.stress(sound=False))
     assert wrong.tone == "failed"
     assert "Wrong: vertical −1 g." in wrong.points
     assert "without an explanation" in " ".join(wrong.points)
@@ -185,8 +186,8 @@ def test_settings_of_one_engine_look_different() -> None:
 
 
 def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_bench(tmp_path))
-    found = bench_tables(record)
+    invented_records.write_bench(tmp_path)
+    found = bench_tables(invented_records.bench())
     assert [row[0] for row in found["skips"][0][2]] == [
         "all together, analytic",
         "quiet end, pymunk",
@@ -204,19 +205,20 @@ def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path)
     assert "Beside other solvers" not in page
 
 
-def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_stress(tmp_path))
-    left = {"part": "scenes", "wall_s": 0.0, "busy_s": 0.0, "tasks": 0, "left": ["600 s at rest", "floor friction 0"]}
-    verdict = stress_verdict({**record, "scenes": [], "parts": [left], "absent": {"pybullet": "no wheel here"}})
+def test_a_stress_run_of_one_part_does_not_say_that_hard_scenes_come_out() -> None:
+    left = PartRow("scenes", 0.0, 0, ["600 s at rest", "floor friction 0"])
+    missing = {"pybullet": "no wheel here"}
+    verdict = stress_verdict(replace(invented_records.stress(), scenes=[], parts=[left], absent=missing))
     assert (verdict.headline, verdict.tone) == ("No hard scene was run", "differ")
     assert "Not measured yet: scenes (2 to do)." in verdict.points
     assert "pybullet was not run: no wheel here." in verdict.points
 
 
 def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_stress(tmp_path))
-    scenes = [{**record["scenes"][0], "known": {"pybullet": "creeps at 1 ms; with more iterations it does not"}}]
-    write_json(tmp_path / "result.json", {**record, "scenes": scenes, "command": "rockcheck stress --quick"})
+    record = invented_records.stress()
+    scenes = [replace(record.scenes[0], known={"pybullet": "creeps at 1 ms; with more iterations it does not"})]
+    record = replace(record, scenes=scenes, command="rockcheck stress --quick")
+    write_json(tmp_path / "result.json", as_file(record))
     page = without_data(write_report(tmp_path).read_text(encoding="utf-8"))
     assert (
         "known failure of pybullet, and what avoids it</summary>creeps at 1 ms; with more iterations it does not"
@@ -227,19 +229,18 @@ def test_a_known_failure_is_seen_on_the_page(tmp_path: Path) -> None:
 
 def test_a_run_that_is_compared_with_itself_stands_in_no_plot_and_on_no_front() -> None:
     rows = invented_records.bench_rows()
-    best = min((row for row in rows if row["failed"] is None), key=lambda row: row["error_rad"])
-    itself = {**best, "error_rad": 0.0, "cpu_s": 1e-9, "label": "itself"}
+    best = min((row for row in rows if row.failed is None), key=lambda row: row.error_rad)
+    itself = replace(best, error_rad=0.0, cpu_s=1e-9, label="itself")
     assert not on_front(itself, [*rows, itself])
     assert [on_front(row, [*rows, itself]) for row in rows] == [on_front(row, rows) for row in rows]
-    drawn = precision_figure(best["scene"], [*rows, itself], 1e-3)["data"]
+    drawn = precision_figure(best.scene, [*rows, itself], 1e-3)["data"]
     assert all(value > 0.0 for line in drawn for value in line["y"])
     assert "itself" not in {text for line in drawn for text in line.get("text", ())}
 
 
-def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> None:
-    record = read_record(invented_records.write_bench(tmp_path))
+def test_scaling_is_one_plot_of_time_and_memory_with_a_table() -> None:
     points = [
-        {"engine": engine, "quantity": quantity, "value": value, "wall_s": 1e-3 * value, "memory_mb": 50.0 + value}
+        ScalingRow(engine, quantity, value, 1e-3 * value, 50.0 + value)
         for engine, quantity in (("pymunk", "duration_s"), ("pymunk", "workers"), ("analytic", "runs"))
         for value in (2.0, 8.0)
     ]  # fmt: skip
@@ -249,16 +250,15 @@ def test_scaling_is_one_plot_of_time_and_memory_with_a_table(tmp_path: Path) -> 
     assert all(line["x"] == [1.0, 4.0] for line in lines)
     assert [line["y"] for line in lines[:2]] == [[2e-3, 8e-3], [52.0, 58.0]]
     assert {figure["layout"][axis]["type"] for axis in ("xaxis", "yaxis", "yaxis2")} == {"log"}
-    ((_, _, rows),) = bench_tables({**record, "scaling": points})["scaling"]
+    ((_, _, rows),) = bench_tables(replace(invented_records.bench(), scaling=points))["scaling"]
     assert rows[0] == ("pymunk, duration [s]", ["2", "0.0020", "52.0"])
 
 
 def test_every_explanation_of_a_map_stands_below_it_once() -> None:
-    cell = {"engine": "pybullet", "difficulty": "at rest", "category": "inaccurate", "evidence": "error"}
+    cell = Cell("pybullet", "1/60 s", "at rest", "inaccurate", "error", "too long")
     cells = [
-        cell | {"setting": "1/60 s", "explained": "too long"}, cell | {"setting": "1/240 s", "explained": "too long"},
-        cell | {"setting": "hull", "explained": "known: margin 0 is stable"}, cell | {"setting": "1 ms", "explained": ""},
-        cell | {"engine": "pymunk", "setting": "1/60 s", "explained": "another"},
+        cell, replace(cell, setting="1/240 s"), replace(cell, setting="hull", explained="known: margin 0 is stable"),
+        replace(cell, setting="1 ms", explained=""), replace(cell, engine="pymunk", explained="another"),
     ]  # fmt: skip
     assert notes("pybullet", cells) == [
         "at rest, 1/60 s; 1/240 s: too long",

@@ -99,24 +99,24 @@ def _ties() -> list[Hard]:
 
 
 def _sizes() -> list[Hard]:
-    found = []
+    scenes = []
     for slenderness in (1.0, 10.0, 50.0):
         statue = body(1.0 / slenderness, 1.0)
-        found.append(Hard(f"height to width {slenderness:g}", leaning(statue, 0.5, 3.0), "stands", dt_s=5e-4))
+        scenes.append(Hard(f"height to width {slenderness:g}", leaning(statue, 0.5, 3.0), "stands", dt_s=5e-4))
     for height in (0.01, 100.0):
         scale = math.sqrt(height)
         content = leaning(body(0.2 * height, height), 0.5, 3.0 * scale, output={"dt_s": 1e-3 * scale})
-        found.append(Hard(f"{height:g} m high", content, "stands", dt_s=2.5e-4 * scale))
-    return found
+        scenes.append(Hard(f"{height:g} m high", content, "stands", dt_s=2.5e-4 * scale))
+    return scenes
 
 
 def _bodies() -> list[Hard]:
-    found = []
+    scenes = []
     pushed = {"duration_s": 1.0, "statue": PAESTUM, "motion": harmonic(0.429, 3.0)}
     for ratio in (1e-3, 1e3):
         pedestal = {**PEDESTAL, "mass_kg": PAESTUM["mass_kg"] * ratio}
         light = ratio < 1.0
-        found.append(
+        scenes.append(
             Hard(
                 f"pedestal {ratio:g} times the statue's mass",
                 {**pushed, "pedestal": pedestal, "contact": EQUAL}, "stands", dt_s=2.5e-4 if light else 1e-3,
@@ -125,10 +125,10 @@ def _bodies() -> list[Hard]:
         )  # fmt: skip
     for friction in (0.0, 5.0):
         contact = {"floor_static": friction, "floor_kinetic": friction}
-        found.append(
+        scenes.append(
             Hard(f"floor friction {friction:g}", {**pushed, "pedestal": PEDESTAL, "contact": contact}, "stands")
         )
-    return found
+    return scenes
 
 
 SHAKEN: Final = {"statue": COLUMN, "contact": {"statue": 10.0}, "motion": harmonic(5.0, 100.0)}

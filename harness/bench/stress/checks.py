@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.bench.precision import INSTANTS
+from harness.bench.differences import error_rad as difference_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
 
@@ -142,8 +142,7 @@ def error_rad(run: Run, exact: Run, until_s: float = math.inf) -> float:
     """Largest difference from the exact rotation, rad, while that holds; infinite without numbers to compare."""
     if run.history is None or exact.history is None or not np.all(np.isfinite(run.history.theta_rad)):
         return math.inf
-    times = np.linspace(0.0, min(run.end_s, holds_until_s(exact), until_s), INSTANTS)
-    return float(np.max(np.abs(run.history.at(times) - exact.history.at(times))))
+    return difference_rad(run, exact, min(holds_until_s(exact), until_s))
 
 
 def allowed_rad(exact: Run) -> float:

@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
+from harness.engines.base import Settings
+from harness.records.stress import Cell
 
-@dataclass(frozen=True)
-class Cell:
-    """One cell: `category` (stable, inaccurate, drifting, diverged), the numbers that say so, and what avoids it.
-
-    `short`: only the first part of the scene was run, which says nothing of the rest.
-    """
-
-    engine: str
-    setting: str
-    difficulty: str
-    category: str
-    evidence: str
-    explained: str = ""
-    short: bool = False
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return dict(vars(self))
+ITERATIONS: Final = 3000
+"""Sweeps a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
+IMPACT_ITERATIONS: Final = 9000
+RESIDUAL: Final = 1e-16
+"""Squared change of velocity, (m/s)², at which a solver that watches it may end before."""
+MANY: Final = {
+    "iterations": ITERATIONS, "turning_iterations": ITERATIONS, "impact_iterations": IMPACT_ITERATIONS,
+    "event_iterations": IMPACT_ITERATIONS, "residual": RESIDUAL,
+}  # fmt: skip
+"""By the name of a field of settings; an engine has some of them."""
 
 
 def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda: None) -> Iterator[Cell]:
@@ -53,3 +47,17 @@ def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda
 
 def _finer(finer: Sequence[Cell]) -> Cell | None:
     return next((cell for cell in finer if cell.category == "stable" and not cell.short), None)
+
+
+def converged(settings: Settings) -> Settings:
+    """The same settings with as many iterations as converge. Raises `ValueError` where the engine counts none."""
+    known = settings.as_dict()
+    if "iterations" not in known:
+        raise ValueError(f"{type(settings).__name__} has no iterations")
+    changes: dict[str, Any] = {name: value for name, value in MANY.items() if name in known}
+    return replace(settings, **changes)
+
+
+def iterations(settings: Settings) -> str:
+    """How many, in words."""
+    return f"up to {settings.as_dict()['iterations']} iterations"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Final
 
 from harness import engines
@@ -10,12 +11,13 @@ from harness.bench.standard_scenes import scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import Hard, catalogue
 from harness.bench.stress.checks import Finding
-from harness.bench.stress.converged import converged, iterations
+from harness.bench.stress.explained import converged, iterations
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.stress import HardRow
 
 QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor friction 5")
 
@@ -36,20 +38,20 @@ def tasks(quick: bool) -> list[str]:
 
 def compute(task: str) -> list[Row]:
     """The row of one hard scene."""
-    return [row_of(next(hard for hard in catalogue() if hard.name == task))]
+    return [asdict(row_of(next(hard for hard in catalogue() if hard.name == task)))]
 
 
 def died(task: str) -> list[Row]:
     """The row of a hard scene that took its process with it."""
-    return [{"name": task, "wanted": "", "got": {"*": "the process died"}, "holds": False, "checks": [], "note": ""}]
+    return [asdict(HardRow(task, "", {"*": "the process died"}, holds=False))]
 
 
-def row_of(hard: Hard) -> Row:
+def row_of(hard: Hard) -> HardRow:
     """A hard scene by every engine that it names and that is here."""
     scene = scene_of(hard.name, hard.content)
     exact = solution(scene) if hard.exact else None
     got: dict[str, str] = {}
-    found: list[str] = []
+    said: list[str] = []
     known: dict[str, str] = {}
     for name in hard.engines:
         engine = engines.load(name)
@@ -62,30 +64,30 @@ def row_of(hard: Hard) -> Row:
             continue
         findings = judged(hard, scene, run, exact)
         bad = [item for item in findings if not item.holds]
-        found += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
+        said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
         if bad and hard.converged_s is not None:
             avoids, told = _converged(engine, scene, hard, exact)
-            said = "; ".join(item.sentence for item in bad)
-            known[name] = f"{said} at {1e3 * hard.dt_s:g} ms; {told}"
+            wrong = "; ".join(item.sentence for item in bad)
+            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {told}"
             bad = [] if avoids else bad
         outcome = run.outcome.value
         got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
     holds = bool(got) and all(outcome == hard.wanted for outcome in got.values())
-    return {
-        "name": hard.name, "wanted": hard.wanted, "got": got, "holds": holds, "checks": found, "note": hard.note, "known": known,
-    }  # fmt: skip
+    return HardRow(hard.name, hard.wanted, got, holds, said, hard.note, known)
 
 
 def solution(scene: Scene) -> Run:
-    """The analytic solution on its finest rung, with nothing left out."""
+    """The analytic solution on its finest level, with nothing left out."""
     engine = engines.load("analytic")
     return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
 
 
 def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Finding]:
     """What the checks of a hard scene find in a run of `share` of its time."""
-    found = [checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks]
-    return found if exact is None else [*found, checks.agrees(scene, run, exact)]
+    findings = [
+        checks.creep(scene, run, share) if check is checks.creep else check(scene, run) for check in hard.checks
+    ]
+    return findings if exact is None else [*findings, checks.agrees(scene, run, exact)]
 
 
 def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> tuple[bool, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Final
 
@@ -14,7 +14,7 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import engines
-from harness.bench.precision import error
+from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import ALL, CONTACT, leaning
@@ -25,6 +25,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Scene
+from harness.records.stress import HardRow
 
 HOLDS: Final = "holds"
 STEP_S: Final = 5e-4
@@ -59,14 +60,14 @@ def tasks(quick: bool) -> list[str]:
 
 def compute(task: str) -> list[Row]:
     """The row of one question."""
-    return [QUESTIONS[task]()]
+    return [asdict(QUESTIONS[task]())]
 
 
-def _row(name: str, found: Mapping[str, tuple[bool, str]], wanted: str = HOLDS, note: str = "") -> Row:
-    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in found.items()}
-    said = [f"{engine}: {sentence}" for engine, (_, sentence) in found.items()]
-    holds = all(good for good, _ in found.values())
-    return {"name": name, "wanted": wanted, "got": got, "holds": holds, "checks": said, "note": note}
+def _row(name: str, answers: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
+    got = {engine: wanted if good else f"does not: {sentence}" for engine, (good, sentence) in answers.items()}
+    said = [f"{engine}: {sentence}" for engine, (_, sentence) in answers.items()]
+    holds = all(good for good, _ in answers.values())
+    return HardRow(name, wanted, got, holds, said)
 
 
 def _here(names: tuple[str, ...]) -> list[Engine]:
@@ -90,75 +91,75 @@ def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
     return float(np.max(np.abs(one.history.theta_rad - sign * other.history.theta_rad)))
 
 
-def _repeated() -> Row:
+def _repeated() -> HardRow:
     """The same scene twice, another one between."""
     scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
-    found = {}
+    answers = {}
     for engine in _here(ALL):
         first = _run(engine, scene)
         _run(engine, other)
         apart = _apart(first, _run(engine, scene))
-        found[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
-    return _row("the same scene twice, another between: bit for bit", found)
+        answers[engine.name] = apart == 0.0, f"{apart:.1e} rad apart"
+    return _row("the same scene twice, another between: bit for bit", answers)
 
 
-def _mirrored() -> Row:
+def _mirrored() -> HardRow:
     """Mirrored input gives the mirrored output."""
     given = {**FORCED, "duration_s": 0.6}
     statue = {**PAESTUM, "corner_left_m": PAESTUM["corner_right_m"], "corner_right_m": PAESTUM["corner_left_m"]}
     mirror = {**given, "statue": statue, "motion": harmonic(-0.429, 3.0)}
     scene, image = scene_of("given", given), scene_of("mirror", mirror)
-    found = {}
+    answers = {}
     for engine in _here(ALL):
         apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
         # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
         allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
-        found[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
-    return _row("mirrored input, mirrored output", found)
+        answers[engine.name] = apart <= allowed, f"{apart:.1e} rad of {allowed:g} rad"
+    return _row("mirrored input, mirrored output", answers)
 
 
-def _perturbed() -> Row:
+def _perturbed() -> HardRow:
     """Starts perturbed by 1e-12 to 1e-3."""
-    found = {}
+    answers = {}
     scenes = {size: scene_of("start", leaning(COLUMN, 0.5 + size, 2.0)) for size in (0.0, *PERTURBATIONS)}
     for engine in _here(ALL):
         base = _run(engine, scenes[0.0])
         own = 1e-12 if engine.capabilities.certifies else ROUNDING_RAD
         apart = {size: _apart(base, _run(engine, scenes[size])) for size in PERTURBATIONS}
         good = all(GROWTH[0] * size <= value <= GROWTH[1] * size + own for size, value in apart.items())
-        found[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
-    return _row("starts perturbed by 1e-12 to 1e-3", found)
+        answers[engine.name] = good, ", ".join(f"{size:g} of α: {value:.1e} rad" for size, value in apart.items())
+    return _row("starts perturbed by 1e-12 to 1e-3", answers)
 
 
-def _permuted() -> Row:
+def _permuted() -> HardRow:
     """Bodies added in the other order."""
     scene = scene_of("permuted", FORCED)
-    found = {}
+    answers = {}
     for engine in _here(CONTACT):
         settings = _settings(engine, scene, PERMUTED_STEP_S)
         plain = settings.as_dict()
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
         apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
-        found[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
-    return _row("bodies in the other order", found)
+        answers[engine.name] = apart <= PERMUTED_RAD, f"{apart:.1e} rad of {PERMUTED_RAD:g} rad"
+    return _row("bodies in the other order", answers)
 
 
-def _refined() -> Row:
+def _refined() -> HardRow:
     """Observed order of convergence before the first impact, against the declared one."""
     scene = scene_of("refined", leaning(COLUMN, 0.5, 0.3))
     judge = solution(scene)
     steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
-    found = {}
+    answers = {}
     for engine in _here(CONTACT):
-        errors = [error(_run(engine, scene, step), judge) for step in steps]
+        errors = [error_rad(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
         told = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
-        found[engine.name] = order >= engine.order - ORDER_SHORT, told
-    return _row("order of convergence over three halvings", found)
+        answers[engine.name] = order >= engine.order - ORDER_SHORT, told
+    return _row("order of convergence over three halvings", answers)
 
 
-def _touched() -> Row:
+def _touched() -> HardRow:
     """A near-tangent impact: a fall turned back just before and just after it lands."""
     exact = engines.load("analytic")
     sides = {}
@@ -170,34 +171,34 @@ def _touched() -> Row:
     impacts = [run.work["impacts"] for _, run in sides.values()]
     apart = _apart(sides["missed"][1], sides["touched"][1])
     told = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
-    found = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
+    answers = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
     for engine in _here(CONTACT):
         checked = [checks.agrees(scene, _run(engine, scene), truth) for scene, truth in sides.values()]
-        found[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
-    return _row("an impact touched and missed by a billionth of a second", found)
+        answers[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)
+    return _row("an impact touched and missed by a billionth of a second", answers)
 
 
-def _far() -> Row:
+def _far() -> HardRow:
     """Rocking and overturning a kilometre from where the table started."""
     t_s = np.arange(round((FAR_S + 2.0) / FAR_STEP_S) + 1) * FAR_STEP_S
     pulse = 0.3 * np.sin(4.0 * np.pi * (t_s - FAR_S)) * (t_s < FAR_S + 0.5)
     away = SampledAcceleration(t_s, GRAVITY_M_S2 * np.where(t_s < FAR_S, 0.1, pulse))
     content = {"duration_s": FAR_S + 2.0, "table": "moving", "statue": COLUMN, "gravity_m_s2": GRAVITY_M_S2}
     scene = scene_of("far", {**content, "output": {"dt_s": 1e-3}}).but(base_excitation=BaseExcitation(x=away))
-    truth, found = solution(scene), {}
+    truth, answers = solution(scene), {}
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)
         findings = [checks.agrees(scene, run, truth), checks.energy(scene, run)]
         good = run.outcome is truth.outcome and run.outcome.overturned and all(item.holds for item in findings)
-        found[engine.name] = good, "; ".join(item.sentence for item in findings)
-    return _row("rocking and overturning 1 km from the origin", found)
+        answers[engine.name] = good, "; ".join(item.sentence for item in findings)
+    return _row("rocking and overturning 1 km from the origin", answers)
 
 
-def _hulls() -> Row:
+def _hulls() -> HardRow:
     """Hulls of 8 to 10 000 vertices on the same base."""
     import trimesh
 
-    found: dict[str, tuple[bool, str]] = {}
+    answers: dict[str, tuple[bool, str]] = {}
     peaks: dict[str, list[float]] = {engine.name: [] for engine in _here(ALL)}
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         for count in HULLS:
@@ -212,8 +213,11 @@ def _hulls() -> Row:
                 peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():
         spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
-        found[name] = spread <= HULL_RAD, f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices"
-    return _row("hulls of 8 to 10 000 vertices", found)
+        answers[name] = (
+            spread <= HULL_RAD,
+            f"peaks {spread:.1e} apart, relative, with {HULLS[0]} to {HULLS[-1]} vertices",
+        )
+    return _row("hulls of 8 to 10 000 vertices", answers)
 
 
 def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -228,7 +232,7 @@ def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return np.vstack([base, dome])
 
 
-def _no_motion() -> Row:
+def _no_motion() -> HardRow:
     """Motions with NaN, without samples, with one sample."""
     files = {
         "NaN": "t_s,a\n0,0\n0.01,nan\n0.02,0\n",
@@ -236,7 +240,7 @@ def _no_motion() -> Row:
         "no samples": "t_s,a\n",
         "one sample": "t_s,a\n0,1\n",
     }
-    found: dict[str, tuple[bool, str]] = {}
+    answers: dict[str, tuple[bool, str]] = {}
     with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
         file = Path(name) / "motion.csv"
         for what, text in files.items():
@@ -245,15 +249,15 @@ def _no_motion() -> Row:
             try:
                 scene_of(what, {"duration_s": 1.0, "statue": COLUMN, "motion": motion})
             except InputError as refusal:
-                found[what] = True, str(refusal).replace(str(file), file.name)
+                answers[what] = True, str(refusal).replace(str(file), file.name)
             else:
-                found[what] = False, "read as a motion"
-    good = all(item[0] for item in found.values())
-    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in found.items())
+                answers[what] = False, "read as a motion"
+    good = all(item[0] for item in answers.values())
+    said = "; ".join(f"{what}: {sentence}" for what, (_, sentence) in answers.items())
     return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
 
 
-QUESTIONS: Final[Mapping[str, Callable[[], Row]]] = {
+QUESTIONS: Final[Mapping[str, Callable[[], HardRow]]] = {
     (question.__doc__ or "").split(".")[0]: question
     for question in (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion)
 }

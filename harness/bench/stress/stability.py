@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
 from typing import Any, Final
@@ -14,14 +14,14 @@ from harness.bench.precision import largest
 from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
-from harness.bench.stress.converged import converged, iterations
-from harness.bench.stress.explained import Cell, explained
+from harness.bench.stress.explained import converged, explained, iterations
 from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.stress import Cell
 
 STEPS_S: Final = (1.0 / 60.0, 1.0 / 240.0, 1e-3, 2.5e-4, 1e-4, 1e-5)
 NONE: Final = RunOptions(skips=frozenset())
@@ -73,18 +73,18 @@ def compute(quick: bool, task: str) -> list[Row]:
     row = next(item for item in difficulties() if item.name == words)
     scene = scene_of(row.name, row.content)
     exact = solution(scene)
-    found = list(
+    cells = list(
         explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
     )
     if name == "pybullet":
-        found += _hulls(row, scene, exact, found)
-    return [cell.as_dict() for cell in found]
+        cells += _hulls(row, scene, exact, cells)
+    return [asdict(cell) for cell in cells]
 
 
 def died(task: str) -> list[Row]:
     """A row whose process died: one cell, diverged and not explained."""
     name, _, words = task.partition(": ")
-    return [Cell(name, "any", words, "diverged", "the engine's process died").as_dict()]
+    return [asdict(Cell(name, "any", words, "diverged", "the engine's process died"))]
 
 
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[Cell]:
@@ -152,15 +152,15 @@ def _hulls(row: Difficulty, scene: Scene, exact: Run, own: Sequence[Cell]) -> It
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
     """
     module = import_module("harness.engines.pybullet.defaults")
-    allowed, found = checks.allowed_rad(exact), []
+    allowed, cells = checks.allowed_rad(exact), []
     for label, given in HULLS:
         t_s, theta = module.run(scene, module.Stock(**given))
         error = largest(t_s[t_s <= checks.holds_until_s(exact)], theta, exact)
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed else "stable"
         evidence = f"error {error:.1e} rad of {allowed:.1e} rad allowed"
-        found.append(Cell("pybullet", label, row.name, category, evidence))
+        cells.append(Cell("pybullet", label, row.name, category, evidence))
     whole = [cell for cell in own if cell.category == "stable" and not cell.short]
-    yield from (replace(cell, explained=_hull_avoided(cell, found[1], whole)) for cell in found)
+    yield from (replace(cell, explained=_hull_avoided(cell, cells[1], whole)) for cell in cells)
 
 
 def _hull_avoided(cell: Cell, bare: Cell, own: Sequence[Cell]) -> str:

@@ -6,19 +6,21 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
-from harness.bench import fuzz
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress import invariance_checks as more
-from harness.bench.stress import stability
+from harness.bench.stress import mutated_files, stability
 from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Part
-from harness.model.run import SCHEMA_VERSION
+from harness.model.run import machine, versions
+from harness.records.base import as_file
+from harness.records.bench import PartRow
+from harness.records.stress import Cell, HardRow, StressRecord
 
-INPUTS: Final = 10_000
+INPUTS: Final = 20_000
 QUICK_INPUTS: Final = 500
 
 
@@ -27,7 +29,7 @@ def run(
     quick: bool = False,
     told: Callable[[str], None] = lambda text: None,
     only: Sequence[str] | None = None,
-) -> dict[str, Any]:
+) -> StressRecord:
     """Run everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
 
     What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
@@ -37,27 +39,26 @@ def run(
     measured = parts.session(folder, listed, quick, only, told)
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
+    cells = [Cell(**row) for row in rows["maps"]]
     spent = parts.seconds(measured)
-    found: dict[str, Any] = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "stress",
-        "title": "Numerical stability",
-        "command": parts.command("stress", quick, measured),
-        "absent": absent(),
-        "scenes": [*rows["scenes"], *rows["questions"]],
-        "cells": sorted(
-            rows["maps"], key=lambda cell: (stability.ENGINES.index(cell["engine"]), order[cell["difficulty"]])
-        ),
-        "fuzz": fuzz.summed(rows["fuzz"]),
-        "parts": spent,
-        "seconds": sum(item["wall_s"] for item in spent),
-    }
-    return parts.written(folder, found)
+    record = StressRecord(
+        command=parts.command("stress", quick, measured),
+        absent=absent(),
+        scenes=[HardRow(**row) for row in (*rows["scenes"], *rows["questions"])],
+        cells=sorted(cells, key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
+        fuzz=mutated_files.summed(rows["fuzz"]),
+        parts=[PartRow(**item) for item in spent],
+        seconds=sum(item["wall_s"] for item in spent),
+        versions=versions(),
+        machine=machine(),
+    )
+    parts.written(folder, as_file(record))
+    return record
 
 
 def absent() -> dict[str, str]:
-    """The engines of the catalogue that cannot run here, and why: nothing is said of them."""
-    missing = {name: engines.load(name).missing() for name in ALL}
+    """The engines of the catalogue, and the mutated files, that cannot be run here, and why: nothing is said of them."""
+    missing = {name: engines.load(name).missing() for name in ALL} | {"the fuzz": mutated_files.missing()}
     return {name: why for name, why in missing.items() if why is not None}
 
 
@@ -68,45 +69,35 @@ def all_parts(quick: bool) -> list[Part]:
         Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
         Part("questions", more.tasks(quick), more.compute, scenes.died),
-        Part("fuzz", fuzz.tasks(inputs), fuzz.compute, fuzz.died),
+        Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
 
 
-def holds(found: dict[str, Any]) -> bool:
-    """Whether every hard scene came out, every cell is explained and no mutated input did harm."""
-    unexplained = [cell for cell in found["cells"] if cell["category"] != "stable" and not cell["explained"]]
-    left = any(part["left"] for part in found["parts"])
-    harm = sum(item["tracebacks"] + item["hangs"] + item["half_written"] for item in found["fuzz"])
-    return all(row["holds"] for row in found["scenes"]) and not unexplained and harm == 0 and not left
-
-
-def sentences(found: dict[str, Any]) -> list[str]:
+def sentences(record: StressRecord) -> list[str]:
     """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
-    wrong = [row for row in found["scenes"] if not row["holds"]]
+    wrong = [row for row in record.scenes if not row.holds]
     told = []
-    if found["scenes"]:
-        told.append(f"{len(found['scenes']) - len(wrong)} of {len(found['scenes'])} hard scenes come out as they must.")
+    if record.scenes:
+        told.append(f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must.")
     for row in wrong:
-        bad = "; ".join(f"{name}: {got}" for name, got in row["got"].items() if got != row["wanted"])
-        told.append(f"“{row['name']}” (wanted: {row['wanted']}): {bad}.")
-    told += [f"{name} was not run: {why}." for name, why in found["absent"].items()]
+        bad = "; ".join(f"{name}: {got}" for name, got in row.got.items() if got != row.wanted)
+        told.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
+    told += [f"{name} was not run: {why}." for name, why in record.absent.items()]
     told += [
-        f"Known failure, “{row['name']}”, {name}: {text}."
-        for row in found["scenes"]
-        for name, text in row.get("known", {}).items()
+        f"Known failure, “{row.name}”, {name}: {text}." for row in record.scenes for name, text in row.known.items()
     ]
-    counts = Counter(cell["category"] for cell in found["cells"])
+    counts = Counter(cell.category for cell in record.cells)
     if counts:
         told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
     told += [
-        f"Unexplained: {cell['engine']}, {cell['setting']}, {cell['difficulty']}: {cell['category']}, {cell['evidence']}."
-        for cell in found["cells"]
-        if cell["category"] != "stable" and not cell["explained"]
+        f"Unexplained: {cell.engine}, {cell.setting}, {cell.difficulty}: {cell.category}, {cell.evidence}."
+        for cell in record.cells
+        if cell.unexplained
     ]
-    inputs = sum(item["inputs"] for item in found["fuzz"])
-    bad_inputs = [(item["reader"], case["seed"]) for item in found["fuzz"] for case in item["found"]]
-    used = sum(item["accepted"] for item in found["fuzz"])
-    if inputs:
-        told.append(f"{inputs} mutated inputs, {used} of them accepted and used, {len(bad_inputs)} kept as failures.")
-    told += [f"Mutated {reader}, seed {seed}: not refused in words." for reader, seed in bad_inputs]
-    return [*told, *parts.sentences(found["parts"])]
+    if inputs := sum(item.inputs for item in record.fuzz):
+        used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
+        told.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
+    told += [
+        f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
+    ]
+    return [*told, *parts.sentences([vars(part) for part in record.parts])]

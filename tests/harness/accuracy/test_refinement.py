@@ -10,7 +10,8 @@ import pytest
 
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.spread import SAFETY, Error, spread, target_of
-from harness.bench.coverage import FIRST_SEED, coverage, random_scene, wide_scene
+from harness.bench.coverage import FIRST_SEED, coverage
+from harness.bench.seeded_scenes import random_scene, wide_scene
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
 from harness.model.history import History, Outcome

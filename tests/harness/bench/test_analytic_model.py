@@ -12,8 +12,8 @@ from analytic import Friction, Harmonic, Pedestal
 from analytic.kernel.entries import run
 from harness.bench import analytic_model as bench
 from harness.bench import start
-from harness.bench.interleaved_timing import Answer, Entry, take_turns
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
+from harness.bench.timing import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
 
 SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]
@@ -45,8 +45,8 @@ def test_solvers_of_a_case_take_turns_and_keep_their_least_time() -> None:
 
     rows = take_turns("block", np.array([9.0, 1.0]), [solver("a", 1.0), solver("b", 1.5)], 3)
     assert calls == ["a", "b"] * 3
-    assert [row["error_rad"] for row in rows] == [0.0, 0.5], "one instant is compared with the last"
-    assert all(0.0 <= row["seconds"] < np.inf for row in rows)
+    assert [row.error_rad for row in rows] == [0.0, 0.5], "one instant is compared with the last"
+    assert all(0.0 <= row.seconds < np.inf for row in rows)
 
 
 def test_a_wrong_rival_is_seen() -> None:
@@ -85,9 +85,9 @@ def test_the_kernel_alone_is_the_same_run() -> None:
 
 def test_work_of_an_overturning_map() -> None:
     found = bench.throughput(100)
-    assert found["two_block"]["steps_per_run"] <= budgets.MAP_STEPS
-    assert found["single_block"]["steps_per_run"] <= budgets.MAP_STEPS_ON_FLOOR
-    assert bench.map_time(4)["overturned"] > 0.0
+    assert found["two_block"].steps_per_run <= budgets.MAP_STEPS
+    assert found["single_block"].steps_per_run <= budgets.MAP_STEPS_ON_FLOOR
+    assert bench.map_time(4).overturned > 0.0
 
 
 def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,7 +97,7 @@ def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench, "heyoka_solver", missing)
     entries, rows = bench.taylor()
     assert {entry.solver for entry in entries} == {"analytic, kernel alone"}
-    assert {row["failed"] for row in rows} == {"no heyoka here"}
+    assert {row.failed for row in rows} == {"no heyoka here"}
     assert len(rows) == len(bench.HEYOKA_TOLERANCES)
 
 
@@ -119,9 +119,9 @@ def test_a_start_leaves_out_its_first_turn_and_what_others_slow(monkeypatch: pyt
 
     monkeypatch.setattr(start, "timed", timed)
     found = start.startup(3)
-    assert (found["import_ratio"], found["first_call_ratio"]) == pytest.approx((1.2, 1.5))
-    assert found["uncollected"] == pytest.approx({"import_ratio": 1.1, "first_call_ratio": 1.25})
-    assert (found["import_s"], found["first_call_s"]) == pytest.approx((2.4, 1.5))
+    assert (found.import_ratio, found.first_call_ratio) == pytest.approx((1.2, 1.5))
+    assert found.uncollected == pytest.approx({"import_ratio": 1.1, "first_call_ratio": 1.25})
+    assert (found.import_s, found.first_call_s) == pytest.approx((2.4, 1.5))
     assert asked[:6] == asked[6:12][::-1] == asked[12:18], "one after the other, there and back"
 
 

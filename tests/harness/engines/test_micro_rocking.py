@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from harness.bench.micro_rocking import rows
 from harness.bench.random_scenes import GENERATORS
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from tests import budgets_engines as budget
+from tests.measures.micro_rocking import rows
 from tests.scenes_for_tests import rectangle, scene
 
 ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)
@@ -20,8 +20,8 @@ ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda e
 @pytest.mark.parametrize("seed", [10129, 20399, 20809, 20866])
 def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(engine: Engine, seed: int) -> None:
     for row in rows(engine, [seed], [1e-3]):
-        assert row["sensitive_rad"] < 1e-5, "the scene itself is sensitive"
-        assert row["error_rad"][1e-3] <= budget.RATTLE_RAD
+        assert row.sensitive_rad < 1e-5, "the scene itself is sensitive"
+        assert row.error_rad[1e-3] <= budget.RATTLE_RAD
 
 
 @ENGINES

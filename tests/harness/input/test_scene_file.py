@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench.fuzz.originals import SCENE, prepare
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
+from tests.fuzz.originals import SCENE, prepare
 from tests.harness.input.test_tables import GOOD
 
 

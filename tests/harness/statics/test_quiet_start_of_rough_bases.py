@@ -7,10 +7,10 @@ import pytest
 
 from analytic.excitation import SampledAcceleration
 from harness.accuracy.simulation import simulate
-from harness.bench.profiles import BASES, scene, statue
 from harness.model.options import SKIPS, RunOptions
 from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, resting_polygon_m
 from tests.budgets import LIMIT_ROUNDING
+from tests.measures.profiles import BASES, scene, statue
 
 FLAT = ((-0.2, 0.0), (0.2, 0.0))
 PUSH = SampledAcceleration(np.array([0.0, 0.5, 1.0, 1.5]), np.array([0.0, 0.0, 3.0, 0.0]))

@@ -10,18 +10,20 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench import stress as stresses
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks, explained, stability
 from harness.bench.stress import hard_scenes as scenes
 from harness.bench.stress import invariance_checks as more
 from harness.bench.stress.catalogue import catalogue, leaning
-from harness.bench.stress.converged import converged
+from harness.bench.stress.explained import converged
+from harness.bench.stress.stress_run import sentences
 from harness.engines.base import Settings
 from harness.model.history import History, Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.bench import PartRow
+from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord
 
 QUICK = ("released 1e-6 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
          "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50",
@@ -43,7 +45,7 @@ def exact(scene: Scene) -> Run:
 def test_hard_scenes_come_out(name: str) -> None:
     hard = next(item for item in catalogue() if item.name == name)
     found = scenes.row_of(hard)
-    assert found["holds"], found["got"]
+    assert found.holds, found.got
 
 
 def test_names_of_hard_scenes_are_their_own() -> None:
@@ -60,8 +62,8 @@ def test_every_hard_scene_is_held_to_the_exact_solution_or_to_rest() -> None:
 
 def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     hard = next(item for item in catalogue() if item.name == "height to width 50")
-    assert scenes.row_of(hard)["holds"]
-    assert not scenes.row_of(replace(hard, wanted="overturned_left"))["holds"]
+    assert scenes.row_of(hard).holds
+    assert not scenes.row_of(replace(hard, wanted="overturned_left")).holds
     whole = scenes.simulate
 
     def unmoved(*given: Any) -> Run:
@@ -72,8 +74,8 @@ def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: 
 
     monkeypatch.setattr(scenes, "simulate", unmoved)
     found = scenes.row_of(hard)
-    assert not found["holds"]
-    assert all("error 1.0e-02 rad of 5.0e-04 rad allowed" in got for got in found["got"].values())
+    assert not found.holds
+    assert all("error 1.0e-02 rad of 5.0e-04 rad allowed" in got for got in found.got.values())
 
 
 def test_a_known_failure_is_told_with_what_avoids_it_and_an_unknown_one_fails(
@@ -82,13 +84,13 @@ def test_a_known_failure_is_told_with_what_avoids_it_and_an_unknown_one_fails(
     hard = next(item for item in catalogue() if item.name.startswith("pedestal 0.001"))
     hard = replace(hard, engines=("pymunk",))
     found = scenes.row_of(hard)
-    assert found["holds"], found["got"]
-    assert "with up to 3000 iterations a step" in found["known"]["pymunk"]
-    assert not scenes.row_of(replace(hard, converged_s=None))["holds"]
+    assert found.holds, found.got
+    assert "with up to 3000 iterations a step" in found.known["pymunk"]
+    assert not scenes.row_of(replace(hard, converged_s=None)).holds
     monkeypatch.setattr(scenes, "converged", lambda settings: settings)
     still_wrong = scenes.row_of(hard)
-    assert not still_wrong["holds"], "what fails with more iterations too is not known to be theirs"
-    assert "but contacts add" in still_wrong["got"]["pymunk"]
+    assert not still_wrong.holds, "what fails with more iterations too is not known to be theirs"
+    assert "but contacts add" in still_wrong.got["pymunk"]
 
 
 def test_so_many_iterations_reach_every_engine() -> None:
@@ -211,11 +213,11 @@ def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     assert stability.judge(scene, crashed, exact, False) == ("diverged", "died")
 
 
-def cell(setting: str, category: str, **more: Any) -> explained.Cell:
-    return explained.Cell("pymunk", setting, "hard", category, "evidence", **more)
+def cell(setting: str, category: str, **more: Any) -> Cell:
+    return Cell("pymunk", setting, "hard", category, "evidence", **more)
 
 
-def why(*row: explained.Cell, converged: explained.Cell | None = None) -> list[str]:
+def why(*row: Cell, converged: Cell | None = None) -> list[str]:
     return [item.explained for item in explained.explained(row, lambda: converged)]
 
 
@@ -255,7 +257,7 @@ ASKED = (more._repeated, more._mirrored, more._permuted, more._perturbed, more._
 @pytest.mark.parametrize("question", ASKED)
 def test_hard_questions(question: Any) -> None:
     found = question()
-    assert found["holds"], found["got"]
+    assert found.holds, found.got
 
 
 def offset(run: Run, off_rad: float) -> Run:
@@ -277,62 +279,57 @@ def test_a_question_sees_what_it_asks_for(
 ) -> None:
     whole, count = more._run, itertools.count()
     monkeypatch.setattr(more, "_run", lambda *given: offset(whole(*given), next(count) * growing_rad + same_rad))
-    assert not question()["holds"]
+    assert not question().holds
 
 
 def test_a_start_that_is_not_heard_is_no_small_growth(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = more._run
     start = scene_of("start", leaning(COLUMN, 0.5, 2.0))
     monkeypatch.setattr(more, "_run", lambda engine, *given: whole(engine, start))
-    assert not more._perturbed()["holds"]
+    assert not more._perturbed().holds
 
 
 def test_two_sides_of_a_touch_must_differ_by_one_impact(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(more, "TOUCH_EARLY_S", 0.0)
     found = more._touched()
-    assert not found["holds"]
-    assert "does not" in found["got"]["analytic"]
+    assert not found.holds
+    assert "does not" in found.got["analytic"]
 
 
 def test_other_bodies_orders_and_distances_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(more, "PERMUTED_RAD", 1e-12)
-    assert not more._permuted()["holds"], "an order that changes no bit was not another order"
+    assert not more._permuted().holds, "an order that changes no bit was not another order"
     monkeypatch.setattr(more, "HULLS", (8, 200))
     monkeypatch.setattr(more, "HULL_RAD", 1e-12)
-    assert not more._hulls()["holds"]
+    assert not more._hulls().holds
     monkeypatch.setattr(more, "FAR_S", 2.0)
-    assert more._far()["holds"]
+    assert more._far().holds
     whole = more._run
     monkeypatch.setattr(more, "_run", lambda *given: offset(whole(*given), 2e-3))
-    assert not more._far()["holds"]
+    assert not more._far().holds
 
 
 def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(more, "scene_of", lambda *given: None)
-    assert not more._no_motion()["holds"]
+    assert not more._no_motion().holds
 
 
 def test_what_does_not_hold_is_told_and_fails() -> None:
-    wrong = {"name": "n", "wanted": "stands", "got": {"pymunk": "overturned_left"}, "holds": False}
-    bad = {"reader": "scene", "inputs": 10, "accepted": 2, "tracebacks": 1, "hangs": 0, "half_written": 0}
-    good = {**bad, "tracebacks": 0, "found": []}
-    done = {"part": "fuzz", "wall_s": 1.0, "busy_s": 2.0, "tasks": 3, "left": []}
-    whole = {
-        "scenes": [{**wrong, "holds": True}], "cells": [cell("a", "stable").as_dict()], "fuzz": [good], "parts": [done],
-        "absent": {},
-    }  # fmt: skip
-    assert stresses.holds(whole)
-    assert not stresses.holds({**whole, "parts": [{**done, "left": ["scene: 0 to 99"]}]}), (
-        "what is not done does not hold"
-    )
+    wrong = HardRow("n", "stands", {"pymunk": "overturned_left"}, holds=False)
+    good = Mutated("scene", 10, 0, 0, 0, accepted=2)
+    done = PartRow("fuzz", 1.0, 3, ())
+    whole = StressRecord(
+        scenes=[replace(wrong, holds=True)], cells=[cell("a", "stable")], fuzz=[good], parts=[done], seconds=1.0, versions={},
+        machine={},
+    )  # fmt: skip
+    assert whole.holds
+    assert not replace(whole, parts=[replace(done, left=["inputs 0 to 99"])]).holds, "what is not done does not hold"
     for spoilt in (
-        {**whole, "scenes": [wrong]},
-        {**whole, "cells": [cell("a", "diverged").as_dict()]},
-        {**whole, "fuzz": [{**bad, "found": [{"seed": 3, "what": "KeyError"}]}]},
+        replace(whole, scenes=[wrong]),
+        replace(whole, cells=[cell("a", "diverged")]),
+        replace(whole, fuzz=[replace(good, tracebacks=1, found=[Harm(3, "KeyError")])]),
     ):
-        assert not stresses.holds(spoilt)
-        told = " ".join(stresses.sentences(spoilt))
+        assert not spoilt.holds
+        told = " ".join(sentences(spoilt))
         assert "pymunk: overturned_left" in told or "Unexplained: pymunk" in told or "seed 3" in told
-    assert "pybullet was not run: no wheel" in " ".join(
-        stresses.sentences({**whole, "absent": {"pybullet": "no wheel"}})
-    )
+    assert "pybullet was not run: no wheel" in " ".join(sentences(replace(whole, absent={"pybullet": "no wheel"})))

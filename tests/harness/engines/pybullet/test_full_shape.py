@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
-from harness.bench.coverage import random_scene
+from harness.bench.seeded_scenes import random_scene
 from harness.engines import load
 from harness.engines.pybullet import course, feet, pose, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.bench.coverage import random_scene
+from harness.bench.seeded_scenes import random_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.statics.symmetry import asymmetry
 from tests import budgets_bullet as budget

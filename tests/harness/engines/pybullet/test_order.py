@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.bench.coverage import random_scene
+from harness.bench.seeded_scenes import random_scene
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
 from harness.model.options import RunOptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from harness.bench.tipping import tipping_scene
+from harness.bench.seeded_scenes import tipping_scene
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import apart, bullet
 from tests.scenes_for_tests import paestum

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.bench.coverage import random_scene
+from harness.bench.seeded_scenes import random_scene
 from harness.bench.standard_scenes import PEDESTAL, TWO
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D

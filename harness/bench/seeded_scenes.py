@@ -1,0 +1,159 @@
+"""Seeded scenes that no setting was tuned on, of three generators."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
+from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+
+DURATION_S: Final = 3.0
+TIPPING_S: Final = 2.0
+"""A statue that tips with its pedestal has fallen, or come to rest, by then."""
+_WIDE: Final = 17
+"""Keeps the seeds of wide scenes apart from those of the others."""
+
+
+def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
+    """A reproducible scene: a statue of any size and asymmetry, pedestal or none, any friction, harmonic, pulse or record."""
+    rng = np.random.default_rng(seed)
+    height = rng.uniform(0.3, 1.2)
+    left, right = height * rng.uniform(0.08, 0.5, 2)
+    mass = rng.uniform(50.0, 900.0)
+    depth = 0.8 * (left + right)
+    inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
+    statue = block(mass, float(left), float(right), height, inertia, depth)
+    pedestal = None
+    if rng.random() < 0.5:
+        width = (left + right) * rng.uniform(1.1, 2.0)
+        pedestal = Pedestal(mass * rng.uniform(0.2, 1.5), float(width), depth, height * rng.uniform(0.1, 0.4))
+    kinetic = rng.uniform(0.08, 0.4)
+    static = kinetic * rng.uniform(1.0, 1.4)
+    limit = GRAVITY_M_S2 * min(left, right) / height
+    excitation = BaseExcitation(x=_motion(rng, limit * rng.uniform(1.1, 4.0)))
+    return _scene(f"seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, 2.0), excitation)
+
+
+def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
+    """A reproducible scene wider than `random_scene`: sizes 0.1 to 5 m, slenderness 1 to 12 (one in five below 2), any friction.
+
+    Pedestals of 0.05 to 3 statues' mass, half of them with one coefficient of friction; motions by the statue's own
+    frequency, records along all three axes; a statue that may slip on its support. Not all stay in the model's domain.
+    """
+    rng = np.random.default_rng([seed, _WIDE])
+    height = 0.5 * _log_uniform(rng, 0.1, 5.0)
+    slenderness = _log_uniform(rng, 1.0, 2.0) if rng.random() < 0.2 else _log_uniform(rng, 2.0, 12.0)
+    base = 2.0 * height / slenderness
+    left = base * float(rng.uniform(0.3, 0.7))
+    right, depth = base - left, base * float(rng.uniform(0.6, 1.5))
+    mass = 2000.0 * 2.0 * height * base * depth
+    inertia = mass * (4.0 * height**2 + base**2) / 12.0 * float(rng.uniform(0.7, 1.2))
+    statue = block(mass, left, right, height, inertia, depth)
+    pedestal = None
+    if rng.random() < 0.6:
+        width, tall = base * float(rng.uniform(1.1, 2.5)), height * float(rng.uniform(0.1, 0.5))
+        pedestal = Pedestal(mass * _log_uniform(rng, 0.05, 3.0), width, 1.2 * depth, tall)
+    kinetic = _log_uniform(rng, 0.05, 1.0)
+    static = kinetic if rng.random() < 0.5 else kinetic * float(rng.uniform(1.0, 1.4))
+    on_support = 2.0 if rng.random() < 0.5 else _log_uniform(rng, 0.3, 1.0)
+    own_rad_s = math.sqrt(mass * GRAVITY_M_S2 * math.hypot(height, 0.5 * base) / (inertia + mass * height**2))
+    peak = GRAVITY_M_S2 * min(left, right) / height * float(rng.uniform(1.05, 3.0))
+    excitation = _wide_motion(rng, peak, own_rad_s * _log_uniform(rng, 1.0, 8.0) / (2.0 * math.pi))
+    return _scene(f"wide seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, on_support), excitation)
+
+
+def tipping_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
+    """A reproducible scene in which statue and pedestal tip together, or the pedestal under the rocking statue.
+
+    The pedestal is about as wide as the statue's base, 0.6 to 2 times as high as the statue's centroid, of 0.05 to 0.6 times its
+    mass; friction holds it up to more than it needs to tip. A harmonic motion or a pulse of 1.1 to 2.5 times what tips both as
+    one body.
+    """
+    rng = np.random.default_rng(seed)
+    height = rng.uniform(0.3, 1.2)
+    left, right = (float(value) for value in height * rng.uniform(0.15, 0.4, 2))
+    mass = rng.uniform(50.0, 900.0)
+    depth = 0.8 * (left + right)
+    inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
+    width = float((left + right) * rng.uniform(0.9, 1.3))
+    pedestal = Pedestal(float(mass * rng.uniform(0.05, 0.6)), width, depth, float(height * rng.uniform(0.6, 2.0)))
+    # Both as one body about the pedestal's edge: the horizontal pull at the common centroid's height against the weight.
+    total = mass + pedestal.mass_kg
+    common_m = (mass * (pedestal.height_m + height) + 0.5 * pedestal.mass_kg * pedestal.height_m) / total
+    arm_m = 0.5 * width - abs(0.5 * (right - left)) * mass / total
+    tips = max(arm_m, 0.1 * width) / common_m
+    static = float(rng.uniform(1.2, 2.0))
+    motion: Excitation
+    peak = float(GRAVITY_M_S2 * tips * rng.uniform(1.1, 2.5))
+    if rng.random() < 0.5:
+        motion = Harmonic(peak, float(rng.uniform(1.0, 4.0)))
+    else:
+        motion = Pulse("one_sine", peak, float(rng.uniform(0.3, 1.0)), float(rng.uniform(0.0, 0.3)))
+    statue = block(float(mass), left, right, float(height), float(inertia), depth)
+    contact = Contact(static, static * float(rng.uniform(0.8, 1.0)), 2.0)
+    return _scene(f"tipping pedestal, seed {seed}", duration_s, statue, pedestal, contact, BaseExcitation(x=motion))
+
+
+GENERATORS: Final[Mapping[str, Callable[[int], Scene]]] = {
+    "random": random_scene,
+    "wide": wide_scene,
+    "tipping": tipping_scene,
+}
+
+
+def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
+    """A rectangular body of the given centroid height and corners, twice as high as its centroid."""
+    top, half = 2.0 * height, 0.5 * depth
+    section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
+    footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
+    across, along = mass * (left + right) ** 2 / 12.0, mass * depth**2 / 12.0
+    tensor = np.diag([inertia - across + along, inertia, across + along])
+    return Statue(mass, height, left, right, inertia, top, depth, section, footprint, tensor)
+
+
+def _scene(
+    title: str, duration_s: float, statue: Statue, pedestal: Pedestal | None, contact: Contact, motion: BaseExcitation
+) -> Scene:
+    return Scene(title, duration_s, GRAVITY_M_S2, Form(), statue, pedestal, contact, motion)
+
+
+def _log_uniform(rng: np.random.Generator, least: float, most: float) -> float:
+    return float(math.exp(rng.uniform(math.log(least), math.log(most))))
+
+
+def _motion(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
+    kind = int(rng.integers(3))
+    if kind == 0:
+        return Harmonic(peak_m_s2, float(rng.uniform(0.8, 5.0)))
+    if kind == 1:
+        return Pulse("one_sine", peak_m_s2, float(rng.uniform(0.2, 1.2)), float(rng.uniform(0.0, 0.5)))
+    times = np.linspace(0.0, DURATION_S, 151)
+    noise = rng.normal(size=times.size)
+    smooth = np.convolve(noise, np.hanning(9), mode="same") * np.sin(np.pi * times / DURATION_S)
+    return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
+
+
+def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> BaseExcitation:
+    """A harmonic, a pulse or a record of the given peak along x and main frequency; a record moves along y and z, too."""
+    kind = int(rng.integers(3))
+    if kind == 0:
+        return BaseExcitation(x=Harmonic(peak_m_s2, frequency_hz))
+    if kind == 1:
+        return BaseExcitation(x=Pulse("one_sine", peak_m_s2, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.3))))
+    axes = [_noise(rng, share * peak_m_s2, frequency_hz) for share in (1.0, *rng.uniform(0.2, 0.6, 2))]
+    # More than half of gravity upwards and downwards is a question of flight, not of rocking.
+    axes[2] = axes[2].scaled(min(1.0, 0.5 * GRAVITY_M_S2 / axes[2].peak_m_s2))
+    return BaseExcitation(*axes)
+
+
+def _noise(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> SampledAcceleration:
+    """Smoothed noise between no motion at both ends of `DURATION_S`; its samples follow the frequency."""
+    count = round(8.0 * frequency_hz * DURATION_S) + 9
+    times = np.linspace(0.0, DURATION_S, count)
+    smooth = np.convolve(rng.normal(size=count), np.hanning(7), mode="same") * np.sin(np.pi * times / DURATION_S)
+    return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))

@@ -1,0 +1,273 @@
+"""What is done with a file that a user hands in, as far as it goes: read, computed with, and the results written.
+
+Every function takes the file's path, writes into the folder `WRITTEN` beside it and raises `InputError` or `MeshError` where the
+file is refused.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import resource
+import shutil
+from contextlib import redirect_stderr
+from decimal import Decimal
+from functools import lru_cache
+from io import StringIO
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final, NoReturn
+
+from harness.input.text_file import decoded
+from harness.model.errors import InputError
+from harness.model.history import history_file
+from harness.model.scene import Scene
+
+RUN_S: Final = 0.3
+"""Seconds that a scene is run for."""
+WRITTEN: Final = "written"
+STEERING: Final = ("\x1b", "\x9b", "\r", "\x00", "\x07", "\u202e", "\ud800")
+MOST_GROWN_MIB: Final = 1024.0
+"""Sixteen times the largest text that is read, for its lines, words and numbers."""
+FEW: Final = 2
+"""Cases of a study and tests of a table that are run."""
+
+
+def scene(path: Path) -> None:
+    """Read, run for a moment, and write the result."""
+    from harness.input.scene_file import load_scene
+
+    _run(load_scene(path), path)
+
+
+def study(path: Path) -> None:
+    """Read, run the first cases for a moment, and keep them in a store."""
+    from harness.accuracy.simulation import simulate
+    from harness.campaign.store import Store
+    from harness.studies.cases import base_of, expand
+    from harness.studies.file import load_study
+
+    given = load_study(path)
+    base = base_of(given, path)
+    cases = [base.scene(case.setting) for case in islice(expand(given, base), FEW)]
+    with Store(path.parent / WRITTEN / "store.sqlite") as store:
+        for number, case in enumerate(cases):
+            store.put([(str(number), simulate(_short(case), "analytic"))], histories=True)
+        known = {str(number) for number in range(len(cases))}
+        if store.known(known) != known:
+            raise AssertionError("a run that was put into a store is not there")
+
+
+def effects(path: Path) -> None:
+    """Read, and run the first conditions of the first direction for a moment."""
+    from harness.accuracy.simulation import simulate
+    from harness.effects3d.conditions import changed_scene
+    from harness.effects3d.file import load_effects
+    from harness.studies.cases import base_of_scene
+
+    given = load_effects(path)
+    found = base_of_scene(path.parent / given.scene).scene({})
+    for condition in given.conditions[:FEW]:
+        simulate(_short(changed_scene(found, condition, given.azimuths_deg(given.every)[-1])), "analytic")
+
+
+def experiments(path: Path) -> None:
+    """Read, and run the first tests for a moment, as they are and perturbed."""
+    from harness.accuracy.simulation import simulate
+    from harness.validation.scenes import Variant, scene_of
+    from harness.validation.table import read_table
+
+    for trial in read_table(path)[:FEW]:
+        for sample in (0, 1):
+            simulate(_short(scene_of(trial, Variant(sample=sample))), "analytic")
+
+
+def motion(path: Path) -> None:
+    """Read, and write what `rockcheck motion inspect` tells."""
+    from harness.input.motions.inspect import inspect_file
+    from harness.model import run as record
+    from harness.records.inspection import InspectionRecord
+
+    found = record.to_plain(InspectionRecord.of(inspect_file(path)))
+    (path.parent / WRITTEN).mkdir()
+    record.write_json(path.parent / WRITTEN / "motion.json", found)
+
+
+def history(path: Path) -> None:
+    """Read, and write anew: it must read back."""
+    from harness.input.history_file import read_history
+
+    found = read_history(path)
+    (path.parent / WRITTEN).mkdir()
+    found.write_csv(path.parent / WRITTEN / "history_again.csv")
+
+
+def mesh(path: Path) -> None:
+    """Stand the body on the floor, run it for a moment, and write the result with its picture."""
+    from harness.bench.standard_scenes import harmonic, scene_of
+
+    given = {"file": str(path), "unit": "m", "density_kg_m3": 2700.0}
+    _run(scene_of("mesh", {"duration_s": RUN_S, "statue": {"mesh": given}, "motion": harmonic(0.3, 2.0)}), path)
+
+
+def store(path: Path) -> None:
+    """Read what is in it, and put a result into it, which must be there afterwards with what was there before."""
+    from harness.accuracy.simulation import simulate
+    from harness.bench.standard_scenes import COLUMN, scene_of
+    from harness.campaign.store import Store
+
+    still = scene_of("still", {"duration_s": 0.01, "statue": COLUMN})
+    with Store(path) as found:
+        before, _ = found.get("key"), found.history("key")
+        found.put([("another", simulate(still, "analytic"))], histories=True)
+        if found.known(["another"]) != {"another"} or found.get("key") != before:
+            raise AssertionError("a store that took a result lost one")
+
+
+def title(path: Path) -> None:
+    """Read, run, write, and tell: on a terminal nothing but text arrives, on as many lines as there are."""
+    from harness.campaign.progress import ProgressMessages, progress
+    from harness.cli import summary
+    from harness.input.scene_file import load_scene
+    from harness.scene_run.scene_run import run_scene, write_result
+
+    scene = load_scene(path)
+    with (
+        redirect_stderr(StringIO()) as stream,
+        progress(scene.title, quiet=False) as told,
+        ProgressMessages(quiet=False) as telling,
+    ):
+        told(1, 2)
+        telling.now(scene.title)
+    result = run_scene(_short(scene), ("analytic",))
+    write_result(result, path.parent / WRITTEN)
+    said = stream.getvalue() + summary(result)
+    if any(mark in said for mark in STEERING):
+        raise AssertionError(f"a title steers the terminal: {said[:200]!r}")
+
+
+def step(path: Path) -> None:
+    """Read an AT2: the step must be what Fortran would read in its header."""
+    from harness.input.motions.readers import read_file
+
+    record = read_file(path)
+    if record.format != "PEER AT2":
+        return
+    line = decoded(path.read_bytes(), "", "", latin=True).splitlines()[3]
+    token = re.split(r"DT\s*=\s*", line, flags=re.IGNORECASE)[1]
+    token = re.split(r"[\s,]|SEC", token, flags=re.IGNORECASE)[0].upper().replace("D", "E")
+    meant = float(Decimal(re.sub(r"(?<=[0-9.])([+-][0-9]{3})$", r"E\1", token)))
+    if record.channels[0].dt_s != meant:
+        raise AssertionError(f"a step of {token} is read as {record.channels[0].dt_s}")
+
+
+def packed(path: Path) -> None:
+    """Read a packed record: no more is unpacked than may be read."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    try:
+        motion(path)
+    finally:
+        grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+        if grown > MOST_GROWN_MIB:
+            raise AssertionError(f"reading {path.stat().st_size} bytes took {grown:.0f} MiB")
+
+
+def sister(path: Path) -> None:
+    """Read the good record beside it: whatever the sister is, it costs no more than itself."""
+    from harness.input.motions.readers import read_record
+    from tests.fuzz.records import at2
+
+    good = path.with_name("RSN1_B_090.at2")
+    good.write_bytes(at2())
+    try:
+        record = read_record(good)
+        if record.channels[0].name != "090" or len(record.channels) > 2:
+            raise AssertionError("a sister changed the record beside it")
+        packed(path)
+    finally:
+        good.unlink()
+
+
+def folder(path: Path) -> None:
+    """Write a result into a folder whose record this is: no file that another wrote may be lost or changed."""
+    there = path.with_name("theirs")
+    there.mkdir()
+    theirs = {"history_measured.csv": b"t_s,theta_rad\n0,0\n", "scan.glb": b"glTF", "notes.txt": b"mine"}
+    mine = {"history_analytic.csv": b"t_s\n", "report.html": b"<html>"}
+    try:
+        (there / path.name).write_bytes(path.read_bytes())
+        for name, content in (theirs if _is_json(path) else theirs | mine).items():
+            (there / name).write_bytes(content)
+        before = {item.name: item.read_bytes() for item in there.iterdir()}
+        try:
+            write_into(path.with_name("good.toml"), there)
+        except InputError:
+            if {item.name: item.read_bytes() for item in there.iterdir()} != before:
+                raise AssertionError("a folder that was refused is not as it was") from None
+            raise
+        if any((there / name).read_bytes() != content for name, content in theirs.items()):
+            raise AssertionError("a file that is another's was changed")
+    finally:
+        shutil.rmtree(there)
+
+
+def _is_json(path: Path) -> bool:
+    try:
+        json.loads(path.read_bytes())
+    except ValueError:
+        return False
+    return True
+
+
+def write_into(scene_file: Path, folder: Path) -> None:
+    """Run a scene for a moment and write the result into a folder."""
+    from harness.scene_run.scene_run import write_result
+
+    write_result(_of_a_moment(scene_file.read_bytes(), scene_file), folder)
+
+
+@lru_cache(maxsize=1)
+def _of_a_moment(content: bytes, scene_file: Path) -> Any:
+    """The result of a scene, run once for all folders."""
+    from harness.input.scene_file import load_scene
+    from harness.scene_run.scene_run import run_scene
+
+    return run_scene(load_scene(scene_file).but(duration_s=0.01), ("analytic",))
+
+
+def unfinished(folder: Path, accepted: bool) -> str | None:
+    """What was left half-written in a folder: files of a refused input, or of an accepted one that do not read back whole."""
+    from harness.input.history_file import read_history
+
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    if not accepted:
+        return f"written though refused: {', '.join(path.name for path in files)}" if files else None
+    names = {path.name for path in files}
+    for path in files:
+        try:
+            if path.suffix == ".json":
+                found = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+                wanted = {history_file(name) for name in found.get("histories", ())}
+                if not wanted <= names:
+                    return f"{path.name} names {', '.join(sorted(wanted - names))}, which is not there"
+            elif path.suffix == ".csv":
+                read_history(path)
+            elif path.name.startswith(".") or path.stat().st_size == 0:
+                return f"{path.name} is left, or empty"
+        except (InputError, ValueError) as error:
+            return f"{path.name} does not read back: {error}"
+    return None
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no JSON")
+
+
+def _short(given: Scene) -> Scene:
+    return given.but(duration_s=min(given.duration_s, RUN_S))
+
+
+def _run(given: Scene, path: Path) -> Any:
+    from harness.scene_run.scene_run import run_scene, write_result
+
+    write_result(run_scene(_short(given), ("analytic",)), path.parent / WRITTEN)

@@ -1,0 +1,53 @@
+"""Tables of the documentation are renewed between their marks, and every mark names a command that is there."""
+
+from __future__ import annotations
+
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from harness.bench import pages
+from harness.bench.pages import DOCS, END, begin, renew_tables, renewed, table
+from tests.measures import paper_forms
+
+
+def test_only_what_stands_between_the_marks_is_renewed() -> None:
+    page = f"before\n{begin('a.b')}\nold\n{END}\nbetween\n{begin('a.b c')}\nother\n{END}\nafter\n"
+    assert renewed(page, "a.b", "new") == page.replace("old", "new")
+    assert renewed(page, "a.b c", "new") == page.replace("other", "new")
+    with pytest.raises(ValueError, match="no marks"):
+        renewed("a page", "a.b", "new")
+
+
+def test_a_table_is_markdown() -> None:
+    assert table(["a", "b"], [["1", "2"]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
+
+
+def test_the_tables_that_are_wanted_are_measured_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pages, "DOCS", tmp_path)
+    path = tmp_path / "page.md"
+    path.write_text("".join(f"{begin(f'm {name}')}\nold\n{END}\n" for name in "ab"), encoding="utf-8")
+    renew_tables("page.md", "m", {"a": lambda: "first", "b": lambda: "second"}, ["b"])
+    assert path.read_text(encoding="utf-8").splitlines()[1::3] == ["old", "second"]
+    with pytest.raises(ValueError, match="has the tables a, b, not c"):
+        renew_tables("page.md", "m", {"a": lambda: "first", "b": lambda: "second"}, ["c"])
+
+
+def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None:
+    from harness.bench import pybullet_settings
+
+    named = {
+        "tests.measures.paper_forms": paper_forms.TABLES,
+        "harness.bench.pybullet_settings": pybullet_settings.TABLES,
+    }
+    marks = [
+        mark
+        for path in DOCS.glob("*.md")
+        for mark in re.findall(r"<!-- begin: python -m (\S+) ?(\S*) -->", path.read_text())
+    ]
+    assert len(marks) >= 12
+    assert all(find_spec(module) for module, _ in marks)
+    for module, tables in named.items():
+        assert [name for at, name in marks if at == module] == list(tables)

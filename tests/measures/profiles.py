@@ -1,0 +1,126 @@
+"""Bases of more than two vertices (docs/model.md, section 8) beside pymunk with the same polygon; renews the page's table.
+
+`python -m tests.measures.profiles` runs every body and motion and prints the largest difference of the rotation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation, Harmonic, ZeroExcitation
+from harness import engines
+from harness.bench.differences import errors
+from harness.bench.pages import renew, table
+from harness.engines.analytic import block_of
+from harness.input.mesh_statue import statue_of
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import BaseExcitation, Contact, Form, Initial, Scene, Statue
+from meshes.solid import solid_from_mesh
+
+WIDTH_M: Final = 0.4
+HEIGHT_M: Final = 1.2
+DEPTH_M: Final = 0.4
+TOLERANCE_M: Final = 0.05
+"""Every vertex of these bases belongs to the profile."""
+BASES: Final[Mapping[str, tuple[tuple[float, float], ...]]] = {
+    "bulging": ((-0.2, 0.012), (-0.07, 0.0), (0.07, 0.0), (0.2, 0.012)),
+    "chipped": ((-0.2, 0.0), (0.15, 0.0), (0.2, 0.03)),
+    "worn": ((-0.2, 0.02), (-0.17, 0.006), (-0.1, 0.0), (0.1, 0.0), (0.17, 0.006), (0.2, 0.02)),
+    "uneven": ((-0.2, 0.0), (0.12, 0.0), (0.2, 0.004)),
+    "keeled": ((-0.2, 0.010), (0.0, 0.0), (0.2, 0.012)),
+}
+"""Base vertices (x, z) in m; the keeled one can rest on either of its two facets."""
+TILT_RAD: Final = 0.12
+MOTIONS: Final[Mapping[str, Excitation]] = {
+    "free from 0.12 rad": ZeroExcitation(),
+    "0.5 g, 2 Hz": Harmonic(0.5 * GRAVITY_M_S2, 2.0),
+    "0.6 g, 2 Hz": Harmonic(0.6 * GRAVITY_M_S2, 2.0),
+}
+STEPS_S: Final = (1e-3, 2.5e-4, 5e-5)
+
+
+@final
+@dataclass(frozen=True)
+class Row:
+    """One body under one motion: impacts of the model, its peak, and for each step the largest difference, rad."""
+
+    base: str
+    motion: str
+    impacts: int
+    peak_theta_rad: float
+    differences_rad: tuple[float, ...]
+
+
+def statue(base: Sequence[tuple[float, float]]) -> Statue:
+    """A homogeneous prism of marble with that base, 0.4 × 0.4 × 1.2 m."""
+    import trimesh
+
+    half, across = 0.5 * WIDTH_M, 0.5 * DEPTH_M
+    outline = [*base, (half, HEIGHT_M), (-half, HEIGHT_M)]
+    hull = trimesh.convex.convex_hull(np.array([(x, y, z) for x, z in outline for y in (-across, across)]))
+    return statue_of(solid_from_mesh(hull.vertices, hull.faces, density_kg_m3=2700.0, contact_tolerance_m=TOLERANCE_M))
+
+
+def scene(body: Statue, motion: Excitation, duration_s: float = 1.0) -> Scene:
+    """The body on the floor: tilted where nothing shakes it, else at rest on the facet below its centroid."""
+    still = Scene(
+        title="a base of many vertices",
+        duration_s=duration_s,
+        gravity_m_s2=GRAVITY_M_S2,
+        form=Form(),
+        statue=body,
+        pedestal=None,
+        contact=Contact(0.2, 0.2, 5.0),
+        base_excitation=BaseExcitation(x=motion),
+    )
+    if isinstance(motion, ZeroExcitation):
+        return still.but(initial=Initial(TILT_RAD, 0.0))
+    facets = block_of(still).facets_rad()
+    return still.but(initial=Initial(float(facets[np.argmin(np.abs(facets))]), 0.0))
+
+
+def model(each: Scene) -> Run:
+    """The analytic run to which the others are compared."""
+    engine = engines.load("analytic")
+    return engine.simulate(each, engine.refinement_levels(each)[1], RunOptions())
+
+
+def rows(bases: Sequence[str] = tuple(BASES), steps_s: Sequence[float] = STEPS_S) -> Iterator[Row]:
+    """Every body under every motion, pymunk at each step against the analytic model over the first second."""
+    engine = engines.load("pymunk")
+    for base in bases:
+        body = statue(BASES[base])
+        for name, motion in MOTIONS.items():
+            each = scene(body, motion)
+            exact = model(each)
+            found = [
+                errors(exact, engine.simulate(each, engine.settings_for_dt(each, dt), RunOptions()))[0]
+                for dt in steps_s
+            ]
+            yield Row(base, name, len(exact.impact_times_s), exact.peak_theta_rad, tuple(found))
+
+
+def main() -> None:
+    """Renew the table of docs/model.md, section 8."""
+    head = ["base", "motion", "impacts", "peak θ", *(f"pymunk, {1e3 * dt:g} ms" for dt in STEPS_S)]
+    lines = [
+        [
+            row.base,
+            row.motion,
+            str(row.impacts),
+            f"{row.peak_theta_rad:.3f}",
+            *(f"{d:.0e}" for d in row.differences_rad),
+        ]
+        for row in rows()
+    ]
+    renew("model.md", "tests.measures.profiles", table(head, lines))
+
+
+if __name__ == "__main__":
+    main()

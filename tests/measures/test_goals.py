@@ -1,0 +1,75 @@
+"""The goals of a bench: each is reached or missed by its own number."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.records.base import plain
+from harness.records.bench import (
+    BenchRecord,
+    Choice,
+    Covered,
+    PrecisionRow,
+    SkipRow,
+    SolverRow,
+    Start,
+    Throughput,
+)
+from tests.measures.goals import COST_SHARE, OVERHEAD, Goal, goals, main
+
+ROW = PrecisionRow("pymunk", "easy", "ladder", "", error_rad=1e-4, real_time_factor=300.0)
+CHOICE = Choice("pymunk", 3, 3, 0.4, 1.0, 0.4, "easy", 2.9)
+SKIP = SkipRow("all together", "pymunk", 6, 1.0, 2.5)
+OURS = SolverRow("block", "analytic", 1e-9, error_rad=1e-10, seconds=1e-3)
+THEIRS = SolverRow("block", "scipy DOP853", 1e-9, error_rad=1e-10, seconds=0.2)
+RATE = Throughput(40_000, 2, 4.0, 8.0, 1e4, 11_000.0, 300.0, 1.0, 0.5)
+RATES = {"two_block": RATE, "map": RATE}
+START = Start(1.0, 1.0, 1.2, 1.9, {})
+GOOD = BenchRecord(
+    target_rad=1e-3, rows=[ROW], choice=[CHOICE], seeded=[CHOICE], coverage={"pymunk": Covered(19, 20)}, skips=[SKIP],
+    solvers=[OURS, THEIRS], throughput=RATES, startup=START, overhead={"pedestal_ratio": 1.05, "pedestal_run_s": 9.0},
+    seconds=1.0, versions={}, machine={},
+)  # fmt: skip
+
+
+def test_a_record_that_reaches_them_all() -> None:
+    reached = list(goals(GOOD))
+    assert len(reached) == 15
+    assert [str(goal) for goal in reached if not goal.reached] == []
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "missed"),
+    [
+        ("rows", [replace(ROW, error_rad=2e-3)], 1),
+        ("rows", [replace(ROW, real_time_factor=240.0)], 1),
+        ("choice", [replace(CHOICE, share=None, worst_times=3.1)], 2),
+        ("seeded", [replace(CHOICE, share=COST_SHARE + 0.01)], 1),
+        ("coverage", {"pymunk": Covered(18, 20)}, 1),
+        ("skips", [replace(SKIP, off_s=1.5, changed=["a: b"])], 2),
+        ("skips", [SkipRow("all together", "pymunk", failed="no record")], 1),
+        ("solvers", [OURS, replace(THEIRS, error_rad=1e-7)], 1),
+        ("solvers", [OURS, replace(THEIRS, seconds=0.09)], 2),
+        ("throughput", {"two_block": replace(RATE, runs_per_core_s=9000.0), "map": replace(RATE, wall_s=6.0)}, 2),
+        ("throughput", {"two_block": RATE, "map": replace(RATE, runs=1600, wall_s=6.0)}, 0),
+        ("startup", replace(START, import_ratio=1.4, first_call_ratio=2.1), 2),
+        ("overhead", {"pedestal_ratio": OVERHEAD + 0.01}, 1),
+    ],
+)  # fmt: skip
+def test_each_goal_can_be_missed(part: str, value: Any, missed: int) -> None:
+    assert sum(not goal.reached for goal in goals(replace(GOOD, **{part: value}))) == missed
+
+
+def test_the_command_tells_and_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps(plain(GOOD)), encoding="utf-8")
+    assert main([str(path)]) == 0
+    path.write_text(json.dumps(plain(replace(GOOD, overhead={"pedestal_ratio": 2.0}))), encoding="utf-8")
+    assert main([str(path)]) == 1
+    assert "MISSED   pymunk over a bare loop, pedestal_ratio: 2, at most 1.1 wanted" in capsys.readouterr().out
+    assert str(Goal("a", None, 1.0)).endswith("not measured, at least 1 wanted")
