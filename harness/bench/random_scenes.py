@@ -100,7 +100,7 @@ def _held(run: Run, truth: Run) -> Row:
         "error_rad": rotation,
         "error_m": slip,
         "share": until_s / run.end_s if run.end_s > 0.0 else 1.0,
-        "layer_left_s": run.validity.get("layer_left_s"),
+        "plain_from_s": run.validity.get("plain_from_s"),
         "rotation_holds": rotation <= (run.numerical_uncertainty_rad or 0.0),
         "slip_holds": slip <= (run.slip_uncertainty_m or 0.0),
     }

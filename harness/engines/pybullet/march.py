@@ -59,14 +59,6 @@ class StepState:
         """Whether the places stand at a whole step."""
         return self.t_s == self.number * self.step_s
 
-    def leave_plain(self, steps: int) -> None:
-        """Say that nothing is located in the coming whole steps: the engine is plain, and a swing is not followed."""
-        self.swing = None
-        record, steps = self.record, steps if self.even else 1
-        record.plain_s += min(self.number + steps, self.schedule.count) * self.step_s - self.t_s
-        if record.plain_from_s is None:
-            record.plain_from_s = self.t_s
-
     def to(self, t_s: float, kick_s: float) -> Row:
         """One step of places to `t_s` and of velocities to `kick_s`."""
         length = t_s - self.t_s
