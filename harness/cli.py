@@ -117,7 +117,7 @@ def compare(
         from harness.comparison.comparator import compare_files
 
         scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
-        found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": scores}
+        found = {f"{files[0].name}_vs_{files[1].name}": scores}
     elif uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
@@ -128,12 +128,14 @@ def compare(
                 path, engine, overrides, accuracy, dt, None, quiet=quiet or as_json, iso=iso, horizon=horizon
             )
             prefix = f"{path.stem}: " if len(files) > 1 else ""
-            found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
+            found |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
+    from harness.model.run import to_plain
+
     if as_json:
-        typer.echo(json_text(found))
+        typer.echo(json_text(to_plain(found)))
     elif not quiet:
         for pair, scores in found.items():
-            typer.echo(table_of(pair, scores))
+            typer.echo(table_of(pair, to_plain(scores)))
 
 
 def table_of(title: str, scores: Mapping[str, Any]) -> str:
@@ -188,6 +190,7 @@ def compute(
     horizon: bool = False,
     out: Path | None = None,
     assess: bool = False,
+    witness: bool = False,
 ) -> Result:
     """Load and run one scene, telling on stderr what is at work. Raises `InputError`, also where `out` cannot take the result."""
     from harness.accuracy.simulation import check_target
@@ -218,17 +221,19 @@ def compute(
             iso=iso,
             horizon=horizon,
             assess=assess,
+            witness=witness,
         )
 
 
 def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None, *, as_json: bool = False) -> str:
     """The plan of a scene as text, or as a JSON list of its steps."""
     from harness.engines import DEFAULT_ENGINES, REGISTRY, load
+    from harness.model.run import to_plain
     from harness.statics.plan import plan
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
     if as_json:
-        return json_text([step.as_dict() for step in steps])
+        return json_text(to_plain(steps))
     return "\n".join(printable(str(step)) for step in steps)
 
 
@@ -250,9 +255,10 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     from harness.assess.assessment import sentence
+    from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
-    lines += [f"  {name}: the statue {sentence(item.as_dict())}" for name, item in result.assessment.items()]
+    lines += [f"  {name}: the statue {sentence(item)}" for name, item in result.assessment.items()]
     outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
         ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
@@ -265,6 +271,7 @@ def summary(result: Result) -> str:
         lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
+    lines += [f"  witness: {text}" for text in witness_sentences(result.witness)]
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]

@@ -45,6 +45,9 @@ def run(
     out: Out = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
     no_skip: NoSkip = None,
+    no_witness: Annotated[
+        bool, typer.Option("--no-witness", help="Leave out the engines as they come, which confirm each run or not.")
+    ] = False,
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
@@ -53,6 +56,7 @@ def run(
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
+    from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
     from harness.scene_run.scene_run import write_result
 
@@ -76,9 +80,10 @@ def run(
         quiet=quiet or as_json,
         out=folder,
         assess=not no_assess,
+        witness=not no_witness,
     )
     write_result(result, folder)
-    _say(result.as_dict(), harness_cli.summary(result), folder, as_json, quiet)
+    _say(plain(result.record()), harness_cli.summary(result), folder, as_json, quiet)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if engine else tuple(result.runs))
     raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
@@ -103,10 +108,12 @@ def assess(
     quiet: Quiet = False,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
+    from dataclasses import replace
+
     from harness.assess import assessment
     from harness.input.paths import read_files
     from harness.input.scene_file import load_scene
-    from harness.model import run as record
+    from harness.records.base import plain
     from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
 
     folder = out or OUT / f"{named_after(scene)}-assess"
@@ -123,9 +130,9 @@ def assess(
             most_runs=most_runs,
             on_progress=telling.now,
         )
-    with replacing(folder, lambda files: record.to_plain({**found, "files": files}), "assess"):
+    with replacing(folder, lambda files: replace(found, files=files), "assess"):
         pass
-    _say(record.to_plain(found), assessment.summary(found), folder, as_json, quiet)
+    _say(plain(found), assessment.summary(found), folder, as_json, quiet)
 
 
 @app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")
@@ -177,16 +184,26 @@ def validate(
     seed: Annotated[int, typer.Option("--seed", help="Seed of the perturbations.")] = 0,
     jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a validation begun in this folder.")] = False,
+    body: Annotated[
+        Path | None,
+        typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for a table of measured tosses."),
+    ] = None,
     out: Out = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run the models on measured tests and score them against what was observed."""
+    """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
     from harness.records.result_folder import check_folder, named_after
+    from harness.validation.toss_run import body_of_tosses, validate_tosses
     from harness.validation.validation_run import validate as run_validation
 
     folder = out or OUT / named_after(experiments)
-    check_folder(folder, ("validation",))
+    check_folder(folder, ("validation", "tosses"))
+    thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
+    if thrown is not None:
+        measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
+        _say(measured, "", folder, as_json, quiet)
+        return
     found = run_validation(
         experiments,
         folder,

@@ -129,17 +129,34 @@ def new(
 
 @motion.command(
     "inspect",
-    epilog="Examples:  `rockcheck motion inspect quake.V2`  ·  `rockcheck motion inspect scenes/maria.toml --axis z`",
+    epilog="Examples:  `rockcheck motion inspect quake.V2`  ·  `rockcheck motion inspect scenes/maria.toml --axis z`  ·  "
+    "`rockcheck motion inspect any.txt --skip-lines 4 --dt 0.01 --columns 1:N,2:E --unit gal`",
 )
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
     unit: Annotated[str | None, typer.Option("--unit", help="A record's unit, where the file does not say.")] = None,
+    dt: Annotated[
+        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
+    ] = None,
+    skip_lines: Annotated[
+        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
+    ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
+        ),
+    ] = None,
+    time_column: Annotated[
+        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
+    ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
+    from harness.input.motions.layout import Layout
     from harness.model.run import write_json
     from harness.records.result_folder import check_folder, check_listed, listing, named_after, writing
     from reports.export.motion_figure import figure
@@ -148,7 +165,7 @@ def motion_inspect(
     picture, account = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
     check_listed(picture, account)
-    found = _inspected(file, unit, axis)
+    found = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
     folder.mkdir(parents=True, exist_ok=True)
     with writing(picture) as fresh:
         figure(found).savefig(fresh, dpi=150)
@@ -156,6 +173,7 @@ def motion_inspect(
     if as_json:
         typer.echo(json_text(found.record()))
     elif not quiet:
+        typer.echo(printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said)))
         rows = [[printable(cell) for cell in row] for row in found.table()]
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         for row in rows:
@@ -165,7 +183,7 @@ def motion_inspect(
         typer.echo(printable(f"picture: {folder / 'motion.png'}"))
 
 
-def _inspected(file: Path, unit: str | None, axis: str) -> Any:
+def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
     """The record in a file, or the named component of a scene."""
     from harness.input.motions.inspect import inspect_component, inspect_file
     from harness.input.tables import parse, read
@@ -174,7 +192,7 @@ def _inspected(file: Path, unit: str | None, axis: str) -> Any:
     if file.suffix != ".toml":
         if not file.is_file():
             raise InputError(Mistake(str(file), "", "an existing record", "no such file"))
-        return inspect_file(file, unit=unit)
+        return inspect_file(file, unit=unit, layout=layout)
     model, _ = parse(read(file), str(file))
     component = getattr(model.motion, axis, None) if axis in ("x", "y", "z") else None
     if component is None:
@@ -202,10 +220,8 @@ def figures(
 ) -> None:
     """Write the figures of a result for print."""
     from reports.export.figures import FORMATS, write_figures
-    from reports.source import telling_damage
 
-    with telling_damage(folder):
-        written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
+    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
     say(written, "\n".join(written), as_json, quiet)
 
 
@@ -218,9 +234,8 @@ def gif(
 ) -> None:
     """Write the replay of a run as an animated picture for slides."""
     from reports.export.animation import write_gif
-    from reports.source import telling_damage
 
-    with ProgressMessages(quiet or as_json) as telling, telling_damage(folder):
+    with ProgressMessages(quiet or as_json) as telling:
         telling.now("drawing the frames")
         written = str(write_gif(folder, out, model))
     say([written], written, as_json, quiet)

@@ -58,6 +58,9 @@ def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: fl
     reason = engine.missing()
     if reason is not None:
         return failed(engine.name, Outcome.UNAVAILABLE, reason)
+    if scene.initial.pose is not None and not engine.capabilities.posed_start:
+        reason = f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
+        return failed(engine.name, Outcome.CRASHED, reason)
     start = time.perf_counter()
     try:
         if dt_s is not None and not engine.capabilities.certifies:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.input.motions.check import DRIFTS
 from harness.input.motions.recordfile import Channel, RecordFile
 
 if TYPE_CHECKING:
@@ -114,4 +115,6 @@ def _motion_lines(
     ]
     if unit_of_motion is not None:
         lines.append(f"unit = {json.dumps(unit_of_motion)}")
+    if any(said.startswith(f"{channel.name}{DRIFTS}") for said in shaking.warnings):
+        lines.append('# baseline = "linear"  # integrated, the record drifts: take the first # away to take that off')
     return lines

@@ -8,7 +8,8 @@ import os
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from enum import Enum
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -18,6 +19,8 @@ from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 
 SCHEMA_VERSION: Final = 1
+OMITTED: Final = {"omitted": True}
+"""The metadata of a dataclass's field that is absent from the JSON while it is None."""
 MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh", "mujoco")
@@ -90,24 +93,6 @@ class Run:
             warnings=(*self.warnings, *warnings),
         )
 
-    def as_dict(self) -> dict[str, Any]:
-        """The run as plain JSON values, without its history."""
-        plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
-        plain["outcome"] = self.outcome.value
-        plain["outcome_sentence"] = self.outcome.sentence
-        plain["patterns"] = [[p.start_s, p.end_s, p.name] for p in self.patterns]
-        plain["interventions"] = {kind: asdict(written) for kind, written in self.interventions.items()}
-        return {name: to_plain(value) for name, value in plain.items()}
-
-
-def run_of(plain: Mapping[str, Any], history: History | None, wall_s: float) -> Run:
-    """The run that `Run.as_dict` made plain, with its history again."""
-    known = {name: plain[name] for name in Run.__dataclass_fields__ if name in plain}
-    known["outcome"] = Outcome(plain["outcome"])
-    known["patterns"] = tuple(Pattern(*stretch) for stretch in plain["patterns"])
-    known["interventions"] = {kind: Intervention(**written) for kind, written in plain.get("interventions", {}).items()}
-    return Run(**(known | {"history": history, "wall_s": wall_s}))
-
 
 def impacts(run: Mapping[str, Any]) -> int:
     """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
@@ -118,7 +103,10 @@ _PLAIN: Final = frozenset({str, int, bool, type(None)})
 
 
 def to_plain(value: Any) -> Any:
-    """Turn numpy scalars, arrays, tuples and mappings into what JSON holds; a number that is not finite becomes None."""
+    """Turn numpy scalars, arrays, tuples, mappings, enumerations and dataclasses into what JSON holds.
+
+    A number that is not finite becomes None; a dataclass's field marked `OMITTED` is left out while it is None.
+    """
     kind = type(value)
     # Nearly all values of a record are one of these, and a study asks a million times.
     if kind is float:
@@ -129,6 +117,11 @@ def to_plain(value: Any) -> Any:
         return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, frozenset, set)):
         return [to_plain(item) for item in value]
+    if isinstance(value, Enum):
+        return value.value
+    if is_dataclass(value):
+        own = [(each, getattr(value, each.name)) for each in fields(value)]
+        return {each.name: to_plain(item) for each, item in own if item is not None or "omitted" not in each.metadata}
     if hasattr(value, "tolist"):
         return to_plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):

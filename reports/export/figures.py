@@ -10,10 +10,12 @@ import numpy as np
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import PATTERN_NAMES
+from harness.records.base import Record
 from harness.records.result_folder import MARK, check_marked, writing
+from harness.records.run import RunRecord
 from reports.charts.palette import INK, MUTED, PATTERN_LOOKS, Look, look
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR, SHOWN_RAD, SLIP_COLOUR
-from reports.source import RunSource, read_record, run_source
+from reports.source import RunSource, kind_of, read_record, source_of, telling_damage
 from reports.text.numbers import drawn_text
 from reports.text.wording import horizon_s
 
@@ -57,17 +59,24 @@ def write_figures(
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
     record = read_record(folder)
+    with telling_damage(folder, record):
+        return _drawn(folder, record, formats, width, model)
+
+
+def _drawn(
+    folder: Path, record: Record | Mapping[str, Any], formats: Sequence[str], width: str, model: str | None
+) -> list[Path]:
     drawn: dict[str, Callable[[Figure], None]] = {}
-    if record["kind"] == "run":
-        source = run_source(folder)
+    if isinstance(record, RunRecord):
+        source = source_of(folder, record)
         if source.histories:
             drawn["histories"] = lambda figure: draw_histories(figure, source)
-    for group in _groups(record):
+    for group in [] if isinstance(record, Record) else _groups(record):
         chosen = _chosen(group, model)
         name = f"panels_{group[0]['restitution']:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
         drawn[name] = lambda figure, group=group, chosen=chosen: draw_panels(figure, group, chosen)  # type: ignore[misc]
     if not drawn:
-        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {record['kind']} without"))
+        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {kind_of(record)} without"))
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     return [path for name, draw in drawn.items() for path in _save(target / name, formats, width, draw)]
@@ -108,14 +117,14 @@ def _save(stem: Path, formats: Sequence[str], width: str, draw: Callable[[Figure
 
 def draw_histories(figure: Figure, source: RunSource) -> None:
     """Rotation of all models, their motion patterns, the pedestal's slip and the floor's motion over one time axis."""
-    patterns = {name: run["patterns"] for name, run in source.runs.items() if run["patterns"]}
-    motion = source.record["motion"]
+    patterns = {name: run.patterns for name, run in source.runs.items() if run.patterns}
+    motion = source.record.motion
     rows = {"rotation": 5.0}
     if patterns:
         rows["patterns"] = 0.45 * len(patterns)
-    if source.scene["pedestal"] is not None:
+    if source.scene.pedestal is not None:
         rows["slip"] = 2.0
-    if any(f"{axis}_m_s2" in motion for axis in "xyz"):
+    if motion.accel_m_s2:
         rows["floor"] = 1.5
     width = figure.get_figwidth()
     figure.set_figheight(min(0.092 * sum(rows.values()) * width + 0.9, 9.0))
@@ -131,19 +140,19 @@ def draw_histories(figure: Figure, source: RunSource) -> None:
         by_row["slip"].set_ylabel("slip (mm)")
     if "floor" in by_row:
         for axis, colour in (("x", INK), ("y", "#AA4499"), ("z", "#3A8FC7")):
-            if f"{axis}_m_s2" in motion:
-                accel = np.asarray(motion[f"{axis}_m_s2"]) / float(source.scene["gravity_m_s2"])
-                by_row["floor"].plot(motion["t_s"], accel, color=colour, linewidth=0.5, label=axis)
+            if axis in motion.accel_m_s2:
+                accel = np.asarray(motion.accel_m_s2[axis]) / source.scene.gravity_m_s2
+                by_row["floor"].plot(motion.t_s, accel, color=colour, linewidth=0.5, label=axis)
         by_row["floor"].set_ylabel("floor (g)")
-        if sum(f"{axis}_m_s2" in motion for axis in "xyz") > 1:
+        if len(motion.accel_m_s2) > 1:
             by_row["floor"].legend(loc="upper right", ncols=3)
     axes[-1].set_xlabel("time (s)")
-    axes[-1].set_xlim(0.0, float(source.scene["duration_s"]))
+    axes[-1].set_xlim(0.0, source.scene.duration_s)
 
 
 def _rotation(axes: Axes, source: RunSource, names: list[str]) -> None:
-    statue = source.scene["statue"]
-    low, high = -float(statue["slenderness_left_rad"]), float(statue["slenderness_right_rad"])
+    statue = source.scene.statue
+    low, high = -statue.slenderness_left_rad, statue.slenderness_right_rad
     for name, history in source.histories.items():
         axes.plot(history.t_s, history.theta_rad, label=name, **_style(look(name, names)))
     least = min(float(item.theta_rad.min()) for item in source.histories.values())
@@ -156,7 +165,7 @@ def _rotation(axes: Axes, source: RunSource, names: list[str]) -> None:
     axes.axhline(0.0, color=MUTED, linewidth=0.4)
     until = horizon_s(source)
     if until is not None:
-        axes.axvspan(until, float(source.scene["duration_s"]), color="#7a8696", alpha=0.13, linewidth=0)
+        axes.axvspan(until, source.scene.duration_s, color="#7a8696", alpha=0.13, linewidth=0)
     axes.set_ylabel("rotation θ (rad)")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.1)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from harness.assess.assessment import sentence
+from harness.records.assess import Assessment
 
 SAFE: Final = 0.05
 """Green only where the probability of falling is at most this, and"""
@@ -16,22 +17,21 @@ LIKELY: Final = 0.5
 SEVERITY: Final = ("agree", "differ", "failed")
 
 
-def tone(item: Mapping[str, Any]) -> str:
+def tone(item: Assessment) -> str:
     """The colour of a probability: green only where a fall is improbable, and its interval says so too."""
-    if item["probability_overturned"] <= SAFE and item["high"] < SAFE_HIGH:
+    if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
         return "agree"
-    return "failed" if item["probability_overturned"] >= LIKELY else "differ"
+    return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
-def first_line(record: Mapping[str, Any], headline: str, colour: str) -> tuple[str, str]:
+def first_line(answers: Mapping[str, Assessment] | None, headline: str, colour: str) -> tuple[str, str]:
     """A run's headline and colour with the probability before them, where the record has one.
 
     The worse of both colours: a probability makes no run's green greener.
     """
-    answers = record.get("assessment") or {}
     if not answers:
         return headline, colour
-    item = max(answers.values(), key=lambda each: float(each["high"]))
+    item = max(answers.values(), key=lambda each: each.high)
     nominal = headline[0].lower() + headline[1:]
     worse = max(colour, tone(item), key=SEVERITY.index)
     return f"The statue {sentence(item)}. As given, once: {nominal}", worse

@@ -14,8 +14,9 @@ from harness.bench.coverage import random_scene
 from harness.engines.base import Engine, EngineFailure
 from harness.engines.event_stepping.interventions import Ledger
 from harness.model.options import RunOptions
-from harness.model.run import run_of
 from harness.model.scene import Scene
+from harness.records import base
+from harness.records.run import EngineRunRecord
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import paestum
 
@@ -89,7 +90,8 @@ def ready(name: str) -> Engine:
 def test_the_record_tells_what_was_written(name: str) -> None:
     engine, scene = ready(name), paestum(0.429, 3.0, mu=(0.20, 0.15))
     run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
-    assert run_of(run.as_dict(), run.history, run.wall_s).interventions == run.interventions
+    record = base.plain(EngineRunRecord.of(run))
+    assert base.part(EngineRunRecord, record, Path("store")).run(run.history).interventions == run.interventions
     if name == "analytic" or name.endswith(":plain"):
         assert not run.interventions
         return
