@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from harness.accuracy.sensitivity import PARTED, response
-from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, layer_left_s, plain_share, spread, target_of
+from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import FINER, Engine, Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -125,7 +125,7 @@ class _Climb:
 
     def _leaves(self, run: Run) -> bool:
         """Whether a run leaves what its events are located for, other than in a fall."""
-        left_s = layer_left_s(run)
+        left_s = plain_from_s(run)
         return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
 
     def _responds_little(self, until_s: float) -> bool:
@@ -168,7 +168,7 @@ class _Climb:
         held_s = [until_s] if found is None or found.whole else [until_s, found.until_s]
         if best.no_return_time_s is not None:
             # In a fall errors of plain steps grow, and no second comparison is asked for.
-            held_s.append(max(layer_left_s(best), best.no_return_time_s))
+            held_s.append(max(plain_from_s(best), best.no_return_time_s))
         told, until_s = [], min(held_s)
         if until_s < best.end_s:
             told.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))

@@ -100,9 +100,10 @@ def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
     return SAFETY / (max(coarse_dt_s / fine_dt_s, LEAST_RATIO) - 1.0)
 
 
-def layer_left_s(run: Run) -> float:
+def plain_from_s(run: Run) -> float:
     """When a run left what its events are located for, infinite: it never did."""
-    return float(run.validity.get("layer_left_s", math.inf))
+    since_s = run.validity.get("plain_from_s")
+    return math.inf if since_s is None else float(since_s)
 
 
 def plain_share(coarse_dt_s: float, fine_dt_s: float) -> float:
@@ -126,7 +127,7 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     # An overturn that only one run sees, or at another time, is a difference once the other has ended.
     same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
     steps = float(coarse.settings["dt_s"]), float(fine.settings["dt_s"])
-    plain = np.where(times > min(layer_left_s(coarse), layer_left_s(fine)), plain_share(*steps), 1.0)
+    plain = np.where(times > min(plain_from_s(coarse), plain_from_s(fine)), plain_share(*steps), 1.0)
     turned, slid = plain * turned, plain * slid
     limit = limit or target.times(1.0 / factor(*steps))
     share = np.maximum(turned / limit.rotation_rad, slid / limit.slip_m)

@@ -43,7 +43,7 @@ def statement(run: Run, truth: Run) -> Statement:
     return Statement(
         run.engine, run.outcome.value, run.settings.get("dt_s"), int(run.work.get("runs", 1)),
         int(run.work.get("steps_of_all_runs", run.steps)), run.numerical_uncertainty_rad or 0.0,
-        run.slip_uncertainty_m or 0.0, until_s, run.end_s, rotation, slip, run.validity.get("layer_left_s"),
+        run.slip_uncertainty_m or 0.0, until_s, run.end_s, rotation, slip, run.validity.get("plain_from_s"),
     )  # fmt: skip
 
 

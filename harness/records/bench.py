@@ -89,7 +89,7 @@ class Statement:
     end_s: float
     error_rad: float | None
     error_m: float | None
-    layer_left_s: float | None = None
+    plain_from_s: float | None = None
 
     @property
     def rotation_holds(self) -> bool:

@@ -79,8 +79,6 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "plain_from_s": "events first left to whole steps at",
     "plain_for_s": "time in which events were left to whole steps",
     "plain_because": "events were left to whole steps because",
-    "layer_left_s": "left what its events are located for at",
-    "layer_left_by": "left it because",
     "full_shape_from_s": "whole shape in contact from",
     "full_shape": "whole shape in contact",
 }

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from harness.engines.contact import forces, support
 from harness.engines.contact.falling import Fall, fall
-from harness.engines.contact.layer import layer_left
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
+from harness.engines.event_stepping.domain import plain_spells
 from harness.model.history import History, Outcome, hermites, output_grid
 from harness.model.interventions import Intervention
 from harness.model.run import Run
@@ -71,7 +71,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     if not outcome.overturned and overturn_s is None:
         fallen = None
     validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, swings.impact_times_s)
-    validity |= layer_left(motion, derived.slip_m, derived.gap_m)
+    validity |= derived.plain
     validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
     if wall is not None:
         validity["wall_touch_time_s"] = float(motion.t_s[wall])
@@ -109,16 +109,14 @@ class _Derived:
     slip_m: Array
     gap_m: Array
     energy_j: Array
+    plain: Mapping[str, Any]
 
 
 def _derive(scene: Scene, motion: Trajectory) -> _Derived:
     at = support.corners(scene, motion)
-    return _Derived(
-        forces.impulses(scene, motion),
-        support.statue_slip_m(scene, motion, at),
-        support.gap_m(scene, motion, at),
-        forces.energy_j(scene, motion),
-    )
+    slip, gap = support.statue_slip_m(scene, motion, at), support.gap_m(scene, motion, at)
+    plain = plain_spells(motion, slip, gap, at, scene.pedestal)
+    return _Derived(forces.impulses(scene, motion), slip, gap, forces.energy_j(scene, motion), plain)
 
 
 def _diverged(report: Report, time_s: float) -> Run:

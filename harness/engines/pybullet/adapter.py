@@ -154,8 +154,6 @@ def _validity(extra: Mapping[str, Array], setup: Setup, found: RunPhases) -> dic
         "rest_lean_rad": setup.rest.lean_rad,
         "touching_vertices": len(setup.feet_m),
         "mirrored": found.mirrored,
-        "plain_from_s": found.record.plain_from_s,
-        "plain_for_s": found.record.plain_s,
         "full_shape_from_s": found.full_from_s,
         "full_shape": None if found.full is None else found.full.told,
     }

@@ -196,8 +196,6 @@ def _joined(before: Record, after: Record) -> Record:
         before.flat + after.flat[after.width :],
         after.ledger,
         after.rested,
-        after.plain_from_s if before.plain_from_s is None else before.plain_from_s,
-        before.plain_s + after.plain_s,
     )
 
 

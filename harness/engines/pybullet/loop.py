@@ -97,7 +97,8 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: StepState) 
         free = MOST_FREE
         if watch.touch is not None and (beside or tips(row, march.step_s)):
             free = BESIDE_FREE if beside else MOST_FREE
-            march.leave_plain(free)
+            # Nothing is located: the engine is plain, and no swing is followed.
+            march.swing = None
         elif watch.touch is not None and march.jolts < MOST_JOLTS:
             free = _touched(march, scene, watch.touch, watch)
             if free == 0:

@@ -31,8 +31,6 @@ LEAST_RAD_S: Final = 1e-12
 """Below this nothing turns."""
 LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
-PAST_HALT: Final = 0.01
-"""Share by which velocities go past a halt, so that friction stops the pedestal exactly."""
 
 
 class StepState:
@@ -60,14 +58,6 @@ class StepState:
     def on_grid(self) -> bool:
         """Whether the places stand at a whole step."""
         return self.t_s == self.number * self.step_s
-
-    def leave_plain(self, steps: int) -> None:
-        """Say that nothing is located in the coming whole steps: the engine is plain, and a swing is not followed."""
-        self.swing = None
-        record, steps = self.record, steps if self.even else 1
-        record.plain_s += min(self.number + steps, self.schedule.count) * self.step_s - self.t_s
-        if record.plain_from_s is None:
-            record.plain_from_s = self.t_s
 
     def to(self, t_s: float, kick_s: float) -> Row:
         """One step of places to `t_s` and of velocities to `kick_s`."""
@@ -158,13 +148,12 @@ class StepState:
 
     def halt(self, halt_s: float) -> None:
         """Velocities to the instant at which the pedestal halts."""
-        kick = halt_s + PAST_HALT * (halt_s - self.kick_s)
         shortest = LEAST_REST * self.step_s
-        end = self.t_s + max(2.0 * (kick - self.t_s), shortest)
+        end = self.t_s + max(2.0 * (halt_s - self.t_s), shortest)
         if end > self.next_s - shortest:
-            self.to_next(kick)
+            self.to_next(halt_s)
         else:
-            self.to(end, kick)
+            self.to(end, halt_s)
 
     def lower(self, gap_m: float) -> None:
         """Take back what the standing foot has drifted off its support, as a step too short would not close the gap."""

@@ -45,8 +45,7 @@ HALTED: Final = 0.3
 class Record:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
-    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before. `plain_from_s` is when the layer that
-    locates events first left the engine to plain steps (None: never), `plain_s` for how long in all.
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
     """
 
     width: int
@@ -55,8 +54,6 @@ class Record:
     flat: array[float] = field(default_factory=lambda: array("d"))
     ledger: Ledger = field(default_factory=Ledger)
     rested: bool = False
-    plain_from_s: float | None = None
-    plain_s: float = 0.0
 
     @property
     def rows(self) -> Array:

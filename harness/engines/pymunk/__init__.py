@@ -105,7 +105,7 @@ class Munk2D(Engine):
     def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.pymunk import drive as driving
-        from harness.engines.pymunk import loop, plain_spells, world
+        from harness.engines.pymunk import loop, world
         from harness.engines.pymunk.standing import SupportVertex
 
         own = _own(settings)
@@ -132,7 +132,7 @@ class Munk2D(Engine):
             stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
             rested=rested,
             with_history=want.history or not want.allows("no_history"),
-            validity=plain_spells.plain_spells(drive, standing),
+            validity={} if drive.aligned else _plain_throughout(drive.times_s),
             work=drive.work,
             interventions=drive.ledger.record(),
             skipped=skipped,
@@ -168,6 +168,10 @@ def _first_step(scene: Scene, settings: MunkSettings, want: RunOptions, total: i
     if first == 0:
         return 0, ()
     return first, (f"nothing moves before {first * settings.dt_s:.4g} s: not integrated",)
+
+
+def _plain_throughout(times_s: list[float]) -> dict[str, object]:
+    return {"plain_from_s": times_s[0], "plain_for_s": times_s[-1] - times_s[0], "plain_because": ["asked for"]}
 
 
 def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:

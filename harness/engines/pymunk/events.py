@@ -19,8 +19,6 @@ MOST_SHARE: Final = 1.5
 """Longest part, in steps, of those that follow an impact."""
 IMPOSED: Final = "imposed_impact"
 """Kind of what is written where a ratio is prescribed."""
-PAST_HALT: Final = 0.01
-"""Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
 
 def split_impact(drive: RunState, standing: SupportVertex, facet: int, end_s: float) -> bool:
@@ -159,7 +157,7 @@ def split_halt(drive: RunState, standing: SupportVertex, share: float, end_s: fl
     A statue at rest meets the halt with both ends of its base, which takes the solver many times longer than one vertex.
     """
     dt = drive.settings.dt_s
-    first = min(share * (1.0 + PAST_HALT), 1.0) * dt
+    first = min(share, 1.0) * dt
     advance(drive, first, first, hard=abs(native.get_spin(standing.statue)) <= standing.least_of_all_rad_s)
     rest = end_s - drive.t_s
     if rest > 0.0:

@@ -155,7 +155,7 @@ def _plain_steps(
             found = standing.coming(state, below, spin_before)
             if found == FAR:
                 wanted = few if standing.held(k, state, gravity[k - 1]) else many
-            elif found >= 0 and first_split <= k <= last_split:
+            elif found >= 0 and first_split <= k <= last_split and standing.stands_on(found + (spin < 0.0)):
                 short, standing.facet = rattle.is_short(drive, standing, found, float(grid.edges_s[k])), found
                 if short is not None:
                     event = RATTLE if short else IMPACT

@@ -52,7 +52,7 @@ def is_short(drive: RunState, standing: SupportVertex, facet: int, t_s: float) -
     swing_s = next_swing_s(drive, standing, vertex, t_s)
     if swing_s <= LEAST_STEPS * dt:
         return None
-    return not standing.steady or swing_s <= SHORT_STEPS * dt or abs(spin) <= FAST * standing.fast_rad_s
+    return swing_s <= SHORT_STEPS * dt or abs(spin) <= FAST * standing.fast_rad_s
 
 
 def next_swing_s(drive: RunState, standing: SupportVertex, vertex: int, t_s: float) -> float:

@@ -48,8 +48,6 @@ FAST_RAD_S: Final = 0.02
 LEAST_AHEAD: Final = 0.6
 MOST_AHEAD: Final = 2.3
 """Steps to an impact between which it is met: more than one apart, as what falls is faster in each step."""
-MOST_GAINED: Final = 0.3
-"""Share of the rate above which its change in the last step tells a short swing (munk2d/rattle.py)."""
 SLOW_STEPS: Final = 10.0
 """A rate that gravity changes in so many steps takes a vertex nowhere. Held in each of them a statue would not come to rest;
 never held, one at rest would sink and turn within the slop."""
@@ -76,10 +74,10 @@ class SupportVertex:
     """The base as vertices from right to left, (x, z) from the centroid, and its facets between them.
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
-    beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come, `steady` whether its
-    rate hardly changes; impacts are met at rates above `swings_rad_s`, and at those below `least_of_all_rad_s` the statue stands
-    on a whole facet in a halt. `depth_m` is the depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and
-    above; `gained_rad_s` what the spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
+    beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come; impacts are met at rates
+    above `swings_rad_s`, and at those below `least_of_all_rad_s` the statue stands on a whole facet in a halt. `depth_m` is the
+    depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and above; `gained_rad_s` what the spin gained in the
+    last whole step, `owed_m_s` what the last `hold` took from the velocity.
     """
 
     def __init__(self, drive: RunState) -> None:
@@ -99,7 +97,7 @@ class SupportVertex:
         self.clear_of_rest_rad = [CLEAR_DEPTHS * self.rest_m / length for length in self.length_m]
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.near_s, self.far_s = LEAST_AHEAD * drive.settings.dt_s, MOST_AHEAD * drive.settings.dt_s
-        self.facet, self.steady, self.risen = NEAR, False, False
+        self.facet, self.risen = NEAR, False
         self.drive, self.gained_rad_s, self.owed_m_s = drive, 0.0, (0.0, 0.0)
         self.clear_rad, self.walled = CLEAR_STEPS * drive.settings.dt_s, scene.wall is not None
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
@@ -128,7 +126,6 @@ class SupportVertex:
         if 0 <= facet < len(level):
             ahead_s = (level[facet] - turned) / spin
             if ahead_s < self.far_s:
-                self.steady = abs(spin - before_rad_s) <= MOST_GAINED * abs(spin)
                 return facet if ahead_s >= self.near_s else NEAR
         close = 0 <= behind < len(level) and abs(turned - level[behind]) < self.clear_rad
         return NEAR if close or self.walled or not -STEEPEST_RAD < turned < STEEPEST_RAD else FAR

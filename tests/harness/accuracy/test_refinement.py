@@ -84,7 +84,7 @@ class Fake(Engine):
             peak_time_s=0.2,
             end_s=float(TIMES[kept - 1]),
             no_return_time_s=self.no_return_s,
-            validity={} if self.left_s is None else {"layer_left_s": self.left_s},
+            validity={} if self.left_s is None else {"plain_from_s": self.left_s},
         )
 
 

@@ -1,0 +1,91 @@
+"""No result hangs on a constant: each number of what locates events, changed by a fifth, moves it by less than its error."""
+
+from __future__ import annotations
+
+import ast
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from harness import engines
+from harness.bench.coverage import random_scene
+from harness.model.history import History
+from harness.model.options import RunOptions
+from tests.scenes_for_tests import paestum
+
+STEP_S = 1e-3
+FIFTH = 0.2
+MODULES = {
+    "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "standing", "uplift"),
+    "pybullet": ("coming", "loop", "march", "meeting", "micro_rocking", "release", "stepper", "touch"),
+}
+BOUNDS = {"MOST_AHEAD": 3.0, "APPROACH": 1.0, "SHORT": 1.0, "SATURATED": 1.0, "MOST_FRICTION": 1.0}
+"""Constants that must stay below a bound, as a split impact takes three steps and an approach ends before its event: of these
+what they leave to it is changed."""
+SCENES = {
+    "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15)),
+    "on the floor": paestum(0.334, 2.0, pedestal=False),
+    "rattles": random_scene(10_129),
+}
+
+
+def constants(module: ModuleType) -> list[str]:
+    """Names of the numbers that a module defines and that are no counts."""
+    tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
+    targets = [
+        target
+        for node in tree.body
+        for target in (node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)])
+    ]
+    names = [
+        name.id
+        for target in targets
+        if target is not None
+        for name in ast.walk(target)
+        if isinstance(name, ast.Name) and name.id.isupper()
+    ]
+    return [name for name in names if isinstance(getattr(module, name), float)]
+
+
+def histories(name: str) -> list[History]:
+    engine = engines.load(name)
+    found = []
+    for scene in SCENES.values():
+        history = engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions()).history
+        assert history is not None
+        found.append(history)
+    return found
+
+
+@pytest.mark.parametrize(("name", "room"), [(name, room) for name, rooms in MODULES.items() for room in rooms])
+def test_a_fifth_more_or_less_moves_no_result_by_its_error(
+    name: str, room: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine = engines.load(name)
+    reason = engine.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    path = f"harness.engines.{name}"
+    module = import_module(path if room == "__init__" else f"{path}.{room}")
+    own = histories(name)
+    limits = [engine.settings_for_dt(scene, STEP_S).expected_error_rad for scene in SCENES.values()]
+    for constant in constants(module):
+        value = getattr(module, constant)
+        bound = BOUNDS.get(constant)
+        for change in (-FIFTH, FIFTH):
+            other = value * (1.0 + change) if bound is None else bound - (bound - value) * (1.0 + change)
+            with monkeypatch.context() as patch:
+                patch.setattr(module, constant, other)
+                moved = [np.max(np.abs(a.theta_rad - b.at(a.t_s))) for a, b in zip(own, histories(name), strict=True)]
+            for scene, by_rad, limit_rad in zip(SCENES, moved, limits, strict=True):
+                assert by_rad <= limit_rad, f"{constant} {value:g} -> {other:g} moves {scene!r} by {by_rad:.1e} rad"
+
+
+def test_constants_are_found() -> None:
+    module = import_module("harness.engines.pymunk.micro_rocking")
+    found = constants(module)
+    assert {"SHORT_STEPS", "LEAST_STEPS", "PARTS"} <= set(found)
+    assert "LEAST_AHEAD" not in found, "another module's"

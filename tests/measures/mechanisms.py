@@ -1,0 +1,184 @@
+"""What each mechanism of the event-located engines buys: error at equal cost with and without it.
+
+`python -m tests.measures.mechanisms ENGINE [COUNT FIRST]` prints a line for each mechanism over the paper's cases and COUNT random
+scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time (errors are taken to
+fall with the step, cost to grow against it). A mechanism that buys less than `WORTH` in both is not worth its lines.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any, Final
+
+import numpy as np
+
+from harness import engines
+from harness.bench.differences import errors
+from harness.bench.seeded_scenes import random_scene, wide_scene
+from harness.bench.standard_scenes import PAPER, paper_scene
+from harness.engines.base import Engine, EngineFailure
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+
+STEPS_S: Final = (4e-3, 1e-3, 2.5e-4)
+FINEST_S: Final = 1e-4
+CONDITIONED_RAD: Final = 3e-4
+"""Scenes on which the engine at `FINEST_S` is further than this from the model are ill-conditioned, or outside its domain."""
+SMALLEST_RAD: Final = 1e-7
+"""Smaller errors are taken as this."""
+COUNT, FIRST_SEED = 24, 745_000
+RATTLES: Final = (10129, 20399, 20809, 20866)
+"""Seeds of scenes that rattle (`tests.measures.micro_rocking`), which random ones seldom do."""
+WIDE: Final = 12
+"""Wide scenes beside the random ones: statues that slide, three axes. There the engine's finest run is the truth."""
+WORTH: Final = 1.3
+
+Change = Mapping[str, Any]
+"""By `module:attribute` what stands in its place; a function of what was there makes it."""
+
+
+def _always(value: Any) -> Callable[[Any], Any]:
+    return lambda _: lambda *__, **___: value
+
+
+def _number(value: float) -> Callable[[Any], Any]:
+    return lambda _: value
+
+
+def _loose(own: Any) -> Any:
+    """Settings whose equations at events are solved no more tightly than elsewhere."""
+    return lambda self, *values, **named: own(
+        self, *values, **(named | {"event_residual": 1.0, "event_iterations": 300})
+    )
+
+
+_M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
+MUNK: Final[Mapping[str, Change]] = {
+    "nothing (noise of the measurement)": {},
+    "events located at all": {_M + "drive:RunState.aligned": lambda _: property(lambda _: False)},
+    "micro-rocking": {_M + "micro_rocking:is_short": _always(False)},
+    "halts located": {_M + "drive:slid": _always(False)},
+    "uplift corrected": {_M + "uplift:follow": _always(True)},
+    "a turning statue held to its depth": {_M + "standing:SupportVertex.hold": _always(None)},
+    "its velocity corrected beforehand": {_M + "standing:SupportVertex._owed": _always((0.0, 0.0))},
+    "velocities turned on": {_M + "events:turn_on": _always(None)},
+    "a statue at rest settled": {_M + "standing:SupportVertex.settle": _always(None)},
+    "release at its share of the step": {_M + "drive:release_share": _always(0.0)},
+    "a depth of its own in slow turning": {_M + "standing:TURNING_DEPTH": _number(1.0)},
+    "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
+    "more iterations at impacts": {"harness.engines.pymunk:IMPACT_ITERATIONS": _number(90)},
+    "slow rises bounded": {_M + "standing:SLOW_RISE": _number(1e9)},
+}
+BULLET: Final[Mapping[str, Change]] = {
+    "nothing (noise of the measurement)": {},
+    "events located at all": {_B + "course:touch_of": _always(None)},
+    "micro-rocking": {_B + "micro_rocking:after_impact": _always(None)},
+    "halts located": {_B + "loop:_halted": _always(16)},
+    "uniform acceleration to contact": {_B + "coming:ContactTimeEstimate._gathers": _always(0.0)},
+    "velocities of the instant at contact": {
+        _B + "coming:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
+    },
+    "velocities turned on": {_B + "march:StepState.turn": _always(None)},
+    "anchors let go where friction nears its limit": {_B + "stepper:Stepper._look_at_grip": _always(None)},
+    "lowered before a short step": {_B + "march:StepState.lower": _always(None)},
+    "release at its share of the step": {_B + "release:coefficient": lambda _: lambda stepper, *__: stepper.kinetic},
+    "reach of contacts follows the turning": {
+        _B + "stepper:NARROWER": _number(1e9),
+        _B + "stepper:STEPS_OFF": _number(0.0),
+    },
+    "tighter equations at events": {_B + "settings:BulletSettings.__init__": _loose},
+    "half of a symmetric scene": {_B + "mirror:halves": _always(False)},
+    "the step after a reversal solved again": {_B + "stepper:Stepper._reversed": _always(False)},
+}
+MECHANISMS: Final[Mapping[str, Mapping[str, Change]]] = {"pymunk": MUNK, "pybullet": BULLET}
+
+
+@contextmanager
+def changed(change: Change) -> Iterator[None]:
+    """Put other things in the places of a change, and those that were there back at the end."""
+    before = []
+    for name, make in change.items():
+        module, _, path = name.partition(":")
+        owner: Any = import_module(module)
+        *holders, last = path.split(".")
+        for holder in holders:
+            owner = getattr(owner, holder)
+        before.append((owner, last, owner.__dict__[last]))
+        setattr(owner, last, make(before[-1][2]))
+    try:
+        yield
+    finally:
+        for owner, last, own in reversed(before):
+            setattr(owner, last, own)
+
+
+def cases(engine: Engine, count: int, first: int) -> list[tuple[Scene, Run]]:
+    """Scenes on which the engine converges to the model, with the model's runs."""
+    model = engines.load("analytic")
+    scenes = [paper_scene(a, f, pedestal=True, static=static) for a, f in PAPER for static in (0.15, 0.20)]
+    scenes += [paper_scene(a, f, pedestal=False, static=0.15) for a, f in PAPER]
+    scenes += [random_scene(seed) for seed in (*RATTLES, *range(first, first + count))]
+    found = []
+    for scene in scenes:
+        exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
+        fine = engine.simulate(scene, engine.settings_for_dt(scene, FINEST_S), RunOptions())
+        if fine.outcome is exact.outcome and errors(fine, exact)[0] < CONDITIONED_RAD:
+            found.append((scene, exact))
+    for seed in range(first, first + WIDE):
+        scene = wide_scene(seed)
+        finer, fine = (
+            engine.simulate(scene, engine.settings_for_dt(scene, dt), RunOptions()) for dt in (FINEST_S, 2.2 * FINEST_S)
+        )
+        if fine.outcome is finer.outcome and fine.history is not None and errors(fine, finer)[0] < CONDITIONED_RAD:
+            found.append((scene, finer))
+    return found
+
+
+def measured(engine: Engine, on: Sequence[tuple[Scene, Run]], change: Change) -> tuple[np.ndarray, float]:
+    """Errors of rotation, rad, shape (scenes, steps), and the processor time, s, that they took in all."""
+    each_rad = np.full((len(on), len(STEPS_S)), np.inf)
+    with changed(change):
+        begin = time.process_time()
+        for i, (scene, exact) in enumerate(on):
+            for j, dt_s in enumerate(STEPS_S):
+                try:
+                    run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions())
+                except EngineFailure:
+                    continue
+                each_rad[i, j] = errors(run, exact)[0] if run.history is not None else np.inf
+        cost_s = time.process_time() - begin
+    return np.clip(each_rad, SMALLEST_RAD, 1.0), cost_s
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print the table."""
+    name, *numbers = arguments
+    count, first = (int(item) for item in numbers) if numbers else (COUNT, FIRST_SEED)
+    engine = engines.load(name)
+    on = cases(engine, count, first)
+    own, own_s = measured(engine, on, {})
+    say = sys.stdout.write
+    say(f"{name}: {len(on)} scenes, steps of {', '.join(f'{1e3 * s:g}' for s in STEPS_S)} ms; with all: mean error ")
+    say(f"{np.exp(np.mean(np.log(own))):.2e} rad, largest tenth {np.quantile(own, 0.9):.2e}, {own_s:.1f} s\n")
+    say("| without | mean error, times | largest tenth, times | worst, times | cost, times | worth it |\n")
+    say("|---|---|---|---|---|---|\n")
+    for mechanism, change in MECHANISMS[name].items():
+        without, cost_s = measured(engine, on, change)
+        dear = cost_s / own_s
+        ratio = without / own * dear
+        mean, tenth = (
+            float(np.exp(np.mean(np.log(ratio)))),
+            float(np.quantile(errors, 0.9) / np.quantile(own, 0.9)) * dear,
+        )
+        worth = "yes" if max(mean, tenth) >= WORTH else "no"
+        say(f"| {mechanism} | {mean:.2f} | {tenth:.2f} | {ratio.max():.3g} | {dear:.2f} | {worth} |\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
