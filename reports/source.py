@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -136,5 +137,11 @@ def run_source(folder: Path) -> RunSource:
     if changed:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
-    histories = {name: read_history(path) for name, path in paths.items() if path.is_file()}
+    histories = {name: _history(path, path.stat().st_mtime_ns) for name, path in paths.items() if path.is_file()}
     return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
+
+
+@lru_cache(maxsize=8)
+def _history(path: Path, _changed_ns: int) -> History:
+    """A history, read once for both pages of a run; its arrays are the callers' to read only."""
+    return read_history(path)
