@@ -141,8 +141,9 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.model.run import write_json
-    from harness.records.result_folder import check_folder, check_listed, listing, named_after, writing
-    from reports.export.motion_figure import figure
+    from harness.records.result_folder import check_folder, check_listed, listing, named_after
+    from reports.export.motion_figure import motion_picture
+    from reports.export.paper import write_picture
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
     picture, account = folder / "motion.png", folder / "motion.json"
@@ -150,8 +151,7 @@ def motion_inspect(
     check_listed(picture, account)
     found = _inspected(file, unit, axis)
     folder.mkdir(parents=True, exist_ok=True)
-    with writing(picture) as fresh:
-        figure(found).savefig(fresh, dpi=150)
+    write_picture(motion_picture(found), picture, dpi=150)
     write_json(account, found.record() | {"files": listing([picture], pages=False)})
     if as_json:
         typer.echo(json_text(found.record()))
