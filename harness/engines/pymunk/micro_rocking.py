@@ -101,7 +101,9 @@ def rattle(drive: RunState, standing: SupportVertex, facet: int, edges_s: Array)
         part, standing.fast_rad_s = min(swing_s / PARTS, dt), math.inf
         peak_rad = PEAK_SHARE * abs(spin) * swing_s
         standing.depth_m = min(depth_m, DEPTH_SHARE * peak_rad * standing.length_m[facet])
-        returns, gained = _swing(drive, standing, facet, part)
+        # The impact that follows a swing comes at most `MOST_AHEAD` parts later, and the last part of all has its least length.
+        last_s = float(edges_s[-1]) - (MOST_AHEAD + LEAST_TAIL) * dt
+        returns, gained = _swing(drive, standing, facet, part, last_s)
     standing.depth_m, standing.fast_rad_s = depth_m, fast_rad_s
     return _to_whole_step(drive, standing, edges_s)
 
@@ -122,10 +124,15 @@ def _meet(drive: RunState, standing: SupportVertex, facet: int, part_s: float, g
     return True
 
 
-def _swing(drive: RunState, standing: SupportVertex, facet: int, part_s: float) -> tuple[bool, float]:
-    """Parts of a swing up to the one before it returns to the facet; whether it does, and the spin gained in the last."""
+def _swing(drive: RunState, standing: SupportVertex, facet: int, part_s: float, last_s: float) -> tuple[bool, float]:
+    """Parts of a swing up to the one before it returns to the facet; whether it does, and the spin gained in the last.
+
+    A swing may last longer than expected: none of its parts ends after `last_s`, so that whole steps end the run.
+    """
     move, gained = 0.5 * part_s, 0.0
     for _ in range(MOST_PARTS):
+        if drive.t_s + part_s > last_s:
+            return False, gained
         spin = native.get_spin(standing.statue)
         standing.keep(move, part_s)
         advance(drive, move, part_s)

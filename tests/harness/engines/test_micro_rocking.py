@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from harness.bench.micro_rocking import rows
+from harness.bench.random_scenes import GENERATORS
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
@@ -30,3 +31,11 @@ def test_ever_shorter_swings_end_in_finite_work(engine: Engine) -> None:
     assert run.history is not None
     assert abs(run.history.theta_rad[-1]) <= budget.RATTLED_OUT_RAD
     assert run.steps <= budget.RATTLED_OUT_STEPS * 500
+
+
+def test_a_swing_in_the_last_steps_of_a_run_ends_with_it() -> None:
+    """Its impact fell into the last whole step, and the part that follows it had no step left to end on (an IndexError)."""
+    on = GENERATORS["wide"](730074)
+    engine = Munk2D()
+    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions())
+    assert run.end_s == pytest.approx(on.duration_s, rel=1e-12)
