@@ -12,7 +12,8 @@ from typing import Any, Final
 
 from harness import study_cli
 from harness.campaign.executors import Crash, Done, LocalPool, Pool, Work
-from harness.cli import guarded, summary
+from harness.cli import summary
+from harness.command import guarded
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.run import Run

@@ -105,7 +105,7 @@ def main() -> None:
     """`python -m reports.export.figures DIR [column|page]`: write all figures of a folder and name them."""
     import sys
 
-    from harness.cli import guarded
+    from harness.command import guarded
 
     def run() -> int:
         if len(sys.argv) not in (2, 3):
