@@ -70,6 +70,8 @@ def compare(
     ] = None,
 ) -> None:
     """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
+    from harness.model.run import to_plain
+
     tables = [path.suffix == ".csv" for path in files]
     if any(tables):
         if not all(tables) or len(files) != 2:
@@ -81,7 +83,7 @@ def compare(
         from harness.comparison.comparator import compare_files
 
         scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
-        found: dict[str, Any] = {f"{files[0].name}_vs_{files[1].name}": scores}
+        found = {f"{files[0].name}_vs_{files[1].name}": to_plain(scores)}
     elif uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
@@ -90,7 +92,7 @@ def compare(
         for path in files:
             result = compute(path, asked, target, quiet=saying.silent, iso=iso, horizon=horizon)
             prefix = f"{path.stem}: " if len(files) > 1 else ""
-            found |= {f"{prefix}{pair}": scores.as_dict() for pair, scores in result.scores.items()}
+            found |= {f"{prefix}{pair}": to_plain(scores) for pair, scores in result.scores.items()}
     saying.say(found, "\n".join(table_of(pair, scores) for pair, scores in found.items()))
 
 
@@ -163,10 +165,11 @@ def compute(
 def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[Any], str]:
     """The plan of a scene: its steps as plain values, and as text."""
     from harness.engines import DEFAULT_ENGINES, REGISTRY, load
+    from harness.model.run import to_plain
     from harness.statics.plan import plan
 
     steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
-    return [step.as_dict() for step in steps], "\n".join(printable(str(step)) for step in steps)
+    return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
 
 
 def wanted(no_skip: Sequence[str] | None) -> Any:
@@ -187,9 +190,10 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
     from harness.assess.assessment import sentence
+    from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
-    lines += [f"  {name}: the statue {sentence(item.as_dict())}" for name, item in result.assessment.items()]
+    lines += [f"  {name}: the statue {sentence(item)}" for name, item in result.assessment.items()]
     outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
         ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
@@ -202,6 +206,7 @@ def summary(result: Result) -> str:
         lines.append(f"  {name:{width}} {run.outcome.sentence}{_details(run)}")
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
+    lines += [f"  witness: {text}" for text in witness_sentences(result.witness)]
     lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]

@@ -65,12 +65,16 @@ def run(
         list[str] | None,
         typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
     ] = None,
+    no_witness: Annotated[
+        bool, typer.Option("--no-witness", help="Leave out the engines as they come, which confirm each run or not.")
+    ] = False,
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
+    from harness.records.base import plain
     from harness.records.result_folder import check_folder, named_after
     from harness.scene_run.scene_run import write_result
 
@@ -82,9 +86,10 @@ def run(
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess)
+    more = {"assess": not no_assess, "witness": not no_witness}
+    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
     write_result(result, folder)
-    _say(result.as_dict(), harness_cli.summary(result), folder, saying)
+    _say(plain(result.record()), harness_cli.summary(result), folder, saying)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
@@ -107,10 +112,12 @@ def assess(
     out: Out = None,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
+    from dataclasses import replace
+
     from harness.assess import assessment
     from harness.input.paths import read_files
     from harness.input.scene_file import load_scene
-    from harness.model import run as record
+    from harness.records.base import plain
     from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
 
     folder = out or OUT / f"{named_after(scene)}-assess"
@@ -127,9 +134,9 @@ def assess(
             most_runs=most_runs,
             on_progress=telling.now,
         )
-    with replacing(folder, lambda files: record.to_plain({**found, "files": files}), "assess"):
+    with replacing(folder, lambda files: replace(found, files=files), "assess"):
         pass
-    _say(record.to_plain(found), assessment.summary(found), folder, saying)
+    _say(plain(found), assessment.summary(found), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from jinja2 import UndefinedError
 
@@ -16,10 +16,12 @@ from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
 from harness.model.run import SCHEMA_VERSION
+from harness.records.base import REWRITE, validated
+from harness.records.kinds import CLASSES, class_of
 from harness.records.result_folder import KINDS, RECORD, as_written, owned
 
+T = TypeVar("T")
 RECORD_NAME: Final = RECORD
-REWRITE: Final = "write the result anew with this version"
 DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
 _TEXT, _TABLE, _LIST, _NUMBER = (str, "a text"), (dict, "a table"), (list, "a list"), ((int, float), "a number")
@@ -32,7 +34,6 @@ _EVERY: Final = {
     "machine": _TABLE,
 }
 PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
-    "run": _EVERY | {"motion": _TABLE, "runs": _TABLE, "scores": _TABLE, "plan": _LIST, "warnings": _LIST},
     "study": _EVERY | {"file": _TEXT, "vary": _TABLE, "summary": _TABLE, "engine_seconds": _TABLE, "rows": _LIST},
     "effects3d": _EVERY
     | {
@@ -73,21 +74,36 @@ class RunSource:
 
 def read_record(folder: Path) -> dict[str, Any]:
     """The record of a result folder; raises `InputError` when it is absent, broken or of another schema."""
+    return _read(folder)[0]
+
+
+def read_typed(folder: Path, kind: type[T]) -> T:
+    """The record of a result folder as a kind's class; raises `InputError` also where it is of another kind."""
+    record, text = _read(folder)
+    if record["kind"] not in CLASSES or class_of(record["kind"]) is not kind:
+        wanted = next(name for name in CLASSES if class_of(name) is kind)
+        raise InputError(Mistake(str(folder / RECORD_NAME), "kind", wanted, repr(record["kind"])))
+    return validated(kind, text, folder / RECORD_NAME)
+
+
+def _read(folder: Path) -> tuple[dict[str, Any], bytes]:
     path = folder / RECORD_NAME
     if not path.is_file():
         advice = "run `rockcheck run SCENE --out DIR` first"
         raise InputError(Mistake(str(folder), "", f"a result folder with {RECORD_NAME}", "none there", advice))
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        text = path.read_bytes()
+        record = json.loads(text.decode("utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
     if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
         got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
         raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
     if record.get("kind") not in KINDS:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(record.get("kind"))))
-    _check_parts(path, record)
-    return record
+    if record["kind"] not in CLASSES:
+        _check_parts(path, record)
+    return record, text
 
 
 def _check_parts(path: Path, record: dict[str, Any]) -> None:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.history import History
+from harness.model.history import History, Outcome
 from harness.model.history_pair import first_beyond_s, pair
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.run import HorizonRecord
 
 PERTURBATIONS: Final = (1e-9, 1e-7, 1e-5, 1e-3)
 """Sizes of the perturbations: from what rounding does in some thousand steps to what no measurement could tell."""
@@ -37,7 +38,7 @@ class Horizon:
     perturbations: tuple[float, ...]
     until_s: tuple[float, ...]
     growth_per_s: float | None
-    outcomes: tuple[str, ...]
+    outcomes: tuple[Outcome, ...]
     failed: int
 
     def until(self, uncertainty: float) -> float:
@@ -65,9 +66,9 @@ class Horizon:
             return f"{text}, throughout if to {first:g}"
         return f"{text}, until {self.until_s[0]:.3g} s even if to {first:g}"
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return asdict(self) | {"intrinsic_s": self.intrinsic_s, "sentence": self.sentence}
+    def record(self) -> HorizonRecord:
+        """The horizon as it stands in a record."""
+        return HorizonRecord(**vars(self), intrinsic_s=self.intrinsic_s, sentence=self.sentence)
 
 
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
@@ -116,7 +117,7 @@ def horizon(
     if reference.history is None:
         raise EngineFailure(reference.message or "the unperturbed run has no history")
     sizes = tuple(sorted(perturbations))
-    outcomes = {reference.outcome.value}
+    outcomes = {reference.outcome}
     until: list[float] = []
     rates: list[float] = []
     failed = 0
@@ -127,7 +128,7 @@ def horizon(
             if other is None or other.history is None:
                 failed += 1
                 continue
-            outcomes.add(other.outcome.value)
+            outcomes.add(other.outcome)
             times.append(parted_s(other.history, reference.history, tolerance_rad))
         found = [t for t in times if t is not None]
         until.append(min(found, default=scene.duration_s))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from harness import engines
@@ -15,11 +15,12 @@ from harness.assess.variation import varied
 from harness.campaign.executors import Crash, LocalPool
 from harness.comparison.statistics.distributions import wilson
 from harness.engines.base import EngineFailure
-from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions
+from harness.model.run import machine, versions
 from harness.model.scene import Scene
-from harness.records.description import describe
+from harness.records.assess import Assessment, AssessRecord, NotAssessed, ProbabilityDifference
+from harness.records.scene import SceneRecord
 
 MODEL: Final = "analytic"
 RUN_DRAWS: Final = 10_000
@@ -33,23 +34,6 @@ ENGINE_ERROR_RAD: Final = 1e-3
 """A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
 BATCH: Final = 16
 """Runs between two looks at the interval."""
-
-
-@dataclass(frozen=True)
-class Assessment:
-    """One model's probability of overturning over the draws; `undecided` is the share that came to no end, or failed."""
-
-    probability_overturned: float
-    low: float
-    high: float
-    level: float
-    draws: int
-    engine_runs: int
-    undecided: float = 0.0
-
-    def as_dict(self) -> dict[str, Any]:
-        """The assessment as plain values."""
-        return asdict(self)
 
 
 def assess_model(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> Assessment | None:
@@ -80,7 +64,7 @@ def assess(
     half_width: float = HALF_WIDTH,
     most_runs: int = MOST_RUNS,
     on_progress: Callable[[str], None] = lambda text: None,
-) -> dict[str, Any]:
+) -> AssessRecord:
     """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters.
 
     `names` None: the engines of every run. A scene of which nothing is uncertain raises `InputError`.
@@ -98,42 +82,38 @@ def assess(
         values = draw(inputs, draws, seed)
     model = model_draws(scene, values)
     own = _of_model(model)
-    found: dict[str, Any] = {MODEL: None if own is None else own.as_dict()}
-    differences: dict[str, Any] = {}
+    answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
+    differences: dict[str, ProbabilityDifference] = {}
     for name in dict.fromkeys(names):
         if name == MODEL:
             continue
         reason = engines.load(name).missing()
         if reason is not None:
-            found[name] = {"message": reason}
+            answers[name] = NotAssessed(reason)
             continue
         with _Runs(scene, name, values, on_progress) as runs:
             answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=BATCH)
-        found[name] = _of_engine(answer, draws).as_dict()
+        answers[name] = _of_engine(answer, draws)
         if own is not None:
             differences[name] = _difference(own, answer)
-    return {
-        "schema_version": record.SCHEMA_VERSION,
-        "kind": "assess",
-        "title": scene.title,
-        "scene": describe(scene),
-        "notes": list(scene.notes),
-        "uncertainty": [asdict(item) for item in inputs],
-        "assumed": not scene.uncertainty,
-        "seed": seed,
-        "assessment": {name: found[name] for name in dict.fromkeys((*names, MODEL)) if name in found},
-        "difference_from_model": differences,
-        **(_more(scene, inputs, seed, on_progress) if fast else {}),
-        "versions": record.versions(),
-        "machine": record.machine(),
-    }
-
-
-def _more(scene: Scene, inputs: Sequence[Any], seed: int, on_progress: Callable[[str], None]) -> dict[str, Any]:
+    record = AssessRecord(
+        title=scene.title,
+        scene=SceneRecord.of(scene),
+        notes=list(scene.notes),
+        uncertainty=inputs,
+        assumed=not scene.uncertainty,
+        seed=seed,
+        assessment={name: answers[name] for name in dict.fromkeys((*names, MODEL)) if name in answers},
+        difference_from_model=differences,
+        versions=versions(),
+        machine=machine(),
+    )
+    if not fast:
+        return record
     from harness.assess.sensitivity import fragility, indices
 
     on_progress(f"{MODEL}: fragility and indices")
-    return {"fragility": fragility(scene, inputs, seed), "indices": indices(scene, inputs, seed)}
+    return replace(record, fragility=fragility(scene, inputs, seed), indices=indices(scene, inputs, seed))
 
 
 def _of_engine(answer: Estimate, draws: int) -> Assessment:
@@ -141,10 +121,10 @@ def _of_engine(answer: Estimate, draws: int) -> Assessment:
     return Assessment(answer.probability, answer.low, answer.high, answer.level, draws, answer.runs, undecided)
 
 
-def _difference(own: Assessment, answer: Estimate) -> dict[str, float]:
+def _difference(own: Assessment, answer: Estimate) -> ProbabilityDifference:
     """The model's probability less the engine's: both from the same draws, so that only the engine's sampling is left."""
     p = own.probability_overturned
-    return {"value": p - answer.probability, "low": p - answer.high, "high": p - answer.low, "level": answer.level}
+    return ProbabilityDifference(p - answer.probability, p - answer.high, p - answer.low, answer.level)
 
 
 class _Runs:
@@ -186,31 +166,28 @@ def overturns(task: tuple[int, str, Scene]) -> bool | None:
     return None if outcome.failed else outcome.overturned
 
 
-def summary(found: Mapping[str, Any]) -> str:
+def summary(record: AssessRecord) -> str:
     """An assessment in a few lines of plain words."""
-    lines = [str(found["title"])]
-    width = max(len(name) for name in found["assessment"])
-    for name, item in found["assessment"].items():
-        told = f"not here: {item['message']}" if "message" in item else f"{sentence(item)}; {item['engine_runs']} runs"
-        lines.append(f"  {name:{width}}  {told}")
-    if found["assumed"]:
-        lines.append(
-            "  note: the scene has no table [uncertainty]; assumed are " + ", ".join(map(_told, found["uncertainty"]))
-        )
+    lines = [record.title]
+    width = max(len(name) for name in record.assessment)
+    for name, item in record.assessment.items():
+        if isinstance(item, Assessment):
+            lines.append(f"  {name:{width}}  {sentence(item)}; {item.engine_runs} runs")
+        elif item is not None:
+            lines.append(f"  {name:{width}}  not here: {item.message}")
+    if record.assumed:
+        assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
+        lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
     return "\n".join(lines)
 
 
-def sentence(item: Mapping[str, Any]) -> str:
+def sentence(item: Assessment) -> str:
     """`falls in 40 % of what may be true (39 to 41 %)`."""
-    low, high = percent(item["low"]), percent(item["high"])
-    return f"falls in {percent(item['probability_overturned'])} % of what may be true ({low} to {high} %)"
+    low, high = percent(item.low), percent(item.high)
+    return f"falls in {percent(item.probability_overturned)} % of what may be true ({low} to {high} %)"
 
 
 def percent(share: float) -> str:
     """A share in per cent, two digits where it is small."""
     value = 100.0 * share
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
-
-
-def _told(item: Mapping[str, Any]) -> str:
-    return f"{item['key']} ({item['kind']}, {item['width']:g})"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.assess.inputs import draw
 from harness.assess.model_draws import model_draws
 from harness.model.scene import Scene, Uncertain
+from harness.records.assess import FragilityRecord, Index
 
 Array = NDArray[np.float64]
 
@@ -26,18 +27,14 @@ OTHER_SEED: Final = 1_000_003
 """Added to the seed for the second matrix, so that the two are independent."""
 
 
-def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Any]:
+def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord:
     """Probability of overturning by a factor on all axes together, and the factors at which it is 5, 16 and 50 %."""
     draws = draw(inputs, FRAGILITY_DRAWS, seed)
     own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, _scale_of(inputs, scene)))
     probability = [model_draws(scene, {**draws, "motion.scale": own * factor}).probability for factor in FACTORS]
     rising = np.maximum.accumulate(np.nan_to_num(probability))
-    return {
-        "factor": list(FACTORS),
-        "probability_overturned": probability,
-        "draws": FRAGILITY_DRAWS,
-        "factor_at": {f"{asked:.2f}": _crossing(rising, asked) for asked in ASKED},
-    }
+    at = {f"{asked:.2f}": _crossing(rising, asked) for asked in ASKED}
+    return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, at)
 
 
 def _scale_of(inputs: Sequence[Uncertain], scene: Scene) -> float:
@@ -58,7 +55,7 @@ def _crossing(rising: Array, asked: float) -> float | None:
     return float(np.exp(np.log(FACTORS[k - 1]) + share * np.log(FACTORS[k] / FACTORS[k - 1])))
 
 
-def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, dict[str, float]]:
+def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Index]:
     """First and total variance-based index of every input for whether the statue overturns (Saltelli 2010, Jansen 1999).
 
     The first is the share of the variance that goes when this input is known; the total the share that stays when all others are.
@@ -73,7 +70,7 @@ def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, d
         fell = _fell(scene, {**a, item.key: b[item.key]})
         first = 1.0 - float(np.mean((fell_b - fell) ** 2)) / (2.0 * variance)
         total = float(np.mean((fell_a - fell) ** 2)) / (2.0 * variance)
-        result[item.key] = {"first": first, "total": total}
+        result[item.key] = Index(first, total)
     return result
 
 

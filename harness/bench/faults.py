@@ -9,10 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.comparison.verdict import Verdict, left_domain
+from harness.comparison.verdict import left_domain
 from harness.model.history_pair import pair
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.scores import Verdict
 
 MUST_SHOW: Final = 3.0
 """An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.verdict.COVERAGE`)."""

@@ -23,10 +23,10 @@ from harness.bench.coverage import FINER, random_scene, wide_scene
 from harness.bench.tipping import tipping_scene
 from harness.campaign.parts import source
 from harness.comparison.comparator import compare
-from harness.comparison.verdict import Verdict
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.scores import Verdict
 from harness.scene_run.scene_run import run_scene
 
 GENERATORS: Final[Mapping[str, Callable[[int], Scene]]] = {

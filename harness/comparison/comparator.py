@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +12,6 @@ import numpy as np
 from harness.comparison.scores import energy, events, pointwise
 from harness.comparison.scores.beyond import after_horizon
 from harness.comparison.scores.matched import event_scores, numerical_uncertainty
-from harness.comparison.scores.result import Scores
 from harness.comparison.verdict import Judgement, Side, judge, side_of
 from harness.input.history_file import gaps, read_history
 from harness.model.errors import InputError, Mistake
@@ -20,6 +19,7 @@ from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.scores import IsoRating, Scores
 
 __all__ = ["Scores", "compare", "compare_files"]
 
@@ -93,7 +93,7 @@ def compare_files(
     uncertainty_rad: float | None = None,
     slip_uncertainty_m: float | None = None,
     iso: bool = False,
-) -> dict[str, Any]:
+) -> Scores:
     """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
 
     `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
@@ -119,7 +119,7 @@ def compare_files(
         for path, history in zip((a, b), histories, strict=True)
         for begin, end in gaps(history)
     ]
-    return scores.as_dict() | {"warnings": missing}
+    return replace(scores, warnings=missing)
 
 
 def _name(answer: Run | History, otherwise: str) -> str:
@@ -213,7 +213,7 @@ def _judged(judgement: Judgement) -> dict[str, Any]:
     }
 
 
-def _iso(both: Pair) -> dict[str, Any]:
+def _iso(both: Pair) -> IsoRating:
     from harness.comparison.scores import iso
 
     return iso.rate(both)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Facts:
         return min(known, default=None)
 
     @property
-    def differs_in(self) -> str:
+    def differs_in(self) -> Literal["", "rotation", "slip"]:
         """In what they then differ; empty: in nothing."""
         if self.exceeded_s is None:
             return ""

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Any, Final
+from typing import Final
 
 from harness.comparison.differences import ROUNDING, Facts, from_histories, from_peaks
 from harness.comparison.scores.pointwise import Peak
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair
 from harness.model.run import Run
+from harness.records.scores import Evidence, Verdict
 
 COVERAGE: Final = 2.0
 """A difference counts when it exceeds this multiple of the joint uncertainty U = u_a + u_b.
@@ -24,17 +24,6 @@ COVERAGE: Final = 2.0
 Numerical errors alone never pass U; an effect of three times U still shows as at least 3U − U = 2U. So 2 is the one whole
 number that calls no pair of equal models different and misses no effect above three times the uncertainty.
 """
-
-
-class Verdict(StrEnum):
-    """Why two answers differ, if they do."""
-
-    AGREE = "agree within numerical error"
-    MODEL = "differ: model"
-    HORIZON = "differ: beyond the horizon"
-    DOMAIN = "differ: the model left its domain"
-    PLANE = "differ: the plane left out"
-    UNBOUNDED = "differ: numerical error not bounded"
 
 
 OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
@@ -74,7 +63,7 @@ class Judgement:
 
     verdict: Verdict
     sentence: str
-    evidence: Mapping[str, Any]
+    evidence: Evidence
 
 
 def side_of(
@@ -131,28 +120,28 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     if flips:
         facts = _with_falls_across(facts, a, b)
     verdict, left = _decide(a, b, facts, flips)
-    evidence = {
-        "uncertainty_a_rad": a.uncertainty_rad,
-        "uncertainty_b_rad": b.uncertainty_rad,
-        "slip_uncertainty_a_m": a.slip_uncertainty_m,
-        "slip_uncertainty_b_m": b.slip_uncertainty_m,
-        "limit_rad": turned,
-        "slip_limit_m": slid,
-        "coverage": COVERAGE,
-        "differs_in": facts.differs_in,
-        "exceeded_s": facts.exceeded_s,
-        "largest_difference_rad": facts.rotation.largest,
-        "largest_reliable_difference_rad": facts.rotation.largest_reliable,
-        "largest_slip_difference_m": facts.slip.largest,
-        "largest_reliable_slip_difference_m": facts.slip.largest_reliable,
-        "horizon_s": until if math.isfinite(until) else None,
-        "compared_until_s": facts.end_s,
-        "left_domain_s": None if left is None else left.left_domain_s,
-        "left_domain_by": "" if left is None else f"{left.name}: {left.left_domain_by}",
-        "outcome_flips_within_uncertainty": flips and not sided and verdict in OPEN,
-        "side_flips_within_uncertainty": sided and verdict in OPEN,
-        "motion_not_given": _not_given(a, b),
-    }
+    evidence = Evidence(
+        uncertainty_a_rad=a.uncertainty_rad,
+        uncertainty_b_rad=b.uncertainty_rad,
+        slip_uncertainty_a_m=a.slip_uncertainty_m,
+        slip_uncertainty_b_m=b.slip_uncertainty_m,
+        limit_rad=turned,
+        slip_limit_m=slid,
+        coverage=COVERAGE,
+        differs_in=facts.differs_in,
+        exceeded_s=facts.exceeded_s,
+        largest_difference_rad=facts.rotation.largest,
+        largest_reliable_difference_rad=facts.rotation.largest_reliable,
+        largest_slip_difference_m=facts.slip.largest,
+        largest_reliable_slip_difference_m=facts.slip.largest_reliable,
+        horizon_s=until if math.isfinite(until) else None,
+        compared_until_s=facts.end_s,
+        left_domain_s=None if left is None else left.left_domain_s,
+        left_domain_by="" if left is None else f"{left.name}: {left.left_domain_by}",
+        outcome_flips_within_uncertainty=flips and not sided and verdict in OPEN,
+        side_flips_within_uncertainty=sided and verdict in OPEN,
+        motion_not_given=_not_given(a, b),
+    )
     return Judgement(verdict, _sentence(verdict, a, b, facts, left, flips, sided), evidence)
 
 

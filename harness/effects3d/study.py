@@ -23,8 +23,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
-from harness.records.description import describe
 from harness.records.result_folder import listing
+from harness.records.scene import SceneRecord
 from harness.studies.cache_key import scene_digest
 from harness.studies.cases import Base, base_of_scene
 from meshes import footprint
@@ -168,7 +168,7 @@ def run_effects(
     found = {"schema_version": SCHEMA_VERSION, "kind": "effects3d", "title": study.title, "file": path.name}
     found |= _answers(study, scene, questions)
     found |= {
-        "scene": describe(scene),
+        "scene": SceneRecord.of(scene),
         "notes": scene.notes,
         "study": study.model_dump(),
         "unit_g": peak_g(scene),

@@ -163,6 +163,7 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
         "impact_ratios": [
             _ratio(event.theta_rate_after_rad_s, event.theta_rate_before_rad_s) for event in solution.impacts
         ],
+        "several_joint_states_s": [event.time_s for event in solution.events if event.feasible_states > 1],
         "energy_gained_j": solution.energy_gained_j,
         "energy_lost_j": solution.energy_lost_j,
     }

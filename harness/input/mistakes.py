@@ -21,6 +21,8 @@ _WANTED: Mapping[str, str] = {
     "bool_type": "true or false",
     "model_type": "a table",
     "model_attributes_type": "a table",
+    "dataclass_type": "a table",
+    "mapping_type": "a table",
     "dict_type": "a table",
     "list_type": "a list",
     "tuple_type": "a list",
@@ -89,16 +91,17 @@ def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[Bas
         advice = f"did you mean {near[0]}?" if near else ""
         got = "an unknown key"
     else:
-        wanted = " or ".join(dict.fromkeys(_wanted(item) for item in details))
-        got = _got(detail)
+        wanted = " or ".join(dict.fromkeys(wanted_of(item) for item in details))
+        got = got_of(detail)
     return Mistake(source.place(path), ".".join(path), wanted, got, advice)
 
 
-def _wanted(detail: ErrorDetails) -> str:
+def wanted_of(detail: ErrorDetails) -> str:
+    """What was wanted in the place of one error."""
     kind, context = detail["type"], detail.get("ctx", {})
     if kind in _WANTED:
         return _WANTED[kind]
-    if kind in ("literal_error", "union_tag_invalid"):
+    if kind in ("literal_error", "enum", "union_tag_invalid"):
         return f"one of {context.get('expected', context.get('expected_tags'))}"
     if kind == "value_error":
         return str(context["error"])
@@ -116,7 +119,8 @@ def _wanted(detail: ErrorDetails) -> str:
     return detail["msg"]
 
 
-def _got(detail: ErrorDetails) -> str:
+def got_of(detail: ErrorDetails) -> str:
+    """What came there."""
     if detail["type"] in ("missing", "union_tag_not_found"):
         return "nothing"
     if detail["type"] == "union_tag_invalid":

@@ -8,15 +8,19 @@ import os
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from enum import Enum
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
 
 SCHEMA_VERSION: Final = 1
+OMITTED: Final = {"omitted": True}
+"""The metadata of a dataclass's field that is absent from the JSON while it is None."""
 MANY: Final = 1000
 """A longer list in a record is a table: one line an item."""
 DISTRIBUTIONS: Final = ("rockcheck", "numpy", "scipy", "numba", "pybullet", "pymunk", "trimesh", "mujoco")
@@ -47,7 +51,8 @@ class Run:
     `history` is None when only the outcome was asked. `steps` counts integration steps; `work` further counts by name
     (evaluations, iterations, ...). `skipped` are sentences on what was left out and why the result is the same; `warnings` are
     sentences for the user. `motion_axes` are the axes along which the floor moves in the motion that the engine was
-    given (None: not stated).
+    given (None: not stated). `interventions` is what the harness wrote to the engine's bodies, by kind; empty for an engine as
+    it comes.
     """
 
     engine: str
@@ -76,6 +81,7 @@ class Run:
     labels: Sequence[str] = ()
     message: str = ""
     motion_axes: Sequence[str] | None = None
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""
@@ -87,22 +93,6 @@ class Run:
             warnings=(*self.warnings, *warnings),
         )
 
-    def as_dict(self) -> dict[str, Any]:
-        """The run as plain JSON values, without its history."""
-        plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
-        plain["outcome"] = self.outcome.value
-        plain["outcome_sentence"] = self.outcome.sentence
-        plain["patterns"] = [[p.start_s, p.end_s, p.name] for p in self.patterns]
-        return {name: to_plain(value) for name, value in plain.items()}
-
-
-def run_of(plain: Mapping[str, Any], history: History | None, wall_s: float) -> Run:
-    """The run that `Run.as_dict` made plain, with its history again."""
-    known = {name: plain[name] for name in Run.__dataclass_fields__ if name in plain}
-    known["outcome"] = Outcome(plain["outcome"])
-    known["patterns"] = tuple(Pattern(*stretch) for stretch in plain["patterns"])
-    return Run(**(known | {"history": history, "wall_s": wall_s}))
-
 
 def impacts(run: Mapping[str, Any]) -> int:
     """Number of impacts of a run as plain values; a run for the outcome alone counts them and lists none."""
@@ -113,7 +103,10 @@ _PLAIN: Final = frozenset({str, int, bool, type(None)})
 
 
 def to_plain(value: Any) -> Any:
-    """Turn numpy scalars, arrays, tuples and mappings into what JSON holds; a number that is not finite becomes None."""
+    """Turn numpy scalars, arrays, tuples, mappings, enumerations and dataclasses into what JSON holds.
+
+    A number that is not finite becomes None; a dataclass's field marked `OMITTED` is left out while it is None.
+    """
     kind = type(value)
     # Nearly all values of a record are one of these, and a study asks a million times.
     if kind is float:
@@ -124,6 +117,11 @@ def to_plain(value: Any) -> Any:
         return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, frozenset, set)):
         return [to_plain(item) for item in value]
+    if isinstance(value, Enum):
+        return value.value
+    if is_dataclass(value):
+        own = [(each, getattr(value, each.name)) for each in fields(value)]
+        return {each.name: to_plain(item) for each, item in own if item is not None or "omitted" not in each.metadata}
     if hasattr(value, "tolist"):
         return to_plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):

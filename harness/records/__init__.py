@@ -1,1 +1,1 @@
-"""What a run leaves behind: its description as plain values, and the folder that is its own."""
+"""What a run leaves behind: one typed class for each kind of record, and the folder that is its own."""

@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.model.errors import InputError, Mistake
+from harness.model.run import write_json
+from harness.records.base import Record, as_file
 
 RECORD: Final = "result.json"
 COMING: Final = ".coming.json"
@@ -178,15 +180,13 @@ def writing(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def replacing(
-    folder: Path, record_of: Callable[[Mapping[str, str | None]], Mapping[str, Any]], kind: str = "run"
+    folder: Path, record_of: Callable[[Mapping[str, str | None]], Record], kind: str = "run"
 ) -> Iterator[Path]:
     """A folder beside, whose files become the result in `folder` together with their record; what was its own before goes.
 
     `record_of` makes the record from the listing of its files. A write that is killed leaves files that one of both records
     lists. Raises `InputError` for a folder that is another's.
     """
-    from harness.model import run as record
-
     check_folder(folder, (kind,))
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -199,7 +199,7 @@ def replacing(
         check_folder(folder, (kind,), [path.name for path in written])
         files = listing(written)
         before = owned(folder)
-        record.write_json(fresh / COMING, record_of(files))
+        write_json(fresh / COMING, as_file(record_of(files)))
         (fresh / COMING).replace(folder / COMING)
         for path in written:
             path.replace(folder / path.name)

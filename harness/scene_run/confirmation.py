@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from harness.comparison.verdict import Verdict
-
-if TYPE_CHECKING:
-    from harness.comparison.comparator import Scores
+from harness.records.scores import ROBUST, Scores
 
 FINER: Final = 4.0
 """The finer run's target is this many times smaller: some two halvings of the step."""
 SURE: Final = 30.0
 """A difference of this many times its limit is no luck of two runs that agree: none was off by more than twelve times what it
 stated on 303 scenes before their sensitivity was asked."""
-ROBUST: Final = frozenset({Verdict.MODEL, Verdict.PLANE})
 
 
 def doubted(scores: Mapping[str, Scores]) -> set[str]:
@@ -25,6 +21,6 @@ def doubted(scores: Mapping[str, Scores]) -> set[str]:
 
 def _close(scores: Scores) -> bool:
     seen = scores.evidence
-    if seen["differs_in"] == "slip":
-        return bool(seen["largest_reliable_slip_difference_m"] < SURE * seen["slip_limit_m"])
-    return bool(seen["largest_reliable_difference_rad"] < SURE * seen["limit_rad"])
+    if seen.differs_in == "slip":
+        return seen.largest_reliable_slip_difference_m < SURE * seen.slip_limit_m
+    return seen.largest_reliable_difference_rad < SURE * seen.limit_rad

@@ -8,26 +8,27 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
 from harness.engines.base import EngineFailure
 from harness.input.paths import read_files
-from harness.model import run as record
 from harness.model.history import Outcome, history_file
 from harness.model.options import RunOptions
-from harness.model.run import SCHEMA_VERSION, Run
+from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
-from harness.records import description as describe
+from harness.records.assess import Assessment
 from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
-from harness.statics.plan import plan
+from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.scene import SceneRecord, motion_of
+from harness.records.scores import Scores
+from harness.records.witness import Witness
+from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
 if TYPE_CHECKING:
     from harness.accuracy.horizon import Horizon
-    from harness.assess.assessment import Assessment
-    from harness.comparison.comparator import Scores
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +38,11 @@ class Result:
     scene: Scene
     runs: Mapping[str, Run]
     scores: Mapping[str, Scores]
-    plan: Sequence[Mapping[str, Any]]
+    plan: Sequence[Step]
     seconds: float
     horizons: Mapping[str, Horizon] = field(default_factory=dict)
     assessment: Mapping[str, Assessment] = field(default_factory=dict)
+    witness: Mapping[str, Witness] = field(default_factory=dict)
 
     @property
     def failed(self) -> bool:
@@ -52,29 +54,26 @@ class Result:
         runs = (run for run in self.runs.values() if run.outcome.failed)
         return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
 
-    def as_dict(self) -> dict[str, Any]:
-        """The whole record as it stands in `result.json`."""
-        plain: dict[str, Any] = record.to_plain(
-            {
-                "schema_version": SCHEMA_VERSION,
-                "kind": "run",
-                "title": self.scene.title,
-                "scene": describe.describe(self.scene),
-                "notes": self.scene.notes,
-                "motion": describe.motion_of(self.scene),
-                "runs": {name: run.as_dict() for name, run in self.runs.items()},
-                "histories": [name for name, run in self.runs.items() if run.history is not None],
-                "scores": {pair: scores.as_dict() for pair, scores in self.scores.items()},
-                "horizons": {name: horizon.as_dict() for name, horizon in self.horizons.items()},
-                "assessment": {name: item.as_dict() for name, item in self.assessment.items()},
-                "plan": self.plan,
-                "warnings": [f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
-                "seconds": self.seconds,
-                "versions": record.versions(),
-                "machine": record.machine(),
-            }
+    def record(self, files: Mapping[str, str | None] | None = None) -> RunRecord:
+        """The whole record as it stands in `result.json`; `files` lists what lies beside it."""
+        return RunRecord(
+            title=self.scene.title,
+            scene=SceneRecord.of(self.scene),
+            notes=self.scene.notes,
+            motion=motion_of(self.scene),
+            runs={name: EngineRunRecord.of(run) for name, run in self.runs.items()},
+            histories=[name for name, run in self.runs.items() if run.history is not None],
+            scores=self.scores,
+            horizons={name: horizon.record() for name, horizon in self.horizons.items()},
+            assessment=self.assessment,
+            witness=self.witness,
+            plan=self.plan,
+            warnings=[f"{name}: {text}" for name, run in self.runs.items() for text in run.warnings],
+            seconds=self.seconds,
+            versions=versions(),
+            machine=machine(),
+            files=files,
         )
-        return plain
 
 
 def run_scene(
@@ -89,6 +88,7 @@ def run_scene(
     horizon: bool = False,
     apart: bool = False,
     assess: bool = False,
+    witness: bool = False,
     stored: Mapping[str, Run] | None = None,
 ) -> Result:
     """Run a scene with the named engines and score every pair; `told` hears which engine is at work.
@@ -97,7 +97,8 @@ def run_scene(
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
     `multiprocessing` wants it); the results are the same. With `assess` the analytic model's probability of overturning is found
-    from what the scene does not know. `stored` are runs of this very scene and target that are there already.
+    from what the scene does not know. With `witness` engines as they come are run beside those that locate events
+    (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already.
     """
     check_target(accuracy_rad, dt_s)
     want = want or RunOptions()
@@ -139,12 +140,17 @@ def run_scene(
         if doubtful:
             answers = [run for run in runs.values() if not run.outcome.failed]
             scores = _scores(scene, answers, known, iso)
+    seen: Mapping[str, Witness] = {}
+    if witness:
+        from harness.scene_run.witness import witnesses
+
+        told("witness")
+        seen = witnesses(scene, runs, want)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
-    plain = [step.as_dict() for step in steps]
     assessed = _assessed(scene, told) if assess else {}
-    return Result(scene, runs, scores, plain, time.perf_counter() - start, horizons, assessed)
+    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessed, seen)
 
 
 def _assessed(scene: Scene, told: Callable[[str], None]) -> dict[str, Assessment]:
@@ -208,7 +214,7 @@ def write_result(result: Result, folder: Path) -> Path:
     something else would be lost.
     """
     check_writing(folder, result.scene, list(result.runs))
-    with replacing(folder, lambda files: {**result.as_dict(), "files": files}) as fresh:
+    with replacing(folder, result.record) as fresh:
         for name, run in result.runs.items():
             if run.history is not None:
                 run.history.write_csv(fresh / history_file(name))

@@ -42,10 +42,6 @@ class Step:
     applies: bool
     reason: str
 
-    def as_dict(self) -> dict[str, Any]:
-        """The decision as plain values."""
-        return {"skip": self.skip, "engine": self.engine, "applies": self.applies, "reason": self.reason}
-
     def __str__(self) -> str:
         return f"{'skip' if self.applies else 'keep'} {self.skip} ({self.engine}): {self.reason}"
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, ZeroExcitation
-from harness.model.scene import Scene
+from harness.model.scene import Pedestal, Scene
 from meshes.footprint import outward_sides
 
 Array = NDArray[np.float64]
@@ -23,7 +23,8 @@ CREST: Final = 1e-3
 """A formula's crest lies between the instants looked at: a value this near to its own peak is that peak."""
 FACTOR_ROUNDING: Final = 1e-7
 """A factor is told to four digits; it is found to a thousandth of the last."""
-CAUSES: Final[Mapping[str, str]] = {
+Cause = Literal["statue_tips", "statue_slides", "pedestal_slides", "pedestal_tips"]
+CAUSES: Final[Mapping[Cause, str]] = {
     "statue_tips": "the statue tips",
     "statue_slides": "the statue slides on its support",
     "pedestal_slides": "the pedestal slides on the floor",
@@ -41,18 +42,13 @@ class Push:
     """
 
     peak: float
-    shares: Mapping[str, float]
+    shares: Mapping[Cause, float]
 
     @property
-    def first(self) -> tuple[str, float]:
+    def first(self) -> tuple[Cause, float]:
         """The cause that gives way first under this motion, and its share."""
         cause = max(self.shares, key=lambda name: self.shares[name])
         return cause, self.shares[cause]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values; an infinite share is None."""
-        shares = {name: share if np.isfinite(share) else None for name, share in self.shares.items()}
-        return {"peak": self.peak, "shares": shares, "first": self.first[0]}
 
 
 def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
@@ -94,23 +90,22 @@ def _level(parts: tuple[Excitation, ...], t_s: Array, x_factor: float) -> Array:
     return -np.column_stack([x_factor * parts[0].accel_m_s2(t_s), parts[1].accel_m_s2(t_s)])
 
 
-def _limits(scene: Scene) -> tuple[str, ...]:
+def _limits(scene: Scene) -> tuple[Cause, ...]:
     return tuple(name for name in CAUSES if not name.startswith("pedestal") or scene.pedestal is not None)
 
 
-def _needed(scene: Scene, level_m_s2: Array) -> dict[str, Array]:
+def _needed(scene: Scene, level_m_s2: Array) -> dict[Cause, Array]:
     """By cause the weight on each kilogram (n,) below which the statue moves so under these pushes."""
     statue, contact = scene.statue, scene.contact
     normals, reach = outward_sides(statue.footprint_m)
     size = np.hypot(*level_m_s2.T)
     with np.errstate(divide="ignore", invalid="ignore"):
-        needed = {
+        needed: dict[Cause, Array] = {
             "statue_tips": (level_m_s2 @ (normals / reach[:, None]).T).max(axis=1) * statue.centroid_height_m,
             "statue_slides": size / contact.statue,
         }
         if scene.pedestal is not None:
-            stone = vars(scene.pedestal)
-            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, stone)
+            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, scene.pedestal)
             over = [direction * level_m_s2[:, axis] / np.float64(share) for (axis, direction), share in sides.items()]
             needed["pedestal_tips"] = np.max(over, axis=0)
             needed["pedestal_slides"] = np.where(size > 0.0, size / np.float64(contact.floor_static), 0.0)
@@ -118,18 +113,18 @@ def _needed(scene: Scene, level_m_s2: Array) -> dict[str, Array]:
 
 
 def tipping_of_pedestal(
-    mass_kg: float, centroid_height_m: float, base_centre_m: float, pedestal: Mapping[str, Any]
+    mass_kg: float, centroid_height_m: float, base_centre_m: float, pedestal: Pedestal
 ) -> dict[tuple[int, int], float]:
     """The pushes, as shares of the weight, from which pedestal and statue tip as one body, by (axis, direction): ±x, ±y.
 
     About an edge of the pedestal: push (m₁ H/2 + m₂ (H + h)) = g (m₁ d₁ + m₂ d₂), d being the distances of both centroids from
     the edge. A centroid beyond its edge leaves nothing.
     """
-    stone_kg, height_m = float(pedestal["mass_kg"]), float(pedestal["height_m"])
+    stone_kg, height_m = pedestal.mass_kg, pedestal.height_m
     lever = 0.5 * stone_kg * height_m + mass_kg * (height_m + centroid_height_m)
     sides = {}
-    for axis, size, centre in ((0, "width_m", base_centre_m + float(pedestal["offset_m"])), (1, "depth_m", 0.0)):
-        half = 0.5 * float(pedestal[size])
+    for axis, size_m, centre in ((0, pedestal.width_m, base_centre_m + pedestal.offset_m), (1, pedestal.depth_m, 0.0)):
+        half = 0.5 * size_m
         for direction in (1, -1):
             share = (stone_kg * half + mass_kg * (half + direction * centre)) / lever
             sides[axis, direction] = max(share, 0.0)

@@ -10,9 +10,10 @@ from typing import Any, Final
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions
 from harness.comparison.statistics.outcomes import Case, score_outcomes
-from harness.comparison.verdict import Side, Verdict, judge, shares
+from harness.comparison.verdict import Side, judge, shares
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
+from harness.records.scores import Verdict
 
 LEAST: Final = 8
 """Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
@@ -69,8 +70,8 @@ def _judged(a: Row, b: Row, history: Callable[[str], History | None]) -> tuple[C
     case = Case(
         Outcome(run_a["outcome"]),
         Outcome(run_b["outcome"]),
-        bool(found.evidence["outcome_flips_within_uncertainty"]),
-        bool(found.evidence["side_flips_within_uncertainty"]),
+        found.evidence.outcome_flips_within_uncertainty,
+        found.evidence.side_flips_within_uncertainty,
         (run_a["no_return_time_s"], run_b["no_return_time_s"]),
     )
     return case, found.verdict

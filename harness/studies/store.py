@@ -15,7 +15,9 @@ import numpy as np
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
-from harness.model.run import Run, run_of, to_plain
+from harness.model.run import Run, to_plain
+from harness.records.base import part
+from harness.records.run import EngineRunRecord
 from harness.studies.serialization import pack, unpack
 
 STORE_NAME: Final = "store.sqlite"
@@ -70,7 +72,7 @@ def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
 
 def packed(key: str, run: Run, histories: bool = False) -> Packed:
     """Pack a finished run: what costs time is done where it ran, and the store only writes."""
-    plain = run.as_dict()
+    plain = to_plain(EngineRunRecord.of(run))
     # Times differ from run to run: they stand apart, so that two stores of one study are equal row for row.
     seconds = plain.pop("wall_s")
     text = json.dumps(plain, sort_keys=True, allow_nan=False, separators=(",", ":"))
@@ -202,7 +204,10 @@ class Store:
     def run(self, key: str) -> Run | None:
         """The run of a key as it was when it was stored, None where there is none or its history was not kept."""
         row, history = self.get(key), self.history(key)
-        return None if row is None or history is None else run_of(row.record, history, self.seconds(key) or 0.0)
+        if row is None or history is None:
+            return None
+        seconds = self.seconds(key) or 0.0
+        return part(EngineRunRecord, {**row.record, "wall_s": seconds}, self.path).run(history)
 
     def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""

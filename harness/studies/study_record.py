@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.model import run as record
 from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
-from harness.records.description import describe
+from harness.records.scene import SceneRecord
 from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
@@ -59,7 +59,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         "kind": "study",
         "title": study.title,
         "file": path.name,
-        "scene": describe(scene),
+        "scene": SceneRecord.of(scene),
         "notes": scene.notes,
         "vary": {item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
         "supports": supports(study, scene, rows),

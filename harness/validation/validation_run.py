@@ -164,7 +164,7 @@ def _histories(
             found.append({"test": trial.name, "scores": None})
             continue
         scores = compare(computed, read_history(trial.history), names=(model.name, f"measured {trial.name}"))
-        found.append({"test": trial.name, "scores": scores.as_dict()})
+        found.append({"test": trial.name, "scores": record.to_plain(scores)})
     return found
 
 

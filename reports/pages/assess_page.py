@@ -1,17 +1,15 @@
-"""The page of an assessment: how probable the fall is, by each model; what it depends on; how strong a shaking is borne.
-
-The record: `kind` "assess", `title`, `uncertainty` (each `key`, `kind`, `value`, `width`), `assumed`, `seed`, `assessment` and
-`difference_from_model` by engine, `fragility`, `indices` (absent where a draw needs the scene read again), `versions`, `machine`.
-"""
+"""The page of an assessment: how probable the fall is, by each model; what it depends on; how strong a shaking is borne."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.assess.assessment import percent, sentence
+from harness.model.scene import Uncertain
+from harness.records.assess import Assessment, AssessRecord, FragilityRecord, Index, NotAssessed, ProbabilityDifference
 from reports.charts.palette import HAIRLINE, INK, MUTED
+from reports.source import read_typed
 from reports.text.chance import tone
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
@@ -22,77 +20,78 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(folder: Path, _plain: object) -> dict[str, object]:
     """Everything that the assess template shows."""
+    record = read_typed(folder, AssessRecord)
     return {
-        "title": record["title"],
+        "title": record.title,
         "verdict": assess_verdict(record),
-        "rows": [(name, _cells(item)) for name, item in record["assessment"].items()],
-        "inputs": [
-            (item["key"], [digits(item["value"]), item["kind"], _width(item)]) for item in record["uncertainty"]
-        ],
-        "assumed": record["assumed"],
-        "indices": [
-            (key, [f"{item['first']:.2f}", f"{item['total']:.2f}"]) for key, item in record.get("indices", {}).items()
-        ],
-        "chart": _chart(record["fragility"]) if "fragility" in record else None,
-        "notes": record["notes"],
-        "seed": record["seed"],
-        "versions": record["versions"],
-        "machine": record["machine"],
+        "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
+        "inputs": [(item.key, [digits(item.value), item.kind, _width(item)]) for item in record.uncertainty],
+        "assumed": record.assumed,
+        "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
+        "chart": None if record.fragility is None else _chart(record.fragility),
+        "notes": record.notes,
+        "seed": record.seed,
+        "versions": record.versions,
+        "machine": record.machine,
     }
 
 
-def assess_verdict(record: Mapping[str, Any]) -> Verdict:
+def assess_verdict(record: AssessRecord) -> Verdict:
     """The first model's probability, then what the others say, and the factors on the motion."""
-    answers = {name: item for name, item in record["assessment"].items() if "probability_overturned" in item}
+    answers = record.answers
     if not answers:
         return Verdict("No model could assess this scene", "failed", [])
     # The most probable fall decides the colour: one model's optimism is no reason for green.
-    worst = max(answers.values(), key=lambda item: float(item["high"]))
+    worst = max(answers.values(), key=lambda item: item.high)
     first = next(iter(answers))
     points = [f"{name}: {sentence(item)}." for name, item in answers.items()]
-    points += [_difference(name, item) for name, item in record["difference_from_model"].items()]
-    at = record.get("fragility", {}).get("factor_at", {})
+    points += [_difference(name, item) for name, item in record.difference_from_model.items()]
+    at = record.fragility.factor_at if record.fragility is not None else {}
     known = [f"{percent(float(key))} % at {value:.2f}" for key, value in at.items() if value is not None]
     if known:
         points.append(f"Probability of a fall by the factor on today's shaking: {', '.join(known)}.")
-    order = sorted(record.get("indices", {}).items(), key=lambda item: -float(item[1]["total"]))
-    if order and order[0][1]["total"] >= MATTERS:
-        points.append(
-            f"What decides most is {order[0][0]}: {percent(order[0][1]['total'])} % of the doubt hangs on it."
-        )
+    key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
+    if most.total >= MATTERS:
+        points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
     return Verdict(f"The statue {sentence(answers[first])}", tone(worst), points)
 
 
-def _cells(item: Mapping[str, Any]) -> list[str]:
-    if "probability_overturned" not in item:
-        return ["not here", item["message"], "", ""]
-    interval = f"{percent(item['low'])} to {percent(item['high'])} % (level {percent(item['level'])} %)"
-    undecided = f"{percent(item['undecided'])} %"
-    return [f"{percent(item['probability_overturned'])} %", interval, f"{item['engine_runs']}", undecided]
+def _cells(item: Assessment | NotAssessed | None) -> list[str]:
+    if not isinstance(item, Assessment):
+        return ["not here", "" if item is None else item.message, "", ""]
+    interval = f"{percent(item.low)} to {percent(item.high)} % (level {percent(item.level)} %)"
+    return [
+        f"{percent(item.probability_overturned)} %",
+        interval,
+        f"{item.engine_runs}",
+        f"{percent(item.undecided)} %",
+    ]
 
 
-def _difference(name: str, item: Mapping[str, float]) -> str:
-    low, high = 100.0 * item["low"], 100.0 * item["high"]
-    told = f"the model's probability less that of {name} is {100.0 * item['value']:+.1f} points ({low:+.1f} to {high:+.1f})"
-    if item["low"] > 0.0 or item["high"] < 0.0:
-        return f"The model {'over' if item['low'] > 0.0 else 'under'}states the danger: {told}."
+def _difference(name: str, item: ProbabilityDifference) -> str:
+    low, high = 100.0 * item.low, 100.0 * item.high
+    told = (
+        f"the model's probability less that of {name} is {100.0 * item.value:+.1f} points ({low:+.1f} to {high:+.1f})"
+    )
+    if low > 0.0 or high < 0.0:
+        return f"The model {'over' if low > 0.0 else 'under'}states the danger: {told}."
     return f"No difference is shown between the model and {name}: {told}."
 
 
-def _width(item: Mapping[str, Any]) -> str:
+def _width(item: Uncertain) -> str:
     words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
-    return f"{words[item['kind']]} {digits(item['width'])}"
+    return f"{words[item.kind]} {digits(item.width)}"
 
 
-def _chart(fragility: Mapping[str, Any]) -> dict[str, Any]:
+def _chart(fragility: FragilityRecord) -> dict[str, object]:
     data = [
         {
             "type": "scatter",
             "mode": "lines+markers",
-            "x": fragility["factor"],
-            "y": fragility["probability_overturned"],
+            "x": fragility.factor,
+            "y": fragility.probability_overturned,
             "line": {"color": INK, "width": 2},
             "name": "analytic",
             "showlegend": False,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from harness.comparison.verdict import Verdict as Verdicts
+from harness.records.scores import Verdict as Verdicts
 from harness.validation.scenes import GRAVITY_M_S2
 from reports.charts.palette import HAIRLINE, INK, faint, look
 from reports.text.numbers import count_word, digits, listed, plain, short, unit

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Final
 
 from harness.assess.assessment import sentence
+from harness.records.assess import Assessment
+from harness.records.base import part
 
 SAFE: Final = 0.05
 """Green only where the probability of falling is at most this, and"""
@@ -16,11 +19,11 @@ LIKELY: Final = 0.5
 SEVERITY: Final = ("agree", "differ", "failed")
 
 
-def tone(item: Mapping[str, Any]) -> str:
+def tone(item: Assessment) -> str:
     """The colour of a probability: green only where a fall is improbable, and its interval says so too."""
-    if item["probability_overturned"] <= SAFE and item["high"] < SAFE_HIGH:
+    if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
         return "agree"
-    return "failed" if item["probability_overturned"] >= LIKELY else "differ"
+    return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
 def first_line(record: Mapping[str, Any], headline: str, colour: str) -> tuple[str, str]:
@@ -28,10 +31,10 @@ def first_line(record: Mapping[str, Any], headline: str, colour: str) -> tuple[s
 
     The worse of both colours: a probability makes no run's green greener.
     """
-    answers = record.get("assessment") or {}
+    answers = [part(Assessment, item, Path("result.json")) for item in (record.get("assessment") or {}).values()]
     if not answers:
         return headline, colour
-    item = max(answers.values(), key=lambda each: float(each["high"]))
+    item = max(answers, key=lambda each: each.high)
     nominal = headline[0].lower() + headline[1:]
     worse = max(colour, tone(item), key=SEVERITY.index)
     return f"The statue {sentence(item)}. As given, once: {nominal}", worse

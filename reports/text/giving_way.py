@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.model.scene import Pedestal
 from harness.statics.push import CAUSES, tipping_of_pedestal
 from reports.drawing.kinematics import Array
 from reports.text.numbers import listed, percent, short
@@ -156,7 +157,9 @@ def pedestal_tips(scene: Mapping[str, Any], support: Support) -> dict[str, float
     if stone is None or True not in support.pedestal:
         return {}
     centre = 0.5 * (float(statue["corner_right_m"]) - float(statue["corner_left_m"]))
-    pushes = tipping_of_pedestal(float(statue["mass_kg"]), float(statue["centroid_height_m"]), centre, stone)
+    pushes = tipping_of_pedestal(
+        float(statue["mass_kg"]), float(statue["centroid_height_m"]), centre, Pedestal(**stone)
+    )
     names = {(0, 1): "right", (0, -1): "left", (1, 1): "back", (1, -1): "front"}
     return {names[side]: push for side, push in pushes.items()}
 

@@ -58,6 +58,7 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "pedestal_tipping_margin_m": "pedestal's least margin against tipping",
     "pedestal_tipping_margin_at_impact_m": "the same at impacts",
     "energy_gained_j": "energy gained",
+    "lost_in_impacts_j": "energy lost in impacts",
     "energy_lost_j": "energy lost",
     "impact_ratios": "angular velocity after each impact over before",
     "statue_slip_m": "slip of the statue on its support",

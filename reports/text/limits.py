@@ -10,7 +10,7 @@ import numpy as np
 from harness.model.history import History
 from reports.source import RunSource
 from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
-from reports.text.numbers import listed, short
+from reports.text.numbers import digits, listed, short
 
 FOLLOWED: Final[Mapping[str, str]] = {
     "yaw_rad": "yaw_rad",
@@ -23,13 +23,30 @@ FOLLOWED: Final[Mapping[str, str]] = {
 
 def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
     """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
-    found = {}
+    found: dict[str, Sequence[tuple[str, str]]] = {}
     for name, run in source.runs.items():
         if not run["validity"]:
             continue
         before = before_fall(run, source.histories.get(name))
-        found[name] = validity_rows(run["validity"], before, run["no_return_time_s"])
+        found[name] = [*validity_rows(run["validity"], before, run["no_return_time_s"]), *interventions_row(run)]
     return found
+
+
+def interventions_row(run: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What was written to the engine's bodies on the way, in one line; none for an engine as it comes."""
+    written: Mapping[str, Mapping[str, Any]] = run.get("interventions") or {}
+    if not written:
+        return []
+    total = {key: sum(item[key] for item in written.values()) for key in next(iter(written.values()))}
+    kinds = listed(f"{kind.replace('_', ' ')} {item['count'] or item['steps_again']}" for kind, item in written.items())
+    lost = run["validity"].get("lost_in_impacts_j")
+    beside = "" if lost is None else f", where impacts lost {digits(lost, 2)} J"
+    told = (
+        f"{kinds} times: in all {digits(total['moved_m'], 2)} m, {digits(total['velocity_m_s'], 2)} m/s, "
+        f"{digits(total['rate_rad_s'], 2)} rad/s; {digits(total['given_j'], 2)} J given and {digits(total['taken_j'], 2)} J taken"
+        f"{beside}; {total['steps_again']} steps solved again"
+    )
+    return [("written to its bodies", told)]
 
 
 def before_fall(run: Mapping[str, Any], history: History | None) -> dict[str, float]:

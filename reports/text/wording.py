@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.comparison.verdict import Verdict as Difference
 from harness.model.history import Outcome
+from harness.records.scores import Verdict as Difference
 from reports.drawing.kinematics import section
 from reports.source import RunSource
 from reports.text.chance import first_line

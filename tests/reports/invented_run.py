@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +13,30 @@ from analytic.excitation import Harmonic
 from harness.model.history import History, Outcome
 from harness.model.run import Pattern, Run
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue, Wall
+from harness.records.scores import Evidence, Scores, Verdict
 from harness.scene_run.scene_run import Result, write_result
+from harness.statics.plan import Step
 
 MASS_KG = 707.0
 
 
-@dataclass(frozen=True)
-class InventedScores:
+def invented_scores(a: str, b: str, sentence: str) -> Scores:
     """Stands in for the comparator's scores, which have their own tests."""
-
-    sentence: str
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values as a record holds them."""
-        return {
-            "rms_theta_rad": 1.25e-4,
-            "peak_ratio": 0.997,
-            "together_until_s": 4.5,
-            "verdict": "agree",
-            "verdict_sentence": self.sentence,
-        }
+    none: dict[str, Any] = {each.name: None for each in fields(Scores) if "None" in str(each.type)}
+    lists: dict[str, Any] = {each.name: () for each in fields(Scores) if str(each.type).startswith("Sequence[float")}
+    known = {"rms_theta_rad": 1.25e-4, "peak_ratio": 0.997, "together_until_s": 4.5, "together_tolerance_rad": 0.01}
+    alone = {f"{kind}_alone_{side}": 0 for kind in ("uplifts", "impacts") for side in "ab"}
+    evidence = {each.name: None for each in fields(Evidence) if each.default is MISSING}
+    evidence |= {"limit_rad": 1e-3, "coverage": 2.0, "left_domain_by": "", "outcome_flips_within_uncertainty": False}
+    evidence |= dict.fromkeys(("largest_difference_rad", "largest_reliable_difference_rad"), 1e-4)
+    return Scores(
+        **none
+        | lists
+        | known
+        | alone
+        | {"a": a, "b": b, "peak_theta_a_rad": 0.1, "peak_theta_b_rad": 0.1, "numerical_uncertainty": {}}
+        | {"verdict": Verdict.AGREE, "verdict_sentence": sentence, "evidence": Evidence(**evidence)}
+    )
 
 
 def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
@@ -119,9 +123,9 @@ def write_invented(folder: Path, *, disagree: bool = False, mesh: bool = False, 
         "pybullet": invented_run("pybullet", invented_history(0.02, falls=disagree), fallen, 2e-3),
     }
     scores = {
-        "analytic_vs_pymunk": InventedScores("they agree within their numerical errors"),
-        "analytic_vs_pybullet": InventedScores("they agree until 4.5 s"),
+        "analytic_vs_pymunk": invented_scores("analytic", "pymunk", "they agree within their numerical errors"),
+        "analytic_vs_pybullet": invented_scores("analytic", "pybullet", "they agree until 4.5 s"),
     }
-    plan = [{"skip": "quiet_start", "engine": "*", "applies": True, "reason": "nothing can move before 0.2 s"}]
-    write_result(Result(scene, runs, scores, plan, 1.9), folder)  # type: ignore[arg-type]
+    plan = [Step("quiet_start", "*", True, "nothing can move before 0.2 s")]
+    write_result(Result(scene, runs, scores, plan, 1.9), folder)
     return folder

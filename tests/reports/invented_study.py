@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from harness.model import run as record
-from harness.records import description as describe
+from harness.records.base import plain
+from harness.records.scene import SceneRecord
 from harness.studies import claims
 from tests.reports.invented_run import block_scene, invented_history
 
@@ -49,7 +50,7 @@ def _record(title: str, rows: list[dict[str, Any]], **more: Any) -> dict[str, An
         "kind": "study",
         "title": title,
         "file": "invented.toml",
-        "scene": describe.describe(block_scene(wall=False)),
+        "scene": plain(SceneRecord.of(block_scene(wall=False))),
         "notes": [],
         "vary": {key: sorted({row["varied"][key] for row in rows}, key=str) for key in keys},
         "summary": {"sentence": f"{len(rows)} runs wanted, {len(rows)} computed"},

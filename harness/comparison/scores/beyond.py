@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any, Final
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from harness.comparison.scores.events import Excursions
 from harness.comparison.statistics import distributions
 from harness.model.history import Array
 from harness.model.history_pair import Pair
+from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
 LEAST: Final = 8
 """Fewer excursions than this have no distribution worth a probability: a quartile would rest on two values."""
@@ -20,7 +21,7 @@ INSTANTS: Final = 1001
 """Equally spaced instants that stand for the rotation's distribution: a thousandth in probability."""
 
 
-def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: float) -> dict[str, Any] | None:
+def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: float) -> AfterHorizon | None:
     """Distributions of the excursions' peaks and of the rotation after `until_s`; None when it is not passed.
 
     `peaks` holds the distances of the peaks' distributions, with their interval and what chance alone would give from 8
@@ -34,19 +35,20 @@ def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: flo
     largest = [
         max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)
     ]
-    record: dict[str, Any] = {
-        "from_s": begin_s,
-        "until_s": both.end_s,
-        "largest_a_rad": largest[0],
-        "largest_b_rad": largest[1],
-        "last_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
-        "last_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]),
-        "rotation": {"area_rad": distributions.area_metric(*rotation), "ks": distributions.ks_distance(*rotation)},
-        "excursions_a": peaks[0].size,
-        "excursions_b": peaks[1].size,
-        "peaks": _peaks(*peaks),
-    }
-    return record | {"sentence": _sentence(record)}
+    record = AfterHorizon(
+        from_s=begin_s,
+        until_s=both.end_s,
+        largest_a_rad=largest[0],
+        largest_b_rad=largest[1],
+        last_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
+        last_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]),
+        rotation=Apart(distributions.area_metric(*rotation), distributions.ks_distance(*rotation)),
+        excursions_a=peaks[0].size,
+        excursions_b=peaks[1].size,
+        peaks=_peaks(*peaks),
+        sentence="",
+    )
+    return replace(record, sentence=_sentence(record))
 
 
 def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
@@ -56,31 +58,29 @@ def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
     return a, b
 
 
-def _peaks(a: Array, b: Array) -> dict[str, Any] | None:
+def _peaks(a: Array, b: Array) -> PeaksApart | None:
     if min(a.size, b.size) >= LEAST:
         scores = distributions.compare_distributions(a, b, resamples=RESAMPLES)
-        return {
-            "area_rad": scores.area.value,
-            "area_interval_rad": asdict(scores.area),
-            "area_by_chance_rad": scores.area_null,
-            "ks": scores.ks,
-            "ks_p": scores.ks_p,
-        }
+        return PeaksApart(
+            area_rad=scores.area.value,
+            area_interval_rad=scores.area,
+            area_by_chance_rad=scores.area_null,
+            ks=scores.ks,
+            ks_p=scores.ks_p,
+        )
     if min(a.size, b.size) == 0:
         return None
-    return {"area_rad": distributions.area_metric(a, b), "ks": distributions.ks_distance(a, b)}
+    return PeaksApart(area_rad=distributions.area_metric(a, b), ks=distributions.ks_distance(a, b))
 
 
-def _sentence(record: dict[str, Any]) -> str:
-    text = f"from {record['from_s']:.4g} s to {record['until_s']:.4g} s only distributions compare: "
-    text += f"|θ| over time lies {record['rotation']['area_rad']:.2g} rad apart on average"
-    peaks = record["peaks"]
+def _sentence(record: AfterHorizon) -> str:
+    text = f"from {record.from_s:.4g} s to {record.until_s:.4g} s only distributions compare: "
+    text += f"|θ| over time lies {record.rotation.area_rad:.2g} rad apart on average"
+    peaks = record.peaks
     if peaks is None:
-        return f"{text}; {record['excursions_a']} against {record['excursions_b']} excursions."
-    text += (
-        f", the peaks of {record['excursions_a']} and {record['excursions_b']} excursions {peaks['area_rad']:.2g} rad"
-    )
-    if "area_by_chance_rad" not in peaks:
+        return f"{text}; {record.excursions_a} against {record.excursions_b} excursions."
+    text += f", the peaks of {record.excursions_a} and {record.excursions_b} excursions {peaks.area_rad:.2g} rad"
+    chance = peaks.area_by_chance_rad
+    if chance is None:
         return f"{text} (too few to tell from chance)."
-    chance = peaks["area_by_chance_rad"]
-    return f"{text} ({'more' if peaks['area_rad'] > chance else 'no more'} than chance, {chance:.2g} rad)."
+    return f"{text} ({'more' if peaks.area_rad > chance else 'no more'} than chance, {chance:.2g} rad)."

@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history_pair import Pair
+from harness.records.scores import IsoRating
 
 SAMPLES: Final = 1001
 """Samples after resampling: the rating's time warping costs the square of their number in time and memory."""
@@ -16,7 +17,7 @@ WEIGHTS: Final = {"corridor": 0.4, "phase": 0.2, "magnitude": 0.2, "slope": 0.2}
 """Weights of the overall rating (ISO/TS 18571, also the library's defaults)."""
 
 
-def rate(pair: Pair, samples: int = SAMPLES) -> dict[str, Any]:
+def rate(pair: Pair, samples: int = SAMPLES) -> IsoRating:
     """Corridor, phase, magnitude, slope and overall rating (1 is perfect) of θ_a against θ_b.
 
     The specification was made for signals at 10 kHz; here both histories are resampled linearly to `samples` equal steps over
@@ -42,7 +43,7 @@ def rate(pair: Pair, samples: int = SAMPLES) -> dict[str, Any]:
         "slope": float(rating.slope_rating(-1)),
     }
     overall = sum(WEIGHTS[name] * value for name, value in parts.items())
-    return {**parts, "overall": overall, "resampled_dt_s": step, "samples": samples}
+    return IsoRating(**parts, overall=overall, resampled_dt_s=step, samples=samples)
 
 
 def resampled(pair: Pair, samples: int) -> tuple[tuple[Any, Any], float]:

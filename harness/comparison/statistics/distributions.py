@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
+from harness.records.scores import CONFIDENCE, Interval
 
-CONFIDENCE: Final = 0.95
 RESAMPLES: Final = 1000
 """Bootstrap resamples: the 2.5 % quantile then rests on 25 of them, a standard error of 0.5 % in probability."""
 
@@ -51,16 +51,6 @@ def area_metric(a: ArrayLike, b: ArrayLike) -> float:
     """The area between two empirical distribution functions (Wasserstein's distance), in the unit of the values."""
     every, f_a, f_b = _distributions(_sample(a, "a"), _sample(b, "b"))
     return float(np.abs(f_a - f_b)[:-1] @ np.diff(every))
-
-
-@dataclass(frozen=True)
-class Interval:
-    """An estimate with its two-sided confidence interval."""
-
-    value: float
-    low: float
-    high: float
-    confidence: float = CONFIDENCE
 
 
 def wilson(hits: int, total: int, confidence: float = CONFIDENCE) -> Interval | None:

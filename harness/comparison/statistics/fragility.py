@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harness.comparison.statistics.distributions import CONFIDENCE
 from harness.model.history import Array
+from harness.records.scores import CONFIDENCE
 
 STEPS: Final = 50
 """Newton steps allowed; probit likelihoods are concave and take some 6 to 10 from the start used."""

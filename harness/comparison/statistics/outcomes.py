@@ -9,8 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.comparison.statistics.distributions import Interval, bootstrap, wilson
+from harness.comparison.statistics.distributions import bootstrap, wilson
 from harness.model.history import Outcome
+from harness.records.scores import Interval
 
 Flags = NDArray[np.bool_]
 

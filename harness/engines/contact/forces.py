@@ -95,8 +95,8 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
     return energy
 
 
-def energy_gained_j(scene: Scene, trajectory: Trajectory, energy: Array) -> float:
-    """Largest rise, J, of the energy (`energy_j`) above what the table's motion put in: contacts may only take energy away."""
+def energy_lost_j(scene: Scene, trajectory: Trajectory, energy: Array) -> Array:
+    """What the table's motion put in so far less the energy (`energy_j`), J, shape (n,): contacts may only make it grow."""
     given = np.zeros(trajectory.t_s.size)
     extra = trajectory.gravity_xz_m_s2 + np.array([0.0, scene.gravity_m_s2])
     step = trajectory.t_s[1:] - trajectory.t_s[:-1]
@@ -106,5 +106,17 @@ def energy_gained_j(scene: Scene, trajectory: Trajectory, energy: Array) -> floa
     for mass, rate in bodies:
         power = mass * np.sum(extra * 0.5 * (rate[1:] + rate[:-1]), axis=1)
         given[1:] += np.cumsum(power * step)
-    lost = given - energy
-    return float((np.maximum.accumulate(lost) - lost).max())
+    lost: Array = given - energy
+    return lost
+
+
+def energy_gained_j(lost_j: Array) -> float:
+    """Largest fall, J, of what is lost (`energy_lost_j`): energy from nowhere."""
+    return float((np.maximum.accumulate(lost_j) - lost_j).max())
+
+
+def lost_in_impacts_j(t_s: Array, lost_j: Array, impact_times_s: Sequence[float]) -> float:
+    """What is lost, J, in the steps around the impacts: one before each to two after, as a solver's contact settles in two."""
+    after = np.searchsorted(t_s, np.array(impact_times_s))
+    last = t_s.size - 1
+    return float(np.sum(lost_j[np.minimum(after + 2, last)] - lost_j[np.clip(after - 1, 0, last)]))

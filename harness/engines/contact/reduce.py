@@ -16,6 +16,7 @@ from harness.engines.contact.layer import layer_left
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
 from harness.model.history import History, Outcome, hermites, output_grid
+from harness.model.interventions import Intervention
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Scene
 
@@ -43,6 +44,7 @@ class Report:
     skipped: Sequence[str] = ()
     warnings: Sequence[str] = ()
     labels: Sequence[str] = ()
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
 
 def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
@@ -67,7 +69,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
     if not outcome.overturned and overturn_s is None:
         fallen = None
-    validity = _validity(scene, motion, derived)
+    validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, swings.impact_times_s)
     validity |= layer_left(motion, derived.slip_m, derived.gap_m)
     validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
     if wall is not None:
@@ -94,6 +96,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         skipped=report.skipped,
         warnings=report.warnings,
         labels=report.labels,
+        interventions=report.interventions,
     )
 
 
@@ -132,6 +135,7 @@ def _diverged(report: Report, time_s: float) -> Run:
         message=message,
         warnings=(*report.warnings, message),
         labels=report.labels,
+        interventions=report.interventions,
     )
 
 
@@ -180,11 +184,16 @@ def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, 
         "statue_slip_m": float(np.abs(derived.slip_m).max()),
         "statue_flight_m": float(max(gap.max(), 0.0)),
         "penetration_m": float(max(-gap.min(), 0.0)),
-        "energy_gained_j": forces.energy_gained_j(scene, motion, derived.energy_j),
     }
     if "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.extra["pedestal_tilt_rad"]).max())
     return validity
+
+
+def _energies(scene: Scene, motion: Trajectory, energy_j: Array, impact_times_s: Sequence[float]) -> dict[str, float]:
+    lost = forces.energy_lost_j(scene, motion, energy_j)
+    found = {"lost_in_impacts_j": forces.lost_in_impacts_j(motion.t_s, lost, impact_times_s)} if impact_times_s else {}
+    return found | {"energy_gained_j": forces.energy_gained_j(lost)}
 
 
 def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:

@@ -23,6 +23,7 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
 from harness.engines.mujoco.model import FLOOR_PAIR, model_xml
 from harness.engines.mujoco.samples import trajectory
+from harness.model.interventions import Intervention
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Scene
@@ -126,7 +127,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
     gravity = frame.apparent_gravity(scene, edges)
-    states, work = _march(mujoco, model, scene, own, gravity, want, repeats=repeats)
+    states, again = _march(mujoco, model, scene, own, gravity, want, repeats=repeats)
     marched = len(states) - 1
     states = states[: _until_fallen(states)]
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
@@ -140,7 +141,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *
         resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
         stuck_below_m_s=1e-4,
         with_history=want.history or not want.allows("no_history"),
-        work=work,
+        interventions={"friction_release": Intervention(steps_again=again)} if again else {},
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
 
@@ -186,8 +187,8 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
 
 def _march(
     mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: RunOptions, *, repeats: bool
-) -> tuple[Array, dict[str, int]]:
-    """All steps: rows of positions and velocities, shape (n + 1, nq + nv)."""
+) -> tuple[Array, int]:
+    """All steps: rows of positions and velocities, shape (n + 1, nq + nv), and how many were solved again."""
     data = mujoco.MjData(model)
     _start(scene, own, data)
     friction = floor_friction(scene, own.dt_s)
@@ -207,7 +208,7 @@ def _march(
         if k % BLOCK_STEPS == 0 and _may_end(own, want, k + 1, _axis(data.qpos[3:7])):
             rows = rows[: k + 2]
             break
-    return rows, {"steps_repeated": repeated}
+    return rows, repeated
 
 
 def _may_end(own: MujocoSettings, want: RunOptions, steps: int, axis: tuple[float, float, float]) -> bool:
@@ -253,6 +254,11 @@ def _follow(
     if abs(change[0]) < friction.static * change[2] * SOFT_LIMIT:
         return True, 0
     model.pair(FLOOR_PAIR).friction[:2] = friction.kinetic
-    data.qpos[:], data.qvel[:] = before[: model.nq], before[model.nq :]
+    _restore(model, data, before)
     mujoco.mj_step(model, data)
     return False, 1
+
+
+def _restore(model: Any, data: Any, before: Array) -> None:
+    """Put the bodies back to where a step began that is solved again: all that is written to them after the start."""
+    data.qpos[:], data.qvel[:] = before[: model.nq], before[model.nq :]

@@ -117,7 +117,7 @@ class Bullet3D(Engine):
             rested=found.record.rested,
             with_history=want.history or not want.allows("no_history"),
             validity=_validity(path.extra, setup, found),
-            work={"repeated_steps": found.record.repeated, "imposed_impacts": found.record.imposed},
+            interventions=found.record.ledger.record(),
             skipped=found.skipped,
             warnings=_warnings(scene, setup, found, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),

@@ -182,7 +182,8 @@ def _part(
         if done is None:
             march = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
         else:
-            stepper.restore(done.last)
+            stepper.writer.restore(done.last)
+            stepper.writer.ledger = done.ledger
             march = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
         return loop.integrate(scene, schedule, watch, march)
 
@@ -193,8 +194,7 @@ def _joined(before: Record, after: Record) -> Record:
         before.t_s + after.t_s[1:],
         before.kick_s + after.kick_s[1:],
         before.flat + after.flat[after.width :],
-        before.repeated + after.repeated,
-        before.imposed + after.imposed,
+        after.ledger,
         after.rested,
         after.plain_from_s if before.plain_from_s is None else before.plain_from_s,
         before.plain_s + after.plain_s,

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 from harness.engines.contact.impact import impact
-from harness.engines.pybullet.pose import Body
-from harness.engines.pybullet.stepper import Row, Stepper, bodies
+from harness.engines.pybullet.stepper import Row, Stepper
+from harness.engines.pybullet.writing import bodies
 from harness.model.scene import Scene
 
 
 def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     """Put both bodies upright with the velocities after the model's impact; `lean_rad` is what little is left to fall."""
     # It came down from the side against which it turns, whether or not the last digits of the lean have passed zero.
-    statue, side = scene.statue, 1 if row[11] < 0.0 else -1
+    was, statue, side = row, scene.statue, 1 if row[11] < 0.0 else -1
     body, pedestal = bodies(row)
     table_x, table_y = stepper.table_rate[0], stepper.table_rate[1]
     slip = 0.0 if pedestal is None else pedestal.velocity_m_s[0] - table_x
@@ -26,12 +26,11 @@ def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     if pedestal is not None and scene.pedestal is not None and stepper.world.pedestal is not None:
         top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
         stepper.let_slide(found.slip_rate_m_s != 0.0)
-        moved = Body(pedestal.place_m, pedestal.turn, (base, table_y, 0.0), (0.0, 0.0, 0.0))
-        stepper.world.place(stepper.world.pedestal, moved)
+        row = (*row[:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
     place = (body.place_m[0] + shift, body.place_m[1], top + statue.centroid_height_m)
     velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)
-    upright = Body(place, _level(body.turn, lean_rad), velocity, (0.0, rate, 0.0))
-    stepper.world.place(stepper.world.statue, upright)
+    upright = (*place, *_level(body.turn, lean_rad), *velocity, 0.0, rate, 0.0)
+    stepper.writer.write("imposed_impact", was, upright + row[len(upright) :])
     return stepper.read()
 
 

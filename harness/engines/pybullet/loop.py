@@ -15,8 +15,9 @@ from harness.engines.pybullet.coming import ContactTimeEstimate
 from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.meeting import meet
 from harness.engines.pybullet.schedule import Schedule, Vector
-from harness.engines.pybullet.stepper import ALONE, Record, Row, axis_of
+from harness.engines.pybullet.stepper import Record, Row, axis_of
 from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, ContactGaps
+from harness.engines.pybullet.writing import ALONE
 from harness.model.scene import Scene
 
 AHEAD: Final = 1.5
@@ -110,7 +111,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: StepState) 
             march.wholes(schedule.coarse[begin : begin + free])
         else:
             march.to_next()
-    record.repeated = march.stepper.repeated
+    record.ledger = march.stepper.writer.ledger
     return record
 
 
@@ -167,7 +168,6 @@ def _imposed(march: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
     def impose() -> None:
         lean = axis_of(march.row, watch.axis)[0] - watch.rest[0]
         march.jolt(imposing.impose(march.stepper, scene, march.row, lean))
-        march.record.imposed += 1
 
     meet(march, touch, lambda: _upright(march, watch), impose)
     return 0

@@ -7,13 +7,15 @@ to the contact, and the impact takes no time: Bullet solves a step in which noth
 
 from __future__ import annotations
 
+import math
 from array import array
 from typing import TYPE_CHECKING, Final
 
 from harness.engines.pybullet import release
 from harness.engines.pybullet.pose import advanced
 from harness.engines.pybullet.schedule import Vector
-from harness.engines.pybullet.stepper import ALONE, Record, Row, Stepper
+from harness.engines.pybullet.stepper import Record, Row, Stepper
+from harness.engines.pybullet.writing import ALONE
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.micro_rocking import Swing
@@ -25,6 +27,8 @@ TOGETHER: Final = 0.05
 """Feet that come down within this share of a step meet their support at once, as those of one edge do: an impact's length."""
 LEAST_REST: Final = 0.04
 """A rest of a step shorter than this goes with the part before it."""
+LEAST_RAD_S: Final = 1e-12
+"""Below this nothing turns."""
 LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
 PAST_HALT: Final = 0.01
@@ -84,8 +88,7 @@ class StepState:
 
     def coast(self, seconds: float) -> None:
         """Places go on, or back, with the present velocities, by no step of Bullet's."""
-        self.row = advanced(self.row, seconds)
-        self.stepper.restore(self.row)
+        self._write("part_of_step", advanced(self.row, seconds))
         self.t_s += seconds
 
     def turn(self, seconds: float) -> None:
@@ -95,8 +98,9 @@ class StepState:
         u, v, w = (row[7 + k] - base[k] for k in range(3))
         a, b, c = (seconds * rate for rate in row[10:13])
         turned = (row[7] + b * w - c * v, row[8] + c * u - a * w, row[9] + a * v - b * u)
-        self.row = (*row[:7], *turned, *row[10:])
-        self.stepper.restore(self.row)
+        arm_m = math.dist(row[7:10], base) / max(math.hypot(*row[10:13]), LEAST_RAD_S)
+        self.stepper.writer.ledger.explain("turn_on", math.hypot(*row[10:13]), arm_m, self.step_s)
+        self._write("turn_on", (*row[:7], *turned, *row[10:]))
 
     def impact(self) -> None:
         """An impact here and now: everything that touches meets at once, and nothing else moves."""
@@ -106,7 +110,7 @@ class StepState:
         before = self.row
         # Only the velocities are kept.
         row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
-        self.stepper.restore(row)
+        self.stepper.writer.write("impact", after, row)
         self.jolt(row)
 
     def jolt(self, row: Row) -> None:
@@ -167,8 +171,11 @@ class StepState:
         if gap_m == 0.0:
             return
         place = self.row[2] - gap_m
-        self.row = (*self.row[:2], place, *self.row[3:])
-        self.stepper.restore(self.row)
+        self._write("hold", (*self.row[:2], place, *self.row[3:]))
+
+    def _write(self, kind: str, row: Row) -> None:
+        self.stepper.writer.write(kind, self.row, row)
+        self.row = row
 
     def _set(self, length_s: float) -> None:
         if length_s != self.length_s:

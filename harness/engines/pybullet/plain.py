@@ -76,6 +76,7 @@ class PlainBullet3D(Engine):
         skips=frozenset({"base_only", "no_history", "stop_at_overturn"}),
     )
     order: ClassVar[float] = 1.0
+    step_cost: ClassVar[float] = 1.5
 
     def missing(self) -> str | None:
         """Why pybullet cannot run here, or None."""

@@ -14,16 +14,15 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.pybullet.pose import Body
+from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
+from harness.engines.pybullet.writing import ALONE, RowWriter
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 Row = tuple[float, ...]
 
-ALONE: Final = 13
-"""Numbers in a row without a pedestal."""
 SATURATED: Final = 0.998
 """Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
 GRIP: Final = 0.5
@@ -36,6 +35,8 @@ WIDER: Final = 4.0
 """How many times as wide it is made as that, when it is too narrow, and"""
 NARROWER: Final = 256.0
 """how many times too wide it may be."""
+RELEASE: Final = "friction_release"
+"""Kind of what is written where static friction gives way."""
 HALTED: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
 
@@ -52,8 +53,7 @@ class Record:
     t_s: list[float] = field(default_factory=list)
     kick_s: list[float] = field(default_factory=list)
     flat: array[float] = field(default_factory=lambda: array("d"))
-    repeated: int = 0
-    imposed: int = 0
+    ledger: Ledger = field(default_factory=Ledger)
     rested: bool = False
     plain_from_s: float | None = None
     plain_s: float = 0.0
@@ -134,19 +134,12 @@ def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector]
     return run
 
 
-def bodies(row: Row) -> tuple[Body, Body | None]:
-    """States of statue and pedestal in a row."""
-    statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]
-    if len(row) == 13:
-        return statue, None
-    return statue, Body(row[13:16], row[16:20], row[20:23], row[23:26])  # type: ignore[arg-type]
-
-
 class Stepper:
     """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
 
     def __init__(self, world: World, scene: Scene, schedule: Schedule) -> None:
         self.world, self.schedule = world, schedule
+        self.writer = RowWriter(world, scene)
         self.read = reader(world)
         self.advance = _advancer(world, self.read)
         self.run = _runner(world, self.read)
@@ -159,7 +152,6 @@ class Stepper:
         self.grip_limit, self.grips = contact.statue, False
         self._anchor(held=world.feet_over)
         self.least_reach = world.reach
-        self.repeated = 0
         self.just_released = False
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
@@ -185,7 +177,7 @@ class Stepper:
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
             self._hold(self.static)
-            self.restore(before)
+            self._again(before)
             row = self._released(gravity, pull, before, self.advance(gravity))
         return row
 
@@ -195,9 +187,13 @@ class Stepper:
         if not gaining or not self._saturated(self.static, pull, before, row):
             return row
         self._hold(self.kinetic)
-        self.restore(before)
-        self.repeated += 1
+        self._again(before)
         return self.advance(gravity)
+
+    def _again(self, before: Row) -> None:
+        """Back to where the step began, which is to be solved again."""
+        self.writer.restore(before)
+        self.writer.ledger.of(RELEASE).steps_again += 1
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """After whole steps under `pulls`: what the bodies' contacts need next."""
@@ -227,7 +223,7 @@ class Stepper:
 
     def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
         """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
-        self.restore(before)
+        self._again(before)
         self.world.set_floor_friction(friction)
         row = self.advance(gravity)
         self._hold(self.static if friction == self.static else self.kinetic)
@@ -255,13 +251,6 @@ class Stepper:
             for k in range(3)
         )
         return x, y, z
-
-    def restore(self, row: Row) -> None:
-        """Put both bodies back into a row's state."""
-        statue, pedestal = bodies(row)
-        self.world.place(self.world.statue, statue)
-        if pedestal is not None and self.world.pedestal is not None:
-            self.world.place(self.world.pedestal, pedestal)
 
     def _speed(self, row: Row, table: Vector) -> float:
         return math.hypot(row[20] - table[0], row[21] - table[1])

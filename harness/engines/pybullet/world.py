@@ -10,7 +10,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.pybullet import client, mirror, shapes
+from harness.engines.pybullet import client, mirror, shapes, writing
 from harness.engines.pybullet.pose import Body
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.scene import Contact, Pedestal, Wall
@@ -147,10 +147,10 @@ class World:
             states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
         for number, (body, state) in enumerate(states.items(), 1):
             x, y, z = state.place_m
-            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
+            writing.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL), self.client)
         pybullet.stepSimulation(self.client)
         for body, state in states.items():
-            self.place(body, state)
+            writing.place(body, state, self.client)
 
     def _fixed(self, normal: Vector, place: Vector) -> int:
         body = self._created(shapes.plane(normal, self.client), 0.0, place)
@@ -232,7 +232,7 @@ class World:
         else:
             self.statue = shapes.described_body(feet_m, radius, (), self.client)
             self._inert(self.statue, mass, moments)
-        self.place(self.statue, state)
+        writing.place(self.statue, state, self.client)
 
     def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
         pybullet.changeDynamics(
@@ -281,14 +281,8 @@ class World:
         """Coefficient of the pedestal on the floor from now on."""
         self.surface(self.floor, friction)
 
-    def place(self, body: int, state: Body) -> None:
-        """Put a body into a state."""
-        pybullet.resetBasePositionAndOrientation(body, state.place_m, state.turn, physicsClientId=self.client)
-        pybullet.resetBaseVelocity(body, state.velocity_m_s, state.rate_rad_s, physicsClientId=self.client)
-
     def move_table(self, displacement_m: Vector, velocity_m_s: Vector) -> None:
         """Put floor and wall to where the table is, with its velocity."""
         for body, (x, y, z) in self._homes.items():
             there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
-            pybullet.resetBasePositionAndOrientation(body, there, UPRIGHT, physicsClientId=self.client)
-            pybullet.resetBaseVelocity(body, velocity_m_s, (0.0, 0.0, 0.0), physicsClientId=self.client)
+            writing.place(body, Body(there, UPRIGHT, velocity_m_s, STILL), self.client)

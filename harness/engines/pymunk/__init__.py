@@ -134,6 +134,7 @@ class Munk2D(Engine):
             with_history=want.history or not want.allows("no_history"),
             validity=plain_spells.plain_spells(drive, standing),
             work=drive.work,
+            interventions=drive.ledger.record(),
             skipped=skipped,
             warnings=_warnings(scene, drive),
             labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),

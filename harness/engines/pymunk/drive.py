@@ -10,19 +10,25 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
 from harness.engines.contact.friction import FloorFriction, floor_friction
-from harness.engines.pymunk import native
+from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.pymunk import native, writing
 from harness.engines.pymunk.world import MunkSettings, World
+from harness.engines.pymunk.writing import BodyWriter
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
+
+RELEASE: Final = "friction_release"
+"""Kind of what is written where static friction gives way."""
 
 
 @dataclass(eq=False)
@@ -52,9 +58,17 @@ class RunState:
             "impacts_split": 0,
             "halts_split": 0,
             "uplifts_met": 0,
-            "steps_repeated": 0,
         }
     )
+
+    ledger: Ledger = field(default_factory=Ledger)
+
+    @cached_property
+    def writers(self) -> tuple[BodyWriter, ...]:
+        """What writes to the statue, and to the pedestal if there is one."""
+        bodies = zip(self.world.movers, (self.world.statue, self.world.pedestal), strict=False)
+        g = self.scene.gravity_m_s2
+        return tuple(BodyWriter(raw, own.mass, own.moment, g, self.ledger) for raw, own in bodies if own is not None)
 
     @property
     def masses_kg(self) -> tuple[float, ...]:
@@ -95,8 +109,8 @@ def advance(drive: RunState, move_s: float, kick_s: float, *, hard: bool = False
     """One engine step that moves positions by `move_s` and velocities by `kick_s`; `hard` with an impact's iterations."""
     space, dt = native.space_of(drive.world.space), drive.settings.dt_s
     back = move_s - dt
-    for body in drive.world.movers:
-        shift(body, back)
+    for writer in drive.writers:
+        writer.shift(back)
     native.set_iterations(space, drive.settings.impact_iterations if hard else drive.settings.iterations)
     end_s = drive.t_s + kick_s
     gravity = (0.0, 0.0)
@@ -113,20 +127,13 @@ def advance(drive: RunState, move_s: float, kick_s: float, *, hard: bool = False
     native.set_iterations(space, drive.settings.iterations)
 
 
-def shift(body: Any, time_s: float) -> None:
-    """Move a body along its present velocities."""
-    place, velocity = native.get_place(body), native.get_velocity(body)
-    native.set_place(body, (place.x + velocity.x * time_s, place.y + velocity.y * time_s))
-    native.set_angle(body, native.get_angle(body) + native.get_spin(body) * time_s)
-
-
 def _place_table(drive: RunState, velocity_s: float, place_s: float) -> None:
     """Give the table its exact velocity, and the place from which the step's own move takes it where it should be."""
     velocity = frame.table_velocity(drive.scene, np.array([velocity_s]))[0]
     place = frame.table_displacement(drive.scene, np.array([place_s]))[0]
     dt, floor = drive.settings.dt_s, native.body_of(drive.world.floor)
-    native.set_velocity(floor, (float(velocity[0]), float(velocity[2])))
-    native.set_place(floor, (float(place[0] - velocity[0] * dt), float(place[2] - velocity[2] * dt)))
+    begin = (float(place[0] - velocity[0] * dt), float(place[2] - velocity[2] * dt))
+    writing.move_table(floor, begin, (float(velocity[0]), float(velocity[2])))
 
 
 def slip_rate(drive: RunState) -> float:
@@ -147,7 +154,7 @@ def step_with_friction(drive: RunState, gravity: Pair) -> None:
         native.step(space, dt)
         return
     before = slip_rate(drive)
-    saved = [_state(body) for body in world.movers]
+    saved = [native.state_of(body) for body in world.movers]
     floor = native.body_of(world.floor)
     floor_place = native.get_place(floor)
     native.step(space, dt)
@@ -156,14 +163,14 @@ def step_with_friction(drive: RunState, gravity: Pair) -> None:
         if abs(rate) <= friction.stuck_below_m_s or rate * before < 0.0:
             set_stuck(drive, stuck=True)
         return
-    if broke_loose(drive, [(state[2].x, state[2].y) for state in saved], gravity):
+    if broke_loose(drive, [(state[3], state[4]) for state in saved], gravity):
         set_stuck(drive, stuck=False)
-        for body, state in zip(world.movers, saved, strict=True):
-            _restore(body, state)
+        for writer, state in zip(drive.writers, saved, strict=True):
+            writer.restore(state)
         if drive.moving:
-            native.set_place(floor, floor_place)
+            writing.place_table(floor, (floor_place.x, floor_place.y))
         native.step(space, dt)
-        drive.work["steps_repeated"] += 1
+        drive.ledger.of(RELEASE).steps_again += 1
 
 
 def broke_loose(drive: RunState, velocities: Sequence[Pair], gravity: Pair) -> bool:
@@ -239,18 +246,5 @@ def restore_recorded(drive: RunState) -> None:
     """Put the bodies back into the state recorded last."""
     world = drive.world
     row = world.recorder.last()
-    for body, column in zip(world.movers, (world.statue_column, world.pedestal_column), strict=False):
-        x, z, angle, rate_x, rate_z, spin = row[column : column + native.WIDTH]
-        _restore(body, ((x, z), angle, (rate_x, rate_z), spin))
-
-
-def _state(body: Any) -> tuple[Any, float, Any, float]:
-    return native.get_place(body), native.get_angle(body), native.get_velocity(body), native.get_spin(body)
-
-
-def _restore(body: Any, state: tuple[Any, float, Any, float]) -> None:
-    place, angle, velocity, spin = state
-    native.set_place(body, place)
-    native.set_angle(body, angle)
-    native.set_velocity(body, velocity)
-    native.set_spin(body, spin)
+    for writer, column in zip(drive.writers, (world.statue_column, world.pedestal_column), strict=False):
+        writer.restore(row[column : column + native.WIDTH])

@@ -12,11 +12,13 @@ from typing import Final
 
 from harness.engines.contact.impact import impact
 from harness.engines.pymunk import native
-from harness.engines.pymunk.drive import RunState, advance, record, set_stuck, shift, slip_rate
+from harness.engines.pymunk.drive import RunState, advance, record, set_stuck, slip_rate
 from harness.engines.pymunk.standing import LEAST_AHEAD, MOST_AHEAD, SupportVertex
 
 MOST_SHARE: Final = 1.5
 """Longest part, in steps, of those that follow an impact."""
+IMPOSED: Final = "imposed_impact"
+"""Kind of what is written where a ratio is prescribed."""
 PAST_HALT: Final = 0.01
 """Share by which a step that ends at a halt goes past it, so that friction stops the pedestal exactly."""
 
@@ -79,8 +81,8 @@ def end(drive: RunState, standing: SupportVertex, end_s: float) -> None:
     place_s = end_s - 0.5 * drive.settings.dt_s
     angle_rad = native.get_angle(standing.statue) + native.get_spin(standing.statue) * (place_s - drive.place_s)
     turn_on(drive, standing, standing.standing_vertex(angle_rad), angle_rad)
-    for body in drive.world.movers:
-        shift(body, place_s - drive.place_s)
+    for writer in drive.writers:
+        writer.shift(place_s - drive.place_s)
     drive.t_s, drive.place_s = end_s, place_s
     record(drive, end_s)
 
@@ -94,10 +96,13 @@ def turn_on(drive: RunState, standing: SupportVertex, vertex: int, angle_rad: fl
     world, body = drive.world, standing.statue
     if not standing.stands_on(vertex):
         return
-    spin = native.get_spin(body)
+    before = native.state_of(body)
+    x, z, angle, _, _, spin = before
     arm_x, arm_z = standing.arm(vertex, angle_rad)
     carried = native.get_velocity(native.body_of(world.floor if world.pedestal is None else world.pedestal))
-    native.set_velocity(body, (carried.x + spin * arm_z, carried.y - spin * arm_x))
+    after = (x, z, angle, carried.x + spin * arm_z, carried.y - spin * arm_x, spin)
+    drive.writers[0].write("turn_on", before, after)
+    drive.ledger.explain("turn_on", spin, math.hypot(arm_x, arm_z), drive.settings.dt_s)
 
 
 def _time_level(drive: RunState, standing: SupportVertex, facet: int) -> float:
@@ -128,24 +133,23 @@ def impact_alone(drive: RunState, move_s: float) -> None:
     side = 1 if native.get_angle(body) < 0.0 else -1
     stuck = abs(rate) <= drive.friction.stuck_below_m_s
     after = impact(scene, old_side=side, theta_rate_rad_s=-spin, slip_rate_m_s=rate, stuck=stuck)
-    for mover in world.movers:
-        shift(mover, move_s)
+    for writer in drive.writers:
+        writer.shift(move_s)
     drive.place_s += move_s
     base = native.get_velocity(native.body_of(world.floor)) if drive.moving else None
     base_x, base_z = (base.x, base.y) if base is not None else (0.0, 0.0)
     support = after.slip_rate_m_s + base_x
     new = -scene.statue.corner_m(-side) * side
     # About the corner at (new, −h) from the centroid, clockwise: x' = θ̇ h, z' = θ̇ new.
-    native.set_velocity(
-        body,
-        (
-            support + after.theta_rate_rad_s * scene.statue.centroid_height_m,
-            base_z + after.theta_rate_rad_s * new,
-        ),
+    velocity = (
+        support + after.theta_rate_rad_s * scene.statue.centroid_height_m,
+        base_z + after.theta_rate_rad_s * new,
     )
-    native.set_spin(body, -after.theta_rate_rad_s)
+    before = native.state_of(body)
+    drive.writers[0].write(IMPOSED, before, (*before[:3], *velocity, -after.theta_rate_rad_s))
     if world.pedestal is not None:
-        native.set_velocity(native.body_of(world.pedestal), (support, base_z))
+        before = native.state_of(drive.writers[1].body)
+        drive.writers[1].write(IMPOSED, before, (*before[:3], support, base_z, before[5]))
         set_stuck(drive, stuck=abs(after.slip_rate_m_s) <= drive.friction.stuck_below_m_s)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.engines.contact import frame
 from harness.engines.pymunk import drive as driving
-from harness.engines.pymunk import events, native, uplift
+from harness.engines.pymunk import events, native, uplift, writing
 from harness.engines.pymunk import micro_rocking as rattle
 from harness.engines.pymunk.drive import RunState
 from harness.engines.pymunk.standing import FAR, SupportVertex
@@ -177,8 +177,7 @@ def _plain_steps(
                 top = grid.table_place[k][1] + dt * grid.table_velocity[k][1]
             hold(state, below, dt, lags, top, slow=k % SLOW_EVERY == 0)
         if moving:
-            native.set_velocity(floor, grid.table_velocity[k])
-            native.set_place(floor, grid.table_place[k])
+            writing.move_table(floor, grid.table_place[k], grid.table_velocity[k])
         step(space, dt)
         each(space, record_with, record_to)
         row = last()
@@ -223,12 +222,12 @@ def _switch(drive: RunState, standing: SupportVertex, grid: Grid, k: int, rate: 
         if owed != (0.0, 0.0):
             standing.hold(native.state_of(standing.statue), standing.below(), drive.settings.dt_s, lags_s)
         if drive.moving:
-            native.set_place(native.body_of(drive.world.floor), grid.table_place[k])
+            writing.place_table(native.body_of(drive.world.floor), grid.table_place[k])
         driving.set_stuck(drive, stuck=stuck, static_share=share)
         native.set_iterations(space, many)
         native.step(space, drive.settings.dt_s)
         native.set_iterations(space, drive.settings.iterations)
-        drive.work["steps_repeated"] += 1
+        drive.ledger.of(driving.RELEASE).steps_again += 1
         if stuck and not driving.broke_loose(drive, before, grid.gravity[k]):
             return driving.slip_rate(drive)
     # The steps that follow slide throughout.

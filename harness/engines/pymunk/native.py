@@ -23,13 +23,9 @@ set_gravity: Final = lib.cpSpaceSetGravity
 set_iterations: Final = lib.cpSpaceSetIterations
 each_body: Final = lib.cpSpaceEachBody
 get_angle: Final = lib.cpBodyGetAngle
-set_angle: Final = lib.cpBodySetAngle
 get_spin: Final = lib.cpBodyGetAngularVelocity
-set_spin: Final = lib.cpBodySetAngularVelocity
 get_place: Final = lib.cpBodyGetPosition
-set_place: Final = lib.cpBodySetPosition
 get_velocity: Final = lib.cpBodyGetVelocity
-set_velocity: Final = lib.cpBodySetVelocity
 set_friction: Final = lib.cpShapeSetFriction
 
 unpack: Final = ffi.unpack

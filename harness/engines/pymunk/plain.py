@@ -61,6 +61,7 @@ class PlainMunk2D(Engine):
         skips=frozenset({"no_history", "stop_at_overturn"}),
     )
     order: ClassVar[float] = 1.0
+    step_cost: ClassVar[float] = 4.0
 
     def missing(self) -> str | None:
         """Why pymunk cannot run here, or None."""

@@ -84,6 +84,7 @@ class SupportVertex:
 
     def __init__(self, drive: RunState) -> None:
         world, scene = drive.world, drive.scene
+        self.writer = drive.writers[0]
         self.statue, self.floor = native.body_of(world.statue), native.body_of(world.floor)
         self.pedestal = None if world.pedestal is None else native.body_of(world.pedestal)
         points = base_vertices(scene)
@@ -253,8 +254,11 @@ class SupportVertex:
                 # A vertex that slides along its support is tied to it in height alone.
                 owed_x = 0.0
             self.owed_m_s, ahead_z = (owed_x, owed_z), owed_z * length_s
-            native.set_velocity(self.statue, (rate_x - owed_x, rate_z - owed_z))
-        native.set_place(self.statue, (place_x + ahead_x, place_z - excess + ahead_z))
+            rate_x, rate_z = rate_x - owed_x, rate_z - owed_z
+            self.drive.ledger.explain("hold", abs(spin) + abs(self.gained_rad_s), self.height_m, self.dt_s)
+        self.writer.write(
+            "hold", state, (place_x + ahead_x, place_z - excess + ahead_z, state[2], rate_x, rate_z, spin)
+        )
 
     def _owed(self, spin: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:
         """What to take from the centroid's velocity before a turn so that support and spin have their own at its end, m/s.
@@ -282,11 +286,12 @@ class SupportVertex:
         if off > self.clear_of_rest_rad[facet]:
             return
         if off > SETTLED * self.clear_of_rest_rad[facet]:
-            native.set_angle(self.statue, self.level_rad[facet] + tilt)
+            before = native.state_of(self.statue)
+            self.writer.write("settle", before, (*before[:2], self.level_rad[facet] + tilt, *before[3:]))
         sunk = max(self.gap(facet)[0], self.gap(facet + 1)[0]) + self.rest_m
         if SETTLED * self.rest_m < abs(sunk) < self.slop_m:
-            place = native.get_place(self.statue)
-            native.set_place(self.statue, (place.x, place.y - sunk))
+            before = native.state_of(self.statue)
+            self.writer.write("settle", before, (before[0], before[1] - sunk, *before[2:]))
 
     def _in_reach(self, leaning_rad: float) -> bool:
         """Whether the other end of a facet may be in contact at the depth of rest."""

@@ -67,13 +67,12 @@ def _give(drive: RunState, standing: SupportVertex, grows_rad_s: float, begun: f
     spin = 0.5 * grows_rad_s * begun**2
     # Positions are read half a step before velocities: (1.5 dt − s)³ j/6 less what one step has moved.
     turn = dt * grows_rad_s * ((1.5 - begun) ** 3 / 6.0 - (0.5 - begun)) + spin * since * dt
-    place, angle, velocity = native.get_place(body), native.get_angle(body), native.get_velocity(body)
+    before = native.state_of(body)
+    x, z, angle, u, w, rate = before
     arm_x, arm_z = standing.arm(standing.standing_vertex(angle), angle)
     # About the vertex: x' = ω z, z' = −ω x of the arm from the centroid to it, as in `events`.
-    native.set_angle(body, angle + turn)
-    native.set_place(body, (place.x + turn * arm_z, place.y - turn * arm_x))
-    native.set_velocity(body, (velocity.x + spin * arm_z, velocity.y - spin * arm_x))
-    native.set_spin(body, native.get_spin(body) + spin)
+    turned = (x + turn * arm_z, z - turn * arm_x, angle + turn)
+    drive.writers[0].write("uplift", before, (*turned, u + spin * arm_z, w - spin * arm_x, rate + spin))
 
 
 def _from_level(standing: SupportVertex, angle_rad: float) -> float:

@@ -111,10 +111,10 @@ def test_each_model_s_own_horizon_enters_its_verdicts() -> None:
     assert set(found.horizons) == {"analytic", "pymunk"}
     nearer = min(each.intrinsic_s for each in found.horizons.values())
     scores = found.scores["analytic_vs_pymunk"]
-    assert scores.evidence["horizon_s"] <= nearer
+    assert scores.evidence.horizon_s <= nearer
     for each in found.horizons.values():
         assert list(each.until_s) == sorted(each.until_s, reverse=True)
-    assert found.as_dict()["horizons"]["analytic"]["intrinsic_s"] == found.horizons["analytic"].intrinsic_s
+    assert found.record().horizons["analytic"].intrinsic_s == found.horizons["analytic"].intrinsic_s
 
 
 def test_the_compiled_model_s_horizon_is_found_unasked() -> None:

@@ -47,14 +47,14 @@ def test_a_scene_that_knows_everything_has_no_probability() -> None:
 
 def test_an_assessment_holds_what_the_contract_names() -> None:
     record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic", "pymunk"], draws=500, most_runs=48)
-    assert record["kind"] == "assess"
+    assert record.kind == "assess"
     for name in ("analytic", "pymunk"):
-        own = record["assessment"][name]
-        assert {"probability_overturned", "low", "high", "level", "draws", "engine_runs"} <= set(own)
-        assert 0.0 <= own["low"] <= own["probability_overturned"] <= own["high"] <= 1.0
-        assert own["draws"] == 500
-    assert record["assessment"]["analytic"]["engine_runs"] == 500
-    assert 0 < record["assessment"]["pymunk"]["engine_runs"] <= 48
-    assert record["difference_from_model"]["pymunk"]["low"] <= record["difference_from_model"]["pymunk"]["high"]
-    assert np.all(np.diff(record["fragility"]["factor"]) > 0.0)
-    assert set(record["indices"]) <= {item["key"] for item in record["uncertainty"]}
+        own = record.assessment[name]
+        assert {"probability_overturned", "low", "high", "level", "draws", "engine_runs"} <= set(vars(own))
+        assert 0.0 <= own.low <= own.probability_overturned <= own.high <= 1.0
+        assert own.draws == 500
+    assert record.assessment["analytic"].engine_runs == 500
+    assert 0 < record.assessment["pymunk"].engine_runs <= 48
+    assert record.difference_from_model["pymunk"].low <= record.difference_from_model["pymunk"].high
+    assert np.all(np.diff(record.fragility.factor) > 0.0)
+    assert set(record.indices) <= {item.key for item in record.uncertainty}

@@ -12,9 +12,10 @@ from harness.bench.faults import MUST_SHOW, MUTANTS, expose, momentum_ratio
 from harness.bench.mutants import random_scenes
 from harness.comparison import verdict
 from harness.comparison.comparator import compare
-from harness.comparison.verdict import COVERAGE, Verdict
+from harness.comparison.verdict import COVERAGE
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.scores import Verdict
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
 
 SCENES = {

@@ -11,7 +11,8 @@ import pytest
 
 from harness import InputError, Outcome, compare
 from harness.comparison.comparator import compare_files
-from harness.comparison.verdict import Verdict
+from harness.model.run import to_plain
+from harness.records.scores import Verdict
 from tests import doubles
 from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WORK_PAIR_SAMPLES
 
@@ -108,13 +109,13 @@ def test_scores_after_the_horizon_are_distributions() -> None:
     after = scores.after_horizon
     peaks = [omega**2 / 8.0 for begin, _, _, omega in doubles.arcs(10.0, 0.1, 4.0, 0.9, 0.5) if begin > 2.0 - 1e-3]
     assert after is not None
-    assert after["excursions_b"] == len(peaks)
+    assert after.excursions_b == len(peaks)
     # Every value larger by a fifth: the area between the distributions is a fifth of the mean.
-    assert after["peaks"]["area_rad"] == pytest.approx(0.2 * float(np.mean(peaks)), rel=1e-2)
+    assert after.peaks.area_rad == pytest.approx(0.2 * float(np.mean(peaks)), rel=1e-2)
     late = np.abs(history.theta_rad[history.t_s >= 2.0])
-    assert after["rotation"]["area_rad"] == pytest.approx(0.2 * float(late.mean()), rel=1e-2)
-    assert after["largest_a_rad"] == pytest.approx(1.2 * after["largest_b_rad"], rel=1e-6)
-    assert f"{len(peaks)} and {len(peaks)} excursions" in after["sentence"]
+    assert after.rotation.area_rad == pytest.approx(0.2 * float(late.mean()), rel=1e-2)
+    assert after.largest_a_rad == pytest.approx(1.2 * after.largest_b_rad, rel=1e-6)
+    assert f"{len(peaks)} and {len(peaks)} excursions" in after.sentence
     assert compare(history, history).after_horizon is None
 
 
@@ -134,8 +135,8 @@ def test_what_differs_only_beyond_the_horizon_moves_no_score_of_instants() -> No
     assert (scores.residual_theta_difference_rad, scores.residual_slip_difference_m) == (None, None)
     assert scores.verdict is Verdict.UNBOUNDED
     assert scores.after_horizon is not None
-    assert scores.after_horizon["last_difference_rad"] == pytest.approx(0.05 * 6.0)
-    assert scores.after_horizon["largest_a_rad"] > 0.2
+    assert scores.after_horizon.last_difference_rad == pytest.approx(0.05 * 6.0)
+    assert scores.after_horizon.largest_a_rad > 0.2
 
 
 def test_a_difference_before_the_horizon_is_not_hidden_by_it() -> None:
@@ -157,10 +158,10 @@ def test_many_excursions_after_the_horizon_stand_beside_chance() -> None:
     )
     assert same is not None
     assert larger is not None
-    assert same["peaks"]["area_rad"] < same["peaks"]["area_by_chance_rad"]
-    assert "no more than chance" in same["sentence"]
-    assert larger["peaks"]["area_rad"] > larger["peaks"]["area_by_chance_rad"]
-    assert "more than chance" in larger["sentence"]
+    assert same.peaks.area_rad < same.peaks.area_by_chance_rad
+    assert "no more than chance" in same.sentence
+    assert larger.peaks.area_rad > larger.peaks.area_by_chance_rad
+    assert "more than chance" in larger.sentence
 
 
 def test_outcome_only_runs_are_compared_by_their_peaks() -> None:
@@ -192,9 +193,9 @@ def test_files_of_other_software_are_compared(tmp_path: Path) -> None:
     rows = np.column_stack((history.t_s, 1.1 * history.theta_rad))
     np.savetxt(tmp_path / "theirs.csv", rows, delimiter=",", header="t_s,theta_rad", comments="")
     scores = compare_files(tmp_path / "theirs.csv", tmp_path / "mine.csv")
-    assert scores["peak_ratio"] == pytest.approx(1.1, rel=1e-4)  # rates of the bare file are differences
-    assert scores["a"] == "theirs.csv"
-    json.dumps(scores, allow_nan=False)
+    assert scores.peak_ratio == pytest.approx(1.1, rel=1e-4)  # rates of the bare file are differences
+    assert scores.a == "theirs.csv"
+    json.dumps(to_plain(scores), allow_nan=False)
 
 
 def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
@@ -202,11 +203,11 @@ def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
     history.write_csv(tmp_path / "mine.csv")
     doubles.raised(history, 1e-4).write_csv(tmp_path / "theirs.csv")
     files = tmp_path / "theirs.csv", tmp_path / "mine.csv"
-    verdicts = {u: compare_files(*files, uncertainty_rad=u)["verdict"] for u in (None, 1e-5, 1e-4)}
+    verdicts = {u: compare_files(*files, uncertainty_rad=u).verdict for u in (None, 1e-5, 1e-4)}
     assert verdicts == {None: Verdict.MODEL, 1e-5: Verdict.MODEL, 1e-4: Verdict.AGREE}
-    assert compare_files(*files, uncertainty_rad=1e-4)["numerical_uncertainty"]["rms_theta_rad"] == 2e-4
+    assert compare_files(*files, uncertainty_rad=1e-4).numerical_uncertainty["rms_theta_rad"] == 2e-4
     doubles.rocking(slip_m=0.0101).write_csv(tmp_path / "theirs.csv")
-    of_slip = {u: compare_files(*files, uncertainty_rad=1e-4, slip_uncertainty_m=u)["verdict"] for u in (1e-5, 1e-4)}
+    of_slip = {u: compare_files(*files, uncertainty_rad=1e-4, slip_uncertainty_m=u).verdict for u in (1e-5, 1e-4)}
     assert of_slip == {1e-5: Verdict.MODEL, 1e-4: Verdict.AGREE}
     with pytest.raises(InputError, match="--slip-uncertainty"):
         compare_files(*files, slip_uncertainty_m=math.nan)
@@ -220,9 +221,9 @@ def test_a_gap_in_a_file_is_told(tmp_path: Path) -> None:
     rows = np.column_stack((history.t_s, history.theta_rad))[keep]
     np.savetxt(tmp_path / "torn.csv", rows, delimiter=",", header="t_s,theta_rad", comments="")
     history.write_csv(tmp_path / "whole.csv")
-    torn = compare_files(tmp_path / "torn.csv", tmp_path / "whole.csv")["warnings"]
+    torn = compare_files(tmp_path / "torn.csv", tmp_path / "whole.csv").warnings
     assert torn == ["torn.csv has no samples from 0.599 s to 0.801 s, where scores rest on interpolation"]
-    assert compare_files(tmp_path / "whole.csv", tmp_path / "whole.csv")["warnings"] == []
+    assert compare_files(tmp_path / "whole.csv", tmp_path / "whole.csv").warnings == []
 
 
 @pytest.mark.parametrize(("text", "says"), [("t_s,theta_rad\n", "row"), ("t_s,theta_rad\n0,nan\n1,0\n", "finite")])

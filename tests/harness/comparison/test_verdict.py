@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
-from harness.comparison.verdict import COVERAGE, Verdict, left_domain, shares
+from harness.comparison.verdict import COVERAGE, left_domain, shares
 from harness.model.history import History
+from harness.records.scores import Verdict
 from tests import doubles
 
 U_RAD = 1e-4
@@ -29,15 +30,15 @@ def test_the_limit_is_twice_the_joint_uncertainty(apart: float, verdict: Verdict
     limit = COVERAGE * 2.0 * U_RAD
     scores = compare(certain(doubles.raised(history, apart * limit), "a"), certain(history, "b"))
     assert scores.verdict is verdict
-    assert scores.evidence["limit_rad"] == pytest.approx(limit)
+    assert scores.evidence.limit_rad == pytest.approx(limit)
 
 
 def test_apart_before_the_horizon_is_the_model() -> None:
     history = doubles.rocking()
     scores = compare(certain(doubles.parted(history, 2.0, 0.01), "a", 5.0), certain(history, "b"))
     assert scores.verdict is Verdict.MODEL
-    assert scores.evidence["exceeded_s"] == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
-    assert scores.evidence["horizon_s"] == 5.0
+    assert scores.evidence.exceeded_s == pytest.approx(2.0 + 4.0 * U_RAD / 0.01)
+    assert scores.evidence.horizon_s == 5.0
     assert "while both numerical errors are bounded (until 5 s)" in scores.verdict_sentence
     near = compare(certain(doubles.parted(history, 2.0, 0.01), "a"), certain(history, "b"), horizons_s=(4.0, None))
     assert "before the horizon at 4 s" in near.verdict_sentence
@@ -68,7 +69,7 @@ def test_a_robust_difference_of_a_planar_model_is_the_plane_left_out() -> None:
         assert scores.verdict is verdict
         told = "plane was not given the floor's motion along y" in scores.verdict_sentence
         assert told is (verdict is Verdict.PLANE)
-        assert scores.evidence["motion_not_given"] == ({"plane": ["y"]} if told else {})
+        assert scores.evidence.motion_not_given == ({"plane": ["y"]} if told else {})
     alike = compare(certain(history, "plane", motion_axes=("x",)), b)
     assert alike.verdict is Verdict.AGREE
     assert "plane was not given the floor's motion along y" in alike.verdict_sentence
@@ -81,7 +82,7 @@ def test_a_fall_across_the_plane_parts_two_models_of_the_same_rotation() -> None
     space = certain(history, "space", motion_axes=("x", "y"), **fields)
     scores = compare(space, plane)
     assert scores.verdict is Verdict.PLANE
-    assert scores.evidence["exceeded_s"] == 3.0
+    assert scores.evidence.exceeded_s == 3.0
     assert compare(replace(space, motion_axes=("x",)), plane).verdict is Verdict.MODEL
     assert compare(replace(space, reliable_until_s=2.0), plane).verdict is Verdict.UNBOUNDED
 
@@ -97,8 +98,8 @@ def test_two_falls_to_different_sides_are_one_outcome() -> None:
     )
     scores = compare(a, b)
     assert (scores.outcome_agrees, scores.side_agrees) == (True, False)
-    assert scores.evidence["outcome_flips_within_uncertainty"] is False
-    assert scores.evidence["side_flips_within_uncertainty"] is True
+    assert scores.evidence.outcome_flips_within_uncertainty is False
+    assert scores.evidence.side_flips_within_uncertainty is True
     assert "both overturn, to different sides within the stated uncertainty" in scores.verdict_sentence
     assert "the outcome flips" not in scores.verdict_sentence
     standing = compare(a, certain(history, "b"))
@@ -148,13 +149,13 @@ def test_an_outcome_that_flips_within_the_uncertainty_is_flagged() -> None:
     fell = certain(history, "a", outcome=Outcome.OVERTURNED_LEFT)
     scores = compare(fell, certain(history, "b"))
     assert scores.verdict is Verdict.AGREE
-    assert scores.evidence["outcome_flips_within_uncertainty"] is True
+    assert scores.evidence.outcome_flips_within_uncertainty is True
     beyond = compare(certain(history, "a", 4.0, outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
     assert beyond.verdict is Verdict.UNBOUNDED
-    assert beyond.evidence["outcome_flips_within_uncertainty"] is True
+    assert beyond.evidence.outcome_flips_within_uncertainty is True
     apart = compare(certain(doubles.scaled(history, 2.0), "a", outcome=Outcome.OVERTURNED_LEFT), certain(history, "b"))
     assert apart.verdict is Verdict.MODEL
-    assert apart.evidence["outcome_flips_within_uncertainty"] is False
+    assert apart.evidence.outcome_flips_within_uncertainty is False
 
 
 @pytest.mark.parametrize(("apart", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.MODEL)])
@@ -166,8 +167,8 @@ def test_slip_is_held_against_its_own_uncertainty(apart: float, verdict: Verdict
         known = {"numerical_uncertainty_rad": u_rad, "slip_uncertainty_m": U_M}
         scores = compare(certain(slid, "a", **known), certain(history, "b", **known))
         assert scores.verdict is verdict
-        assert scores.evidence["slip_limit_m"] == pytest.approx(limit_m)
-        assert scores.evidence["largest_slip_difference_m"] == pytest.approx(float(np.max(slid.slip_m)))
+        assert scores.evidence.slip_limit_m == pytest.approx(limit_m)
+        assert scores.evidence.largest_slip_difference_m == pytest.approx(float(np.max(slid.slip_m)))
         assert scores.numerical_uncertainty["rms_slip_m"] == pytest.approx(2.0 * U_M)
 
 
@@ -175,11 +176,11 @@ def test_a_difference_of_slip_is_told_in_millimetres() -> None:
     history, slid = doubles.rocking(slip_m=0.0), doubles.rocking(slip_m=0.02)
     scores = compare(certain(slid, "a"), certain(history, "b"))
     assert scores.verdict is Verdict.MODEL
-    assert scores.evidence["differs_in"] == "slip"
+    assert scores.evidence.differs_in == "slip"
     assert "their slips more than twice their joint numerical error (0.2 mm) apart" in scores.verdict_sentence
     assert "rad" not in scores.verdict_sentence
     turned = compare(certain(doubles.raised(history, 0.01), "a"), certain(history, "b"))
-    assert turned.evidence["differs_in"] == "rotation"
+    assert turned.evidence.differs_in == "rotation"
     assert "(0.0004 rad) apart" in turned.verdict_sentence
 
 

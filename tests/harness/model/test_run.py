@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.model.run import MANY, Pattern, run_of, write_json
+from harness.model.run import MANY, Pattern, write_json
+from harness.records.base import part, plain
+from harness.records.run import EngineRunRecord
 from tests.harness.studies.test_store import run
 
 
@@ -32,7 +34,8 @@ def test_what_is_no_plain_value_becomes_one(tmp_path: Path) -> None:
 
 def test_a_run_comes_back_from_its_plain_values() -> None:
     whole = run()
-    again = run_of(json.loads(json.dumps(whole.as_dict())), whole.history, whole.wall_s)
-    assert again.as_dict() == whole.as_dict()
+    record = EngineRunRecord.of(whole)
+    again = part(EngineRunRecord, plain(record), Path("store")).run(whole.history)
+    assert plain(EngineRunRecord.of(again)) == plain(record)
     assert again.outcome is whole.outcome
     assert all(isinstance(stretch, Pattern) for stretch in again.patterns)

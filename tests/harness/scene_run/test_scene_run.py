@@ -13,13 +13,13 @@ from analytic.excitation import Harmonic
 from harness import engines
 from harness.accuracy.simulation import check_target, simulate
 from harness.cli import summary
-from harness.comparison.verdict import Verdict
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from harness.records.scores import Verdict
 from harness.scene_run import confirmation as confirm
 from harness.scene_run import scene_run as run
 from harness.scene_run.scene_run import run_scene, write_result
@@ -48,7 +48,7 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     given = {name: tuple(run.motion_axes or ()) for name, run in result.runs.items() if not run.outcome.failed}
     assert given.pop("pybullet", ("x", "y")) == (("x", "y") if across else ("x",))
     assert given == {"analytic": ("x",), "pymunk": ("x",)}
-    assert result.as_dict()["runs"]["analytic"]["motion_axes"] == ["x"]
+    assert result.record().runs["analytic"].motion_axes == ("x",)
     assert ("given unlike motions" in summary(result)) is (across and "pybullet" in result.runs)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import harness
 from analytic.excitation import SampledAcceleration
-from harness.records.description import motion_of
+from harness.records.scene import motion_of
 from harness.scene_run.scene_run import run_scene
 from harness.statics.push import push_of
 from harness.statics.standstill import motion_sized, standstill
@@ -63,7 +63,7 @@ def test_what_a_record_does_after_the_run_is_no_part_of_it() -> None:
     record = SampledAcceleration(np.array([0.0, 1.0, 3.0, 4.0]), quiet)
     scene = blocks.scene(blocks.rectangle(0.4, 1.0), record, duration_s=1.0)
     assert push_of(scene).peak == pytest.approx(0.2 / scene.gravity_m_s2)
-    assert motion_of(scene)["x_peak_m_s2"] == 0.2
+    assert motion_of(scene).x_peak_m_s2 == 0.2
 
 
 def test_a_scene_that_moves_or_is_not_shaken_says_nothing(file: Path) -> None:

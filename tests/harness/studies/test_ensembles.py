@@ -6,8 +6,10 @@ from typing import Any
 
 import pytest
 
-from harness.comparison.verdict import Verdict
 from harness.model.history import History, Outcome
+from harness.model.run import to_plain
+from harness.records.run import EngineRunRecord
+from harness.records.scores import Verdict
 from harness.studies.ensembles import score_sets
 from tests import doubles
 
@@ -16,7 +18,7 @@ CASES = 12
 
 def row(number: int, engine: str, history: History, **fields: Any) -> dict[str, Any]:
     known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 10.0}
-    run = doubles.run_of(history, engine, **known | fields).as_dict()
+    run = to_plain(EngineRunRecord.of(doubles.run_of(history, engine, **known | fields)))
     return {
         "number": number,
         "engine": engine,

@@ -11,8 +11,9 @@ import pytest
 from harness.accuracy.simulation import simulate
 from harness.campaign.executors import Done, LocalPool, Work
 from harness.model.errors import InputError
-from harness.model.run import impacts
+from harness.model.run import impacts, to_plain
 from harness.model.scene import Scene
+from harness.records.run import EngineRunRecord
 from harness.studies import case_selection as asking
 from harness.studies import estimate
 from harness.studies.cases import Base, base_of, expand
@@ -135,7 +136,7 @@ def test_an_outcome_in_a_study_is_that_of_a_run_alone(tmp_path: Path) -> None:
         rows = {row["number"]: row["run"] for row in store.rows(study_name(study))}
     base = base_of(study, path)
     for case in list(expand(study, base))[::7]:
-        alone = simulate(base.scene(case.setting), "analytic").as_dict()
+        alone = to_plain(EngineRunRecord.of(simulate(base.scene(case.setting), "analytic")))
         outcome = rows[case.number]
         # Only the list of events, the history and the check of the error differ.
         for name in ("outcome", "overturn_time_s", "no_return_time_s", "peak_slip_m"):

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.assess.assessment import assess
-from harness.model.run import to_plain, write_json
+from harness.model.run import write_json
+from harness.records.assess import Assessment, ProbabilityDifference
+from harness.records.base import as_file, plain
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import first_line, tone
 from tests.scenes_for_tests import paestum
 
 
-def answer(p: float, low: float, high: float) -> dict[str, Any]:
-    return {"probability_overturned": p, "low": low, "high": high, "level": 0.9, "engine_runs": 100, "undecided": 0.0}
+def answer(p: float, low: float, high: float) -> Assessment:
+    return Assessment(p, low, high, level=0.9, draws=100, engine_runs=100)
 
 
 @pytest.mark.parametrize(
@@ -34,10 +36,11 @@ def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: f
 
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
-    record = {
-        "assessment": {"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
-        "difference_from_model": {"pymunk": {"value": -0.29, "low": -0.34, "high": -0.24, "level": 0.9}},
-    }
+    record = replace(
+        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200),
+        assessment={"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
+        difference_from_model={"pymunk": ProbabilityDifference(-0.29, -0.34, -0.24, 0.9)},
+    )
     verdict = assess_verdict(record)
     assert verdict.tone == "differ"
     assert "falls in 1 % of what may be true" in verdict.headline
@@ -46,7 +49,7 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
     record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200)
-    write_json(tmp_path / "result.json", to_plain(record))
+    write_json(tmp_path / "result.json", as_file(record))
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "of what may be true" in page
     assert "assumed" in page
@@ -55,7 +58,7 @@ def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
 def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
-    record = {"assessment": {"analytic": answer(p, 0.0, high)}}
+    record = {"assessment": {"analytic": plain(answer(p, 0.0, high))}}
     headline, tone_of_page = first_line(record, "All three models agree on the outcome: the statue stands", "agree")
     assert tone_of_page == colour
     assert headline.startswith("The statue falls in ")

@@ -13,7 +13,7 @@ import harness
 from harness.effects3d import BASELINE
 from harness.effects3d.summary import effects, static_rose
 from harness.model.run import machine, to_plain, versions, write_json
-from harness.records.description import describe
+from harness.records.scene import SceneRecord
 from reports.drawing.effects_figures import changes, rose
 from reports.pages.effects3d_page import effects_verdict
 from reports.pages.page import write_report
@@ -52,7 +52,7 @@ def record(root: Path) -> dict[str, Any]:
         "kind": "effects3d",
         "title": "an invented rose",
         "file": "rose.toml",
-        "scene": describe(scene),
+        "scene": to_plain(SceneRecord.of(scene)),
         "notes": [],
         "study": {"share": 0.95, "search": {"most_g": 1.2, "resolution": 0.002, "dt_s": 1e-3}},
         "rows": rows,

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.comparison.verdict import Verdict as Difference
 from harness.model.errors import InputError
 from harness.model.run import write_json
+from harness.records.scores import Verdict as Difference
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report

@@ -11,7 +11,7 @@ import pytest
 
 from harness.model.history import History, Outcome
 from reports.source import run_source
-from reports.text.limits import before_fall, fall_sentence, limit_rows, plan_rows, skipped_rows
+from reports.text.limits import before_fall, fall_sentence, interventions_row, limit_rows, plan_rows, skipped_rows
 from tests.reports.invented_run import invented_history, invented_run, write_invented
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}
@@ -74,3 +74,18 @@ def test_a_skips_name_becomes_words_and_other_sentences_stay() -> None:
         ("pybullet", "contact of parts other than the base: why"),
         ("pybullet", "at rest: not integrated"),
     ]
+
+
+def test_what_was_written_to_bodies_is_one_line() -> None:
+    nothing = {"count": 0, "moved_m": 0.0, "velocity_m_s": 0.0, "rate_rad_s": 0.0, "given_j": 0.0, "taken_j": 0.0}
+    written = {
+        "turn_on": nothing | {"count": 4, "velocity_m_s": 0.25, "given_j": 2.0, "steps_again": 0},
+        "friction_release": nothing | {"steps_again": 3},
+    }
+    ((words, told),) = interventions_row({"interventions": written, "validity": {"lost_in_impacts_j": 13.0}})
+    assert words == "written to its bodies"
+    assert told == (
+        "turn on 4 and friction release 3 times: in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
+        "where impacts lost 13 J; 3 steps solved again"
+    )
+    assert interventions_row({"interventions": {}, "validity": {}}) == []

@@ -40,7 +40,7 @@ def standing(theta: Array, rate: Array, t_s: Array = TIMES, gravity: float = 9.8
 
 
 def gained_j(on: Scene, motion: Trajectory) -> float:
-    return forces.energy_gained_j(on, motion, forces.energy_j(on, motion))
+    return forces.energy_gained_j(forces.energy_lost_j(on, motion, forces.energy_j(on, motion)))
 
 
 def reduced(theta: Array, rate: Array, **changes: object) -> Run:

@@ -91,7 +91,7 @@ def test_static_and_kinetic_friction(amplitude_g: float, frequency_hz: float) ->
     case = paestum(amplitude_g, frequency_hz, mu=(0.20, 0.15))
     run = bullet(case)
     assert apart(run, exact(case)) <= budget.BOTH_FRICTIONS_RAD
-    assert run.work["repeated_steps"] > 0
+    assert run.interventions["friction_release"].steps_again > 0
     for one_number in (0.15, 0.20):
         other = bullet(paestum(amplitude_g, frequency_hz, mu=one_number))
         assert apart(other, exact(case)) > budget.SEEN * apart(run, exact(case))
@@ -103,7 +103,7 @@ def test_imposed_ratio(ratio: float) -> None:
     run = bullet(case)
     assert apart(run, exact(case)) <= budget.BOTH_FRICTIONS_RAD
     assert run.labels == ("impact law imposed",)
-    assert run.work["imposed_impacts"] == len(run.impact_times_s)
+    assert run.interventions["imposed_impact"].count == len(run.impact_times_s)
     np.testing.assert_allclose(run.validity["impact_ratios"], ratio, atol=budget.IMPOSED_RATIO)
 
 

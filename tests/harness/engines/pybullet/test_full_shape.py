@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.excitation import Harmonic
 from harness.bench.coverage import random_scene
 from harness.engines import load
-from harness.engines.pybullet import course, feet, pose
+from harness.engines.pybullet import course, feet, pose, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
 from harness.engines.pybullet.shapes import HULL_INSET_M
@@ -91,7 +91,8 @@ def touching_from(case: Scene, kind: str) -> float:
             turn = pose.about_y(middle)
             x, y, z = corner + turn @ arm
             still = (0.0, 0.0, 0.0)
-            world.place(world.statue, pose.Body((x, y, z), pose.quaternion(turn @ setup.axes), still, still))
+            state = pose.Body((x, y, z), pose.quaternion(turn @ setup.axes), still, still)
+            writing.place(world.statue, state, world.client)
             pybullet.performCollisionDetection(world.client)
             found = pybullet.getContactPoints(world.statue, other, physicsClientId=world.client)
             met = any(item[8] < 0.0 and abs(item[5][0] - corner[0]) > BESIDE_M for item in found)

@@ -1,0 +1,102 @@
+"""What all records share: one frozen typed class is the writer, the reader and the JSON Schema of a record.
+
+Parts are plain frozen dataclasses, so that writing one costs nothing; pydantic validates them once, on reading, strictly.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final, TypeVar
+
+from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
+from pydantic.json_schema import GenerateJsonSchema
+
+from harness.input.mistakes import got_of, wanted_of
+from harness.model.errors import InputError, Mistake
+from harness.model.run import SCHEMA_VERSION, to_plain
+
+REWRITE: Final = "write the result anew with this version"
+SCHEMAS: Final = Path(__file__).resolve().parent / "schemas"
+MOST_MISTAKES: Final = 10
+"""Mistakes told of one record: more say nothing that these do not."""
+TYPE_NAME: Final = re.compile(
+    r"function-.*|lax-or-strict.*|constrained-.*|literal\[.*|float|int|str|bool|[A-Z]\w*(\[.*\])?"
+)
+"""What pydantic puts into a location beside keys: the branch of a union."""
+
+Json = JsonValue
+Table = Mapping[str, JsonValue]
+"""An open table: what stands in it is an engine's or a user's own."""
+T = TypeVar("T")
+_ADAPTERS: Final[dict[type, TypeAdapter[Any]]] = {}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Record:
+    """The head of every `result.json`; a kind of record derives from it, with its own `kind`."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(strict=True, allow_inf_nan=False)
+
+    schema_version: int = SCHEMA_VERSION
+    kind: str
+    title: str
+
+
+def plain(record: Any) -> dict[str, Any]:
+    """A record, or a part of one, as plain JSON values in the order of its fields."""
+    values: dict[str, Any] = to_plain(record)
+    return values
+
+
+def as_file(record: Record) -> dict[str, Any]:
+    """A record as it stands in a `result.json`, which names its JSON Schema."""
+    return {"$schema": schema_name(record.kind), **plain(record)}
+
+
+def schema_name(kind: str) -> str:
+    """The file of a kind's JSON Schema, from the folder that holds the packages."""
+    return f"harness/records/schemas/{kind}.schema.json"
+
+
+def validated(kind: type[T], text: str | bytes, where: Path) -> T:
+    """A record from its JSON text. Raises `InputError` naming file and key of what is absent or of another form."""
+    try:
+        return _adapter(kind).validate_json(text)
+    except ValidationError as error:
+        found = {_key(detail["loc"]): detail for detail in reversed(error.errors(include_url=False))}
+        mistakes = [Mistake(str(where), key, wanted_of(item), got_of(item), REWRITE) for key, item in found.items()]
+        raise InputError(mistakes[: -MOST_MISTAKES - 1 : -1]) from error
+
+
+def part(kind: type[T], values: Any, where: Path) -> T:
+    """A record, or a part of one, from plain values that were read already. Raises `InputError` as `validated`."""
+    return validated(kind, json.dumps(values), where)
+
+
+def schema_of(kind: type[Record]) -> dict[str, Any]:
+    """The JSON Schema of a kind of record."""
+    shape = _adapter(kind).json_schema(schema_generator=_Untitled)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **shape}
+
+
+class _Untitled(GenerateJsonSchema):
+    """A field's key says what it is: no title repeats it."""
+
+    def field_title_should_be_set(self, schema: object) -> bool:
+        """Never."""
+        return False
+
+
+def _adapter(kind: type[T]) -> TypeAdapter[T]:
+    """Made once, where it is first needed: some 20 ms for the record of a run."""
+    if kind not in _ADAPTERS:
+        _ADAPTERS[kind] = TypeAdapter(kind)
+    return _ADAPTERS[kind]
+
+
+def _key(location: tuple[int | str, ...]) -> str:
+    return ".".join(str(part) for part in location if isinstance(part, int) or not TYPE_NAME.fullmatch(part))

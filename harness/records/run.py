@@ -1,0 +1,116 @@
+"""The record of one run: the resolved scene, every engine's answer, scores of each pair, and what was left out and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Literal, NamedTuple, cast
+
+from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
+from harness.model.run import OMITTED, Pattern, Run
+from harness.records.assess import Assessment
+from harness.records.base import Record, Table
+from harness.records.scene import MotionRecord, SceneRecord
+from harness.records.scores import Scores
+from harness.records.witness import Witness
+from harness.statics.plan import Step
+
+PatternName = Literal["rest", "rocking", "sliding", "both"]
+
+
+class Stretch(NamedTuple):
+    """One stretch of one motion pattern."""
+
+    start_s: float
+    end_s: float
+    name: PatternName
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EngineRunRecord:
+    """One engine's answer as `harness.model.run.Run` states it, its history aside."""
+
+    engine: str
+    outcome: Outcome
+    settings: Table
+    steps: int
+    wall_s: float
+    peak_theta_rad: float
+    peak_time_s: float
+    end_s: float
+    overturn_time_s: float | None
+    no_return_time_s: float | None
+    impact_times_s: Sequence[float]
+    uplift_times_s: Sequence[float]
+    peak_slip_m: float
+    residual_slip_m: float
+    patterns: Sequence[Stretch]
+    validity: Table
+    numerical_uncertainty_rad: float | None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None
+    work: Mapping[str, int | float]
+    skipped: Sequence[str]
+    warnings: Sequence[str]
+    labels: Sequence[str]
+    message: str
+    motion_axes: Sequence[str] | None = None
+    outcome_sentence: str
+    interventions: Mapping[str, Intervention] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, run: Run) -> EngineRunRecord:
+        """The record of a run."""
+        same = {each.name: getattr(run, each.name) for each in fields(cls) if hasattr(run, each.name)}
+        own = {"patterns": [Stretch(item.start_s, item.end_s, cast(PatternName, item.name)) for item in run.patterns]}
+        return cls(**same | own, outcome_sentence=run.outcome.sentence)
+
+    def run(self, history: History | None) -> Run:
+        """The run again, with its history."""
+        same = {each.name: getattr(self, each.name) for each in fields(Run) if hasattr(self, each.name)}
+        own = {"patterns": [Pattern(*item) for item in self.patterns], "history": history}
+        return Run(**same | own)
+
+    @property
+    def impacts(self) -> int:
+        """Number of impacts; a run for the outcome alone counts them and lists none."""
+        return len(self.impact_times_s) or int(self.work.get("impacts", 0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HorizonRecord:
+    """Until when one model can predict the scene (`harness.accuracy.horizon.Horizon`)."""
+
+    tolerance_rad: float
+    duration_s: float
+    perturbations: Sequence[float]
+    until_s: Sequence[float]
+    growth_per_s: float | None
+    outcomes: Sequence[Outcome]
+    failed: int
+    intrinsic_s: float
+    sentence: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunRecord(Record):
+    """`result.json` of `rockcheck run`."""
+
+    kind: Literal["run"] = "run"
+    scene: SceneRecord
+    notes: Sequence[str]
+    motion: MotionRecord
+    runs: Mapping[str, EngineRunRecord]
+    histories: Sequence[str] | None = field(default=None, metadata=OMITTED)
+    """The engines whose histories were kept; absent in records that do not say."""
+    scores: Mapping[str, Scores]
+    horizons: Mapping[str, HorizonRecord] | None = field(default=None, metadata=OMITTED)
+    assessment: Mapping[str, Assessment] | None = field(default=None, metadata=OMITTED)
+    witness: Mapping[str, Witness] | None = field(default=None, metadata=OMITTED)
+    plan: Sequence[Step]
+    warnings: Sequence[str]
+    seconds: float
+    versions: Mapping[str, str]
+    machine: Table
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

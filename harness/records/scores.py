@@ -1,0 +1,172 @@
+"""The scores of one pair of answers, as the comparator gives them and as they stand in a record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Final, Literal
+
+from harness.model.history import Outcome
+from harness.model.run import OMITTED
+
+CONFIDENCE: Final = 0.95
+"""Probability of the intervals that are stated beside scores and statistics."""
+
+
+class Verdict(StrEnum):
+    """Why two answers differ, if they do."""
+
+    AGREE = "agree within numerical error"
+    MODEL = "differ: model"
+    HORIZON = "differ: beyond the horizon"
+    DOMAIN = "differ: the model left its domain"
+    PLANE = "differ: the plane left out"
+    UNBOUNDED = "differ: numerical error not bounded"
+
+
+ROBUST: Final = frozenset({Verdict.MODEL, Verdict.PLANE})
+"""Verdicts that no numerical error and no sensitivity explains."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """The numbers that a verdict follows from; of an older record some are not known."""
+
+    uncertainty_a_rad: float | None
+    uncertainty_b_rad: float | None
+    slip_uncertainty_a_m: float | None = None
+    slip_uncertainty_b_m: float | None = None
+    limit_rad: float
+    slip_limit_m: float = 0.0
+    coverage: float
+    differs_in: Literal["", "rotation", "slip"] = ""
+    exceeded_s: float | None
+    largest_difference_rad: float
+    largest_reliable_difference_rad: float
+    largest_slip_difference_m: float = 0.0
+    largest_reliable_slip_difference_m: float = 0.0
+    horizon_s: float | None
+    compared_until_s: float | None
+    left_domain_s: float | None
+    left_domain_by: str
+    outcome_flips_within_uncertainty: bool
+    side_flips_within_uncertainty: bool = False
+    motion_not_given: Mapping[str, Sequence[str]] | None = None
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Two distributions: the area between them, rad, and Kolmogorov and Smirnov's distance."""
+
+    area_rad: float
+    ks: float
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate with its two-sided confidence interval."""
+
+    value: float
+    low: float
+    high: float
+    confidence: float = CONFIDENCE
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeaksApart:
+    """The distributions of peaks; the interval, what chance alone would give and its probability only of enough excursions."""
+
+    area_rad: float
+    area_interval_rad: Interval | None = field(default=None, metadata=OMITTED)
+    area_by_chance_rad: float | None = field(default=None, metadata=OMITTED)
+    ks: float
+    ks_p: float | None = field(default=None, metadata=OMITTED)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AfterHorizon:
+    """Two histories beyond the horizon, where only distributions compare (`harness.comparison.scores.beyond`)."""
+
+    from_s: float
+    until_s: float
+    largest_a_rad: float
+    largest_b_rad: float
+    last_difference_rad: float
+    last_slip_difference_m: float
+    rotation: Apart
+    excursions_a: int
+    excursions_b: int
+    peaks: PeaksApart | None
+    sentence: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class IsoRating:
+    """The rating by ISO/TS 18571; 1 is perfect."""
+
+    corridor: float
+    phase: float
+    magnitude: float
+    slope: float
+    overall: float
+    resampled_dt_s: float
+    samples: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scores:
+    """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
+
+    Times in s, rotations in rad, differences a − b. Every score of instants (differences, peaks, events, magnitude, phase, ISO,
+    residuals) is taken from `compared_from_s` to `compared_until_s`, at most up to `horizon_s`, the earlier of both sides'
+    horizons (None: neither has one); `after_horizon` compares distributions beyond it, where no instant of one can be asked of
+    the other. `impact_*` are over matched impacts, `*_alone_*` count those without a partner; `together_until_s`, outcomes and
+    no-return times are of the whole runs. `outcome_agrees` for two falls whichever way; `side_agrees` is of falls alone.
+    `numerical_uncertainty` gives, beside each score, what the stated numerical errors of both sides can change in it.
+    """
+
+    a: str
+    b: str
+    compared_from_s: float | None
+    compared_until_s: float | None
+    coverage: float | None
+    horizon_s: float | None
+    rms_theta_rad: float | None
+    largest_difference_rad: float | None
+    rms_slip_m: float | None
+    peak_theta_a_rad: float
+    peak_theta_b_rad: float
+    peak_ratio: float | None
+    peak_time_difference_s: float | None
+    together_until_s: float | None
+    together_tolerance_rad: float
+    uplift_time_differences_s: Sequence[float]
+    uplifts_alone_a: int
+    uplifts_alone_b: int
+    impact_times_a_s: Sequence[float]
+    impact_time_differences_s: Sequence[float]
+    impacts_alone_a: int
+    impacts_alone_b: int
+    impact_energy_share_lost_a: Sequence[float | None]
+    impact_energy_share_lost_b: Sequence[float | None]
+    impact_energy_lost_a_j: Sequence[float | None] | None
+    impact_energy_lost_b_j: Sequence[float | None] | None
+    residual_theta_difference_rad: float | None
+    residual_slip_difference_m: float | None
+    magnitude: float | None
+    phase: float | None
+    combined: float | None
+    outcome_a: Outcome | None
+    outcome_b: Outcome | None
+    outcome_agrees: bool | None
+    side_agrees: bool | None = None
+    no_return_time_difference_s: float | None
+    after_horizon: AfterHorizon | None
+    numerical_uncertainty: Mapping[str, float | None]
+    verdict: Verdict
+    verdict_sentence: str
+    evidence: Evidence
+    iso: IsoRating | None = None
+    warnings: Sequence[str] | None = field(default=None, metadata=OMITTED)
+    """Of histories from files: where scores rest on interpolation."""

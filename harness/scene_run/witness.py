@@ -1,0 +1,131 @@
+"""A witness beside the verdict: do engines as they come, which nothing of this project steers, confirm what a run says?
+
+Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
+convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
+independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
+scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.contact.friction.followed`), which is
+another convention than the model's: where that parts the two, it is said, and what the other choice gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from harness import engines
+from harness.accuracy.spread import Error, spread, target_of
+from harness.comparison.comparator import compare
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
+
+BUDGET: Final = 3.0
+"""A witness costs at most so many times what the run beside it cost, in steps of that run's engine."""
+TARGET_RAD: Final = 5e-3
+"""Nothing is confirmed from where the plain engine's own error is above this: a twentieth of a slender statue's balance angle."""
+
+
+def plain_names(names: Sequence[str]) -> list[str]:
+    """The engines as they come of those that are asked."""
+    return [name + PLAIN for name in names if name + PLAIN in engines.REGISTRY]
+
+
+def witnesses(scene: Scene, runs: Mapping[str, Run], options: RunOptions) -> dict[str, Witness]:
+    """What the plain engines of these runs say of all of them; nothing where no engine of contact was asked."""
+    answers = {name: run for name, run in runs.items() if not run.outcome.failed and run.history is not None}
+    return {name: _witness(scene, answers, name, options) for name in plain_names(list(answers)) if name not in runs}
+
+
+def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptions) -> Witness:
+    engine, own = engines.load(name), runs[name.removesuffix(PLAIN)]
+    missing = engine.missing()
+    if missing is not None:
+        return Witness(name, 0.0, None, None, missing)
+    wanted_s = _bounded_s(own)
+    if wanted_s <= LEAST_S:
+        return Witness(
+            name, 0.0, None, None, f"{own.engine} bounds its numerical error nowhere: there is nothing to confirm"
+        )
+    steps = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost
+    settings, finer, until_s = _affordable(engine, scene, wanted_s, steps)
+    short = scene.but(duration_s=until_s)
+    kept = RunOptions(skips=options.skips, history=True)
+    try:
+        coarse, fine = (engine.simulate(short, each, kept) for each in (settings, finer))
+    except EngineFailure as failure:
+        return Witness(name, 0.0, None, None, str(failure))
+    apart = spread(coarse, fine, target_of(scene, TARGET_RAD))
+    height_m = 0.0 if scene.pedestal is None else scene.statue.centroid_height_m
+    error = apart.stated.or_more(Error(finer.expected_error_rad, finer.expected_error_rad * height_m))
+    fine = fine.with_uncertainty(error.rotation_rad, error.slip_m, apart.until_s)
+    judged = {each: _judged(scene, run, fine) for each, run in runs.items()}
+    mine = judged[own.engine]
+    return Witness(
+        name,
+        mine.until_s,
+        mine.to_rad,
+        mine.agrees,
+        _why_no_further(own, fine, apart.until_s, until_s, wanted_s),
+        finer.dt_s,
+        error.rotation_rad,
+        coarse.steps + fine.steps,
+        judged,
+    )
+
+
+def _bounded_s(run: Run) -> float:
+    return run.end_s if run.reliable_until_s is None else min(run.reliable_until_s, run.end_s)
+
+
+def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> tuple[Settings, Settings, float]:
+    """The finest settings, with their verification run's, whose two runs to `until_s` take at most so many steps.
+
+    Where the coarsest take more, the time that these reach.
+    """
+    levels = engine.refinement_levels(scene)
+    for settings in reversed(levels):
+        finer = engine.verification_settings(scene, settings)[0]
+        if until_s * (1.0 / settings.dt_s + 1.0 / finer.dt_s) <= steps:
+            return settings, finer, until_s
+    finer = engine.verification_settings(scene, levels[0])[0]
+    reached_s = steps / (1.0 / levels[0].dt_s + 1.0 / finer.dt_s)
+    return levels[0], finer, min(max(reached_s, 2.0 * levels[0].dt_s), until_s)
+
+
+def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
+    scores = compare(run, plain)
+    evidence = scores.evidence
+    known_s = min(_bounded_s(run), _bounded_s(plain))
+    parts_s = evidence.exceeded_s
+    if parts_s is not None and parts_s <= known_s:
+        at = parts_s
+        convention, convention_s = _convention(scene, run, at)
+        fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
+        other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
+        apart = evidence.largest_difference_rad
+        return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
+    apart = evidence.largest_reliable_difference_rad
+    return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
+
+
+def _convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
+    """The choice between conventions that decided what followed, if one came before the two parted, and when."""
+    choices = [t_s for t_s in run.validity.get("several_joint_states_s", ()) if t_s <= parts_s]
+    slides = [item.start_s for item in run.patterns if item.name in ("sliding", "both") and item.start_s <= parts_s]
+    if choices:
+        return "one of several joint states that were possible", float(choices[-1])
+    if scene.pedestal is not None and scene.contact.floor_static != scene.contact.floor_kinetic and slides:
+        return "which of the two coefficients acts as the pedestal breaks loose", float(slides[-1])
+    return "", None
+
+
+def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> str:
+    if own.end_s - min(bounded_s, wanted_s) <= LEAST_S:
+        return ""
+    if reached_s < wanted_s:
+        return f"{BUDGET:g} times the run's own cost reach to {reached_s:.4g} s"
+    if bounded_s < min(plain.end_s, reached_s):
+        return f"its own error is not bounded by {TARGET_RAD:g} rad from {bounded_s:.4g} s on"
+    return f"the numerical error of {own.engine} is not bounded beyond {wanted_s:.4g} s"

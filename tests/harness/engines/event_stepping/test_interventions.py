@@ -1,0 +1,182 @@
+"""What is written to an engine's bodies goes through one place, is accounted for, and is no more than the steps explain."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import engines
+from harness.bench.coverage import random_scene
+from harness.engines.base import Engine, EngineFailure
+from harness.engines.event_stepping.interventions import Ledger
+from harness.model.options import RunOptions
+from harness.model.scene import Scene
+from harness.records import base
+from harness.records.run import EngineRunRecord
+from tests import budgets_engines as budget
+from tests.scenes_for_tests import paestum
+
+PLACES = {
+    "pymunk": {"writing.py", "world.py", "defaults.py"},
+    "pybullet": {"writing.py"},
+    "mujoco": {"adapter.py"},
+}
+"""Modules that may write to a body: pymunk's `world` and `defaults` before the start; of mujoco's see below."""
+MUJOCO = {"_start", "_restore"}
+CALLS = ("cpBodySet", "cpBodyApply", "cpBodyUpdate", "resetBase", "applyExternal", "resetJoint")
+PROPERTIES = {"position", "angle", "velocity", "angular_velocity", "qpos", "qvel"}
+
+
+def writes(source: str) -> set[str]:
+    """Functions in which a body is written to, by their names; `""` for what is written in none."""
+    found: set[str] = set()
+
+    def look(node: ast.AST, within: str) -> None:
+        if isinstance(node, ast.FunctionDef):
+            within = node.name
+        if isinstance(node, ast.Attribute) and node.attr.startswith(CALLS):
+            found.add(within)
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []
+        )
+        for target in targets:
+            for part in ast.walk(target):
+                if (
+                    isinstance(part, ast.Attribute)
+                    and part.attr in PROPERTIES
+                    and isinstance(part.ctx, ast.Store | ast.Load)
+                ):
+                    found.add(within)
+        for child in ast.iter_child_nodes(node):
+            look(child, within)
+
+    look(ast.parse(source), "")
+    return found
+
+
+@pytest.mark.parametrize("name", list(PLACES))
+def test_bodies_are_written_to_in_one_place(root: Path, name: str) -> None:
+    found = {
+        path.name: writes(path.read_text(encoding="utf-8")) for path in (root / "harness/engines" / name).glob("*.py")
+    }
+    assert {module for module, functions in found.items() if functions} == PLACES[name]
+    if name == "mujoco":
+        assert found["adapter.py"] == MUJOCO
+    if name == "pymunk":
+        assert found["world.py"] == {"_pedestal", "_statue"}, "the start alone"
+
+
+def test_a_write_elsewhere_is_seen() -> None:
+    assert writes("def f(body):\n    body.velocity = (0, 0)\n") == {"f"}
+    assert writes("def f(lib):\n    lib.cpBodySetAngle(1)\n") == {"f"}
+    assert writes("def f(data):\n    data.qvel[:6] = 0\n") == {"f"}
+    assert writes("def f(pybullet):\n    pybullet.resetBaseVelocity(1)\n") == {"f"}
+    assert writes("def f(body):\n    return body.velocity\n") == set()
+
+
+def ready(name: str) -> Engine:
+    engine = engines.load(name)
+    reason = engine.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    return engine
+
+
+@pytest.mark.parametrize("name", list(engines.REGISTRY))
+def test_the_record_tells_what_was_written(name: str) -> None:
+    engine, scene = ready(name), paestum(0.429, 3.0, mu=(0.20, 0.15))
+    run = engine.simulate(scene, engine.settings_for_dt(scene, 1e-3), RunOptions())
+    record = base.plain(EngineRunRecord.of(run))
+    assert base.part(EngineRunRecord, record, Path("store")).run(run.history).interventions == run.interventions
+    if name == "analytic" or name.endswith(":plain"):
+        assert not run.interventions
+        return
+    assert run.interventions["friction_release"].steps_again > 0
+    if name != "mujoco":
+        written = run.interventions.values()
+        assert sum(item.count for item in written) > 0
+        assert 0.0 < run.interventions["turn_on"].velocity_m_s < budget.WRITTEN_M_S
+        given, taken = (sum(getattr(item, key) for item in written) for key in ("given_j", "taken_j"))
+        assert abs(given - taken) < run.validity["lost_in_impacts_j"], (
+            "what is written is no source of what impacts lose"
+        )
+
+
+def test_energy_and_changes_are_added_up_by_kind() -> None:
+    ledger = Ledger()
+    for change_j in (2.0, -3.0, 1.0):
+        ledger.of("hold").energy(change_j)
+    found = ledger.record()["hold"]
+    assert (found.given_j, found.taken_j) == (3.0, 3.0)
+
+
+def test_what_the_steps_do_not_explain_fails_the_run() -> None:
+    ledger = Ledger()
+    ledger.explain("turn_on", rate_rad_s=0.5, arm_m=1.0, step_s=1e-3)
+    ledger.of("turn_on").velocity_m_s = 0.5**2 * 1e-3
+    assert ledger.record()["turn_on"].velocity_m_s > 0.0
+    ledger.of("turn_on").velocity_m_s *= 4.0
+    with pytest.raises(EngineFailure, match=r"'turn_on' changed velocities by 0\.001 m/s"):
+        ledger.record()
+
+
+State = tuple[float, ...]
+Change = Callable[[State, tuple[float, float]], tuple[float, float]]
+
+
+def sign(before: State, turned: tuple[float, float]) -> tuple[float, float]:
+    """ω × arm with the other sign."""
+    return -turned[0], -turned[1]
+
+
+def pivot(before: State, turned: tuple[float, float]) -> tuple[float, float]:
+    """About a point a tenth of the base's width, 0.04 m, beside the one that stands."""
+    return turned[0], turned[1] - 0.04 * before[5]
+
+
+def arm(share: float) -> Change:
+    """An arm that is longer by a share."""
+
+    def change(before: State, turned: tuple[float, float]) -> tuple[float, float]:
+        return turned[0] * (1.0 + share), turned[1] * (1.0 + share)
+
+    return change
+
+
+SCENES: dict[str, Callable[[], Scene]] = {
+    "floor": lambda: paestum(0.429, 3.0, pedestal=False),
+    "pedestal": lambda: paestum(0.429, 3.0, mu=0.15),
+    "two coefficients": lambda: paestum(0.334, 2.0, mu=(0.20, 0.15)),
+} | {f"random {seed}": lambda seed=seed: random_scene(seed) for seed in (740_000, 740_001, 740_002, 740_003)}  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("case", list(SCENES))
+@pytest.mark.parametrize("step_s", [1e-3, 2.5e-4])
+@pytest.mark.parametrize(
+    "fault", [pivot, sign, arm(0.01), arm(-0.01), None], ids=["pivot", "sign", "+1%", "-1%", "none"]
+)
+def test_a_wrong_turn_on_fails_the_run(
+    case: str, step_s: float, fault: Change | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The velocity into an impact, as pymunk's adapter writes it: of a pivot, or with an arm, that is not the statue's."""
+    engine, scene = ready("pymunk"), SCENES[case]()
+    from harness.engines.pymunk.writing import BodyWriter
+
+    own = BodyWriter.write
+
+    def write(self: Any, kind: str, before: State, after: State) -> None:
+        if kind == "turn_on" and fault is not None:
+            after = (*after[:3], *fault(before, (after[3], after[4])), after[5])
+        own(self, kind, before, after)
+
+    monkeypatch.setattr(BodyWriter, "write", write)
+    settings = engine.settings_for_dt(scene, step_s)
+    if fault is None:
+        assert engine.simulate(scene, settings, RunOptions()).interventions
+        return
+    with pytest.raises(EngineFailure, match="turn_on"):
+        engine.simulate(scene, settings, RunOptions())

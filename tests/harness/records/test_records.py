@@ -1,0 +1,59 @@
+"""A record is read back as it was written, names its JSON Schema, and damage is told by file and key."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.model.errors import InputError
+from harness.records.base import SCHEMAS, as_file, plain, validated
+from harness.records.kinds import CLASSES, class_of, schema_text
+from harness.records.run import RunRecord
+from harness.scene_run.scene_run import Result, run_scene, write_result
+from tests.scenes_for_tests import paestum
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return run_scene(paestum(0.429, 3.0, duration_s=1.0), ["analytic", "pymunk"], dt_s=1e-3, assess=True)
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_the_published_schema_is_the_class_s(kind: str) -> None:
+    published = (SCHEMAS / f"{kind}.schema.json").read_text(encoding="utf-8")
+    assert published == schema_text(kind), "renew them: python -m harness.records.kinds"
+    assert json.loads(published)["properties"]["kind"]["const"] == kind
+    assert {path.name for path in SCHEMAS.iterdir()} == {f"{name}.schema.json" for name in CLASSES}
+
+
+def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> None:
+    path = write_result(result, tmp_path)
+    record = validated(RunRecord, path.read_bytes(), path)
+    assert as_file(record) == json.loads(path.read_text(encoding="utf-8"))
+    assert plain(record) == plain(result.record(record.files))
+    assert record.runs["analytic"].outcome is result.runs["analytic"].outcome
+
+
+def test_a_result_names_its_schema(tmp_path: Path, result: Result, root: Path) -> None:
+    written = json.loads(write_result(result, tmp_path).read_text(encoding="utf-8"))
+    schema = json.loads((root / written["$schema"]).read_text(encoding="utf-8"))
+    assert schema["$id"] == written["$schema"]
+    assert set(schema["required"]) <= written.keys() <= {*schema["properties"], "$schema"}
+
+
+def test_all_mistakes_of_a_record_are_told_by_file_and_key(tmp_path: Path, result: Result) -> None:
+    record = json.loads(write_result(result, tmp_path).read_text(encoding="utf-8"))
+    del record["scene"]["statue"]["mass_kg"]
+    record["runs"]["pymunk"]["outcome"] = "flies"
+    record["assessment"]["analytic"]["low"] = "much"
+    with pytest.raises(InputError) as caught:
+        validated(RunRecord, json.dumps(record), tmp_path / "result.json")
+    assert [(item.key, item.got) for item in caught.value.mistakes] == [
+        ("scene.statue.mass_kg", "nothing"),
+        ("runs.pymunk.outcome", "'flies'"),
+        ("assessment.analytic.low", "'much'"),
+    ]
+    assert {item.where for item in caught.value.mistakes} == {str(tmp_path / "result.json")}
+    assert class_of("run") is RunRecord

@@ -1,0 +1,100 @@
+"""What engines as they come confirm of a run: until when, to what, and where a wrong model or a wrong layer is found out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness import engines
+from harness.accuracy.simulation import simulate
+from harness.bench.random_scenes import GENERATORS
+from harness.input.scene_file import load_scene
+from harness.model.options import RunOptions
+from harness.model.scene import Scene
+from harness.records.witness import sentences
+from harness.scene_run import witness
+from harness.scene_run.witness import BUDGET, witnesses
+
+SCENES = Path(__file__).parents[3] / "scenes"
+
+NAMES = ("analytic", "pymunk")
+
+
+@pytest.fixture(scope="module")
+def pedestal() -> Scene:
+    return load_scene(SCENES / "paestum_pedestal.toml")
+
+
+def test_model_and_engine_are_confirmed_until_an_instant_within_what_the_run_bounds() -> None:
+    floor = load_scene(SCENES / "paestum_floor.toml")
+    runs = {name: simulate(floor, name) for name in NAMES}
+    seen = witnesses(floor, runs, RunOptions())["pymunk:plain"]
+    assert seen.agrees
+    assert 0.5 < seen.until_s <= (runs["pymunk"].reliable_until_s or 0.0)
+    assert set(seen.runs) == set(NAMES)
+    assert seen.to_rad is not None
+    assert seen.uncertainty_rad is not None
+    assert seen.uncertainty_rad <= seen.to_rad
+    assert sentences({seen.engine: seen})[0].startswith("pymunk as it comes confirms analytic and pymunk until ")
+
+
+def test_a_witness_costs_no_more_than_its_budget(pedestal: Scene) -> None:
+    run = simulate(pedestal, "pymunk")
+    seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    allowed = BUDGET * run.work["steps_of_all_runs"] / engines.load("pymunk:plain").step_cost
+    # A step that only the end of a run makes whole is one more in each of the two.
+    assert seen.steps <= allowed + 2
+
+
+def test_a_budget_that_ends_before_the_run_is_told() -> None:
+    scene = GENERATORS["random"](41001)
+    run = simulate(scene, "pymunk")
+    poor = replace(run, work={"steps_of_all_runs": 600})
+    seen = witnesses(scene, {"pymunk": poor}, RunOptions())["pymunk:plain"]
+    assert seen.until_s < 0.5 * (run.reliable_until_s or 0.0)
+    assert "times the run's own cost" in seen.reason
+
+
+@pytest.mark.parametrize("seed", [41000, 41001, 41003])
+def test_a_run_of_a_heavier_impact_is_not_confirmed(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The statue's inertia a fifth larger in the run than in the witness: they must part, and the sentence must say so."""
+    monkeypatch.setattr(witness, "BUDGET", 60.0)
+    scene = GENERATORS["random"](seed)
+    heavy = scene.but(statue=replace(scene.statue, inertia_kg_m2=1.2 * scene.statue.inertia_kg_m2))
+    run = simulate(heavy, "pymunk")
+    seen = witnesses(scene, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    assert seen.agrees is False
+    assert seen.runs["pymunk"].parts_s is not None
+    assert "pymunk as it comes does not confirm pymunk from" in sentences({seen.engine: seen})[0]
+
+
+def test_two_coefficients_part_by_convention_and_the_other_choice_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The paper's pedestal at 0.429 g and 3 Hz: with enough steps the plainest rule converges to another history."""
+    shaking = ["motion.x.amplitude_g=0.429", "motion.x.frequency_hz=3", "duration_s=2"]
+    scene = load_scene(SCENES / "paestum_pedestal.toml", shaking)
+    monkeypatch.setattr(witness, "BUDGET", 60.0)
+    runs = {name: simulate(scene, name) for name in NAMES}
+    seen = witnesses(scene, runs, RunOptions())["pymunk:plain"]
+    parted = seen.runs["analytic"]
+    assert not parted.agrees
+    assert "two coefficients" in parted.convention
+    assert parted.convention_s is not None
+    assert parted.convention_s <= (parted.parts_s or 0.0)
+    assert "The other choice: a peak of" in " ".join(sentences({seen.engine: seen}))
+
+
+def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:
+    run = replace(simulate(pedestal, "pymunk", dt_s=4e-3), reliable_until_s=0.0)
+    seen = witnesses(pedestal, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    assert seen.agrees is None
+    assert "confirms nothing" in sentences({seen.engine: seen})[0]
+
+
+def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:
+    imposed = load_scene(SCENES / "paestum_pedestal.toml", ["contact.restitution=0.7"])
+    run = simulate(imposed, "pymunk")
+    seen = witnesses(imposed, {"pymunk": run}, RunOptions())["pymunk:plain"]
+    assert seen.agrees is None
+    assert "contact.restitution" in seen.reason
