@@ -12,7 +12,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from harness.model.errors import InputError
+from harness.model.errors import InputError, Mistake
 from harness.model.terminal import json_text, printable, printable_lines
 
 OK: Final = 0
@@ -74,6 +74,71 @@ class Target:
 
     accuracy: Accuracy = None
     dt: Step = None
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the user says of a scan on the command line; None is found, assumed or refused, and said so."""
+
+    unit: Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")] = None
+    height_m: Annotated[
+        float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")
+    ] = None
+    up: Annotated[
+        str | None, typer.Option("--up", help="The scan's vertical axis: x, y, z, -x, -y, -z. Default: found.")
+    ] = None
+    density_kg_m3: Annotated[
+        float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")
+    ] = None
+    mass_kg: Annotated[
+        float | None, typer.Option("--mass", metavar="KG", help="Weighed mass, instead of a density.")
+    ] = None
+    max_faces: Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")] = 50_000
+    contact_tolerance_m: Annotated[
+        float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")
+    ] = 1e-3
+    cut_below_m: Annotated[
+        float | None,
+        typer.Option(
+            "--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the user says on the command line of what a scanned statue stands on and of how it is shaken."""
+
+    pedestal: Annotated[
+        str | None,
+        typer.Option(
+            "--pedestal", metavar="KG,M,M,M", help="A pedestal's mass, width, depth and height: 250,0.6,0.8,0.2."
+        ),
+    ] = None
+    friction: Annotated[
+        float | None,
+        typer.Option(
+            "--friction", metavar="MU", help="Friction of the statue on its support, and of a pedestal's on the floor."
+        ),
+    ] = None
+    scale: Annotated[
+        float | None, typer.Option("--scale", metavar="FACTOR", help="Factor on every component of the record.")
+    ] = None
+    motion_unit: Annotated[
+        str | None,
+        typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
+    ] = None
+
+    def pedestal_keys(self) -> dict[str, float] | None:
+        """The keys of `[pedestal]`; raises `InputError` for a text that is no four numbers."""
+        if self.pedestal is None:
+            return None
+        names = ("mass_kg", "width_m", "depth_m", "height_m")
+        try:
+            return dict(zip(names, map(float, self.pedestal.split(",")), strict=True))
+        except ValueError:
+            wanted = "four numbers with commas between them: " + ", ".join(names)
+            raise InputError(Mistake("--pedestal", "", wanted, repr(self.pedestal))) from None
 
 
 def command(app: typer.Typer, name: str | None = None, *examples: str) -> Callable[[Callable[..., None]], None]:

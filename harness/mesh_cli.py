@@ -4,14 +4,11 @@ elsewhere."""
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from harness.command import Known, Surroundings
 from harness.input import paths
-from harness.input.new_scene import Told, scene_text
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake, mistake_from
 from harness.records.result_folder import check_listed, listing, writing
@@ -21,35 +18,6 @@ if TYPE_CHECKING:
 
 MARBLE_KG_M3 = 2700.0
 """Density assumed for a statue of which nothing is said, and said so: marble."""
-
-
-@dataclass(frozen=True)
-class Known:
-    """What the user says of a scan on the command line; None is found, assumed or refused, and said so."""
-
-    unit: Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")] = None
-    height_m: Annotated[
-        float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")
-    ] = None
-    up: Annotated[
-        str | None, typer.Option("--up", help="The scan's vertical axis: x, y, z, -x, -y, -z. Default: found.")
-    ] = None
-    density_kg_m3: Annotated[
-        float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")
-    ] = None
-    mass_kg: Annotated[
-        float | None, typer.Option("--mass", metavar="KG", help="Weighed mass, instead of a density.")
-    ] = None
-    max_faces: Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")] = 50_000
-    contact_tolerance_m: Annotated[
-        float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")
-    ] = 1e-3
-    cut_below_m: Annotated[
-        float | None,
-        typer.Option(
-            "--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."
-        ),
-    ] = None
 
 
 def inspect(file: Path, known: Known) -> Inspection:
@@ -94,48 +62,13 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     return found, account
 
 
-@dataclass(frozen=True)
-class Surroundings:
-    """What the user says on the command line of what a scanned statue stands on and of how it is shaken."""
-
-    pedestal: Annotated[
-        str | None,
-        typer.Option(
-            "--pedestal", metavar="KG,M,M,M", help="A pedestal's mass, width, depth and height: 250,0.6,0.8,0.2."
-        ),
-    ] = None
-    friction: Annotated[
-        float | None,
-        typer.Option(
-            "--friction", metavar="MU", help="Friction of the statue on its support, and of a pedestal's on the floor."
-        ),
-    ] = None
-    scale: Annotated[
-        float | None, typer.Option("--scale", metavar="FACTOR", help="Factor on every component of the record.")
-    ] = None
-    motion_unit: Annotated[
-        str | None,
-        typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
-    ] = None
-
-    def pedestal_keys(self) -> dict[str, float] | None:
-        """The keys of `[pedestal]`; raises `InputError` for a text that is no four numbers."""
-        if self.pedestal is None:
-            return None
-        names = ("mass_kg", "width_m", "depth_m", "height_m")
-        try:
-            return dict(zip(names, map(float, self.pedestal.split(",")), strict=True))
-        except ValueError:
-            wanted = "four numbers with commas between them: " + ", ".join(names)
-            raise InputError(Mistake("--pedestal", "", wanted, repr(self.pedestal))) from None
-
-
-def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings = Surroundings()) -> Path:
+def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings | None = None) -> Path:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
     from harness.input.motions.readers import read_record
+    from harness.input.new_scene import Told, scene_text
     from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
@@ -144,6 +77,7 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
     if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
+    around = around or Surroundings()
     told = Told(
         known.density_kg_m3, known.mass_kg, around.pedestal_keys(), around.friction, around.scale, around.motion_unit
     )

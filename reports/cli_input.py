@@ -8,8 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import Saying, command
-from harness.mesh_cli import Known, Surroundings
+from harness.command import Known, Saying, Surroundings, command
 from harness.model.terminal import printable
 
 OUT: Final = Path("out")

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.command import Known, Surroundings
 from harness.input.scene_file import load_scene
-from harness.mesh_cli import MARBLE_KG_M3, Known, Surroundings, inspect, new, prepare
+from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError
 from meshes import togatus
 
