@@ -45,3 +45,9 @@ LEAN_TOLD: Final = 0.051
 
 LEAST_MOVES: Final = 2e-3
 """The least amplitude that moves a statue is rounded up in its fourth digit, 1e-3 of 1.000; twice that below it it rests."""
+
+CALLS_TO_A_STEP: Final = 12
+"""From the command to a step: command, scene, all engines, one engine, its accuracy, one run; an engine's own parts as many."""
+
+CALLS_TO_A_VERIFYING_STEP: Final = 14
+"""A run that only asks how a slightly stronger motion would move the statue passes two calls more."""
