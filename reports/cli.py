@@ -188,14 +188,24 @@ def validate(
     seed: Seed = 0,
     jobs: Jobs = None,
     resume: Resume = False,
+    body: Annotated[
+        Path | None,
+        typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for a table of measured tosses."),
+    ] = None,
     out: Out = None,
 ) -> None:
-    """Run the models on measured tests and score them against what was observed."""
+    """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
     from harness.records.result_folder import check_folder, named_after
+    from harness.validation.toss_run import body_of_tosses, validate_tosses
     from harness.validation.validation_run import validate as run_validation
 
     folder = out or OUT / named_after(experiments)
-    check_folder(folder, ("validation",))
+    check_folder(folder, ("validation", "tosses"))
+    thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
+    if thrown is not None:
+        measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
+        _say(measured, "", folder, saying)
+        return
     found = run_validation(
         experiments,
         folder,

@@ -69,7 +69,13 @@ def new(
     saying.say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}")
 
 
-@command(motion, "inspect", "rockcheck motion inspect quake.V2", "rockcheck motion inspect scenes/maria.toml --axis z")
+@command(
+    motion,
+    "inspect",
+    "rockcheck motion inspect quake.V2",
+    "rockcheck motion inspect scenes/maria.toml --axis z",
+    "rockcheck motion inspect any.txt --skip-lines 4 --dt 0.01 --columns 1:N,2:E --unit gal",
+)
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
     saying: Saying,
@@ -77,10 +83,26 @@ def motion_inspect(
         str | None,
         typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
     ] = None,
+    dt: Annotated[
+        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
+    ] = None,
+    skip_lines: Annotated[
+        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
+    ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
+        ),
+    ] = None,
+    time_column: Annotated[
+        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
+    ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
+    from harness.input.motions.layout import Layout
     from harness.model.run import write_json
     from harness.records.result_folder import check_folder, check_listed, listing, named_after
     from reports.export.motion_figure import motion_picture
@@ -90,18 +112,19 @@ def motion_inspect(
     picture, account = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
     check_listed(picture, account)
-    found = _inspected(file, unit, axis)
+    found = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(motion_picture(found), picture, dpi=150)
     write_json(account, found.record() | {"files": listing([picture], pages=False)})
     rows = [[printable(cell) for cell in row] for row in found.table()]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines = [printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))]
+    lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines += [printable(f"warning: {text}") for text in found.warnings]
     saying.say(found.record(), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
-def _inspected(file: Path, unit: str | None, axis: str) -> Any:
+def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
     """The record in a file, or the named component of a scene."""
     from harness.input.motions.inspect import inspect_component, inspect_file
     from harness.input.tables import parse, read
@@ -110,7 +133,7 @@ def _inspected(file: Path, unit: str | None, axis: str) -> Any:
     if file.suffix != ".toml":
         if not file.is_file():
             raise InputError(Mistake(str(file), "", "an existing record", "no such file"))
-        return inspect_file(file, unit=unit)
+        return inspect_file(file, unit=unit, layout=layout)
     model, _ = parse(read(file), str(file))
     component = getattr(model.motion, axis, None) if axis in ("x", "y", "z") else None
     if component is None:

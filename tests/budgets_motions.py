@@ -50,5 +50,22 @@ LIKENESS: Final = 0.5
 MATCHING_PASSES: Final = 24
 """El Centro takes 9 to 17 wavelet passes to either limit state: half as many again is a loss of convergence."""
 
-HEADER_DIGITS = 1e-4
-"""Headers give a peak with five digits or more; the numbers below them have at least as many."""
+HEADER_PEAK: Final = 1e-3
+"""The promise: a record's largest value is its header's to 0.1 %, most of which are the header's four digits."""
+
+HEADER_DIGITS: Final = 1.3e-4
+"""Headers give a peak with five digits or more, K-NET with four: half of the last one of 4.078 gal is 1.23e-4 of it."""
+
+COUNTS_M_S2: Final = 0.5 * 2000.0 / 8388608 / 100.0 * 1.05
+"""Half a count of K-NET's scale; the mean of 400 roundings adds 0.29/√400 = 0.015 counts, three of its deviations 9 % of half a
+count at most and 5 % in these waves."""
+
+TENTH_G_3: Final = 0.501e-3 * 0.1 * 9.80665
+"""Three decimals of g/10: half of the last one."""
+
+GAL_6: Final = 0.501e-6 * 0.01
+GAL_3: Final = 0.501e-3 * 0.01
+"""Six or three decimals of gal: half of the last one."""
+
+SINGLE_PRECISION_M_S2: Final = 3e-9
+"""SAC holds numbers of 24 bits: 2⁻²⁴ of the largest, 0.041 m/s², is 2.4e-9."""

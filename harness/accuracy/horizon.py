@@ -81,8 +81,10 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     side = 1 if start.theta_rad >= 0.0 else -1
     arm = math.hypot(statue.corner_m(side), statue.centroid_height_m)
     p = math.sqrt(statue.mass_kg * scene.gravity_m_s2 * arm / scene.pivot_inertia_kg_m2[side])
-    leaning = scene.but(initial=replace(start, theta_rad=start.theta_rad + side * size))
-    thrown = scene.but(initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s + size * p))
+    leaning = scene.but(initial=start.plus(side * size, 0.0))
+    if start.pose is not None:
+        leaning = scene.but(initial=start.plus(0.0, -size * p))
+    thrown = scene.but(initial=start.plus(0.0, size * p))
     if scene.base_excitation.still:
         return leaning, thrown
     return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)

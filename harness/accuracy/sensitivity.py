@@ -25,8 +25,10 @@ def stronger(scene: Scene, share: float) -> Scene:
     if not scene.base_excitation.still:
         return shaken(scene, 1.0 + share)
     start = scene.initial
-    theta, rate = (1.0 + share) * start.theta_rad, (1.0 + share) * start.theta_rate_rad_s
-    return scene.but(initial=replace(start, theta_rad=theta, theta_rate_rad_s=rate))
+    if start.pose is not None:
+        pose = start.pose.faster(1.0 + share)
+        return scene.but(initial=replace(start, pose=pose))
+    return scene.but(initial=start.plus(share * start.theta_rad, share * start.theta_rate_rad_s))
 
 
 def response(

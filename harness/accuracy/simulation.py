@@ -44,6 +44,11 @@ def simulate_with(
     try:
         if reason is not None:
             run = failed(engine.name, Outcome.UNAVAILABLE, reason)
+        elif scene.initial.pose is not None and not engine.capabilities.posed_start:
+            reason = (
+                f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
+            )
+            run = failed(engine.name, Outcome.CRASHED, reason)
         elif dt_s is not None and not engine.capabilities.certifies:
             run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
         else:

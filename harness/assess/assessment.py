@@ -37,9 +37,9 @@ BATCH: Final = 16
 
 
 def assess_model(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> Assessment | None:
-    """The analytic model's own probability; None where nothing of the scene is uncertain."""
+    """The analytic model's own probability; None where nothing of the scene is uncertain, or it begins from a pose in space."""
     inputs = uncertain_inputs(scene)
-    if not inputs:
+    if not inputs or scene.initial.pose is not None:
         return None
     values = draw(inputs, draws, seed)
     if not sweepable(scene, values):
@@ -67,9 +67,13 @@ def assess(
 ) -> AssessRecord:
     """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters.
 
-    `names` None: the engines of every run. A scene of which nothing is uncertain raises `InputError`.
+    `names` None: the engines of every run. A scene of which nothing is uncertain, or that begins from a pose in space (the
+    draws are stratified by the planar model), raises `InputError`.
     """
     names = names or engines.DEFAULT_ENGINES
+    if scene.initial.pose is not None:
+        wanted = "a start in the rocking plane: draws are stratified by the planar model"
+        raise InputError(Mistake(str(scene.source or "the scene"), "initial.position_m", wanted, "a pose in space"))
     inputs = uncertain_inputs(scene)
     if not inputs:
         wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"

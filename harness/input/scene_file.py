@@ -13,10 +13,10 @@ from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
 from harness.input.motions.spec import Component
-from harness.input.tables import ContactTable, ModelTable, PedestalTable, SceneFile, StatueTable
+from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
+from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
 
 if TYPE_CHECKING:
     pass
@@ -25,6 +25,8 @@ LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
 LARGEST_M: Final = 1e4
 """No statue is longer; beyond it squares of lengths overflow."""
+BELOW_M: Final = 1e-6
+"""A body in contact may be this far below the floor: what rounding of a printed place leaves."""
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
@@ -73,7 +75,7 @@ def resolve(
         contact=_contact(model.contact),
         base_excitation=base_excitation,
         wall=None if model.wall is None else Wall(model.wall.side, model.wall.distance_m),
-        initial=Initial(model.initial.theta_rad, model.initial.theta_rate_rad_s),
+        initial=_initial(model.initial, statue, path),
         table=model.table,
         output_dt_s=model.output.dt_s,
         source=path,
@@ -81,6 +83,22 @@ def resolve(
         notes=tuple(notes),
         uncertainty=uncertain_inputs(model),
     )
+
+
+def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
+    """The start. Raises `InputError` for a pose in which the body reaches below the floor."""
+    if table.position_m is None:
+        return Initial(table.theta_rad, table.theta_rate_rad_s)
+    w, x, y, z = table.quaternion_wxyz or (1.0, 0.0, 0.0, 0.0)
+    norm = math.hypot(w, x, y, z)
+    still = (0.0, 0.0, 0.0)
+    turn = (w / norm, x / norm, y / norm, z / norm)
+    pose = Pose(table.position_m, turn, table.velocity_m_s or still, table.angular_velocity_rad_s or still)
+    lowest = table.position_m[2] + float(np.min(statue.outer_points_m @ pose.rotation[2]))
+    if lowest < -BELOW_M:
+        wanted = f"the whole body above the floor (z = 0): the centroid at least {-lowest:.6g} m higher"
+        raise InputError(Mistake(str(path), "initial.position_m", wanted, f"its lowest point at {lowest:.6g} m"))
+    return Initial(pose=pose)
 
 
 def _form(table: ModelTable) -> Form:
@@ -178,7 +196,8 @@ def _statue(table: StatueTable, path: Path, notes: list[str]) -> Statue:
     section = np.array([[-left, 0.0], [right, 0.0], [right, height], [-left, height]])
     half = 0.5 * depth
     footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
-    tensor = _block_tensor(mass, inertia, left + right, depth)
+    given = table.inertia_xyz_kg_m2
+    tensor = _block_tensor(mass, inertia, left + right, depth) if given is None else np.diag(given)
     return Statue(mass, height_c, left, right, inertia, height, depth, section, footprint, tensor)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,6 +22,13 @@ Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
 Inertia = Annotated[float, Field(ge=1e-18, le=1e18)]
 Length = Annotated[float, Field(ge=1e-6, le=1e4)]
 Friction = Annotated[float, Field(ge=0.0, le=1e3)]
+Place = Annotated[float, Field(ge=-1e4, le=1e4)]
+Speed = Annotated[float, Field(ge=-1e3, le=1e3)]
+SAME_INERTIA = 1e-9
+"""Two statements of one moment of inertia may differ by rounding."""
+POSE = ("position_m", "quaternion_wxyz", "velocity_m_s", "angular_velocity_rad_s")
+UNIT = 1e-4
+"""A quaternion's norm may be off by this much: measured and printed ones are rounded; it is made exact."""
 MAX_SAMPLES = 2e7
 MAX_BYTES = 10_000_000
 
@@ -83,9 +91,23 @@ class StatueTable(Table):
     corner_left_m: Length | None = None
     corner_right_m: Length | None = None
     inertia_kg_m2: Inertia | None = None
+    inertia_xyz_kg_m2: Annotated[tuple[Inertia, Inertia, Inertia] | None, BeforeValidator(list_to_tuple)] = None
     height_m: Length | None = None
     depth_m: Length | None = None
     mesh: MeshTable | None = None
+
+    @model_validator(mode="after")
+    def _one_inertia(self) -> StatueTable:
+        if self.inertia_xyz_kg_m2 is None:
+            return self
+        x, y, z = self.inertia_xyz_kg_m2
+        if self.mesh is not None:
+            raise Contradiction("inertia_xyz_kg_m2", "no moments beside a mesh: it gives them all", "both")
+        if self.inertia_kg_m2 is not None and abs(y - self.inertia_kg_m2) > SAME_INERTIA * y:
+            raise Contradiction("inertia_xyz_kg_m2", f"inertia_kg_m2 = {self.inertia_kg_m2:g} about y", f"{y:g}")
+        if 2.0 * max(x, y, z) > (x + y + z) * (1.0 + SAME_INERTIA):
+            raise Contradiction("inertia_xyz_kg_m2", "no moment above the sum of the other two", f"{x:g}, {y:g}, {z:g}")
+        return self
 
 
 class PedestalTable(Table):
@@ -123,10 +145,32 @@ class WallTable(Table):
 
 
 class InitialTable(Table):
-    """`[initial]`: rotation and rate at t = 0."""
+    """`[initial]`: rotation and rate at t = 0; or a pose in space, for engines of three dimensions."""
 
     theta_rad: Annotated[float, Field(gt=-1.5, lt=1.5)] = 0.0
     theta_rate_rad_s: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+    position_m: Annotated[tuple[Place, Place, Place] | None, BeforeValidator(list_to_tuple)] = None
+    quaternion_wxyz: Annotated[tuple[Place, Place, Place, Place] | None, BeforeValidator(list_to_tuple)] = None
+    velocity_m_s: Annotated[tuple[Speed, Speed, Speed] | None, BeforeValidator(list_to_tuple)] = None
+    angular_velocity_rad_s: Annotated[tuple[Speed, Speed, Speed] | None, BeforeValidator(list_to_tuple)] = None
+
+    @property
+    def posed(self) -> bool:
+        """Whether any part of a pose in space is given."""
+        return not self.model_fields_set.isdisjoint(POSE)
+
+    @model_validator(mode="after")
+    def _one_start(self) -> InitialTable:
+        given = [name for name in POSE if name in self.model_fields_set]
+        planar = [name for name in ("theta_rad", "theta_rate_rad_s") if name in self.model_fields_set]
+        if given and planar:
+            raise Contradiction(planar[0], f"no planar start beside {given[0]}: the pose says it all", "both")
+        if given and self.position_m is None:
+            raise Contradiction("position_m", f"the centroid's place beside {given[0]}", "nothing")
+        norm = 1.0 if self.quaternion_wxyz is None else math.hypot(*self.quaternion_wxyz)
+        if abs(norm - 1.0) > UNIT:
+            raise Contradiction("quaternion_wxyz", f"a unit quaternion (norm 1 to {UNIT:g})", f"one of norm {norm:.6g}")
+        return self
 
 
 class OutputTable(Table):
@@ -164,6 +208,12 @@ class SceneFile(Table):
             raise Contradiction(
                 "output.dt_s", f"a step that leaves at most {MAX_SAMPLES:.0e} samples", f"{self.output.dt_s:g}"
             )
+        if self.initial.posed and self.pedestal is not None:
+            raise Contradiction(
+                "initial.position_m", "a body on the floor: no [pedestal] beside a pose in space", "both"
+            )
+        if self.initial.posed and self.wall is not None:
+            raise Contradiction("initial.position_m", "no [wall] beside a pose in space", "both")
         if self.wall is not None and self.statue.mesh is None and self.statue.height_m is None:
             raise Contradiction("statue.height_m", "a number beside a wall: what touches it is the top", "nothing")
         uncertain_inputs(self)

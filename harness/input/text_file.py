@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import gzip
+import io
 import re
 import stat
+import zipfile
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 from harness.model.errors import InputError, Mistake
 
 MOST_BYTES: Final = 64 * 2**20
 """Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""
 GZIP_MARK: Final = b"\x1f\x8b"
+ZIP_MARK: Final = b"PK\x03\x04"
 PACKED: Final = {
-    b"PK\x03\x04": "a ZIP archive",
+    ZIP_MARK: "a ZIP archive",
     b"BZh": "a bzip2 file",
     b"\xfd7zXZ": "an xz file",
     b"7z\xbc\xaf": "a 7z archive",
@@ -24,8 +27,8 @@ PACKED: Final = {
 UTF16_MARKS: Final = (b"\xff\xfe", b"\xfe\xff")
 _FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
 """What no decimal number holds. Python's float also takes underscores, "nan", "infinity" and the digits of other scripts."""
-_BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$")
-"""Fortran leaves the E out where an exponent takes three digits."""
+_BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$|(?<=\.)([0-9]*)([+-][0-9]{1,2})$")
+"""Fortran leaves the E out where an exponent takes three digits; some programs always do (1.234+5)."""
 
 
 def decimal(text: str) -> float:
@@ -45,7 +48,7 @@ def decimals(texts: Sequence[str]) -> list[float]:
 def fortran(text: str) -> float:
     """The number that Fortran wrote, its exponent also as D (1D-2) or without a letter (1.0-102); else ValueError."""
     bare = text.strip().replace("D", "E").replace("d", "E")
-    return decimal(_BARE_EXPONENT.sub(r"E\1", bare))
+    return decimal(_BARE_EXPONENT.sub(lambda found: f"{found[2] or ''}E{found[1] or found[3]}", bare))
 
 
 def must_be_named_in_utf8(path: Path) -> None:
@@ -58,7 +61,7 @@ def must_be_named_in_utf8(path: Path) -> None:
 
 
 def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
-    """All of a file, unpacked where it is gzip; InputError where it is no file, larger than `most` bytes, or damaged.
+    """All of a file, unpacked where it is gzip or a ZIP of one file; InputError for none, one over `most` bytes, a damaged one.
 
     `what` says in messages what was wanted. No more than `most` bytes are ever unpacked.
     """
@@ -73,17 +76,33 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
         raw = path.read_bytes()
     except OSError as error:
         raise InputError(Mistake(where, "", f"{what} that can be read", error.strerror or str(error))) from error
-    if not raw.startswith(GZIP_MARK):
+    if not raw.startswith((GZIP_MARK, ZIP_MARK)):
         return raw
     try:
-        with gzip.open(path) as stream:
+        with _unpacked(raw, where) as stream:
             raw = stream.read(most + 1)
-    except (OSError, EOFError, zlib.error) as error:
+    except (OSError, EOFError, RuntimeError, NotImplementedError, zlib.error, zipfile.BadZipFile) as error:
         got = f"one that does not unpack ({error})"
-        raise InputError(Mistake(where, "", "a whole gzip file", got, "download it again")) from error
+        raise InputError(Mistake(where, "", "a whole gzip or ZIP file", got, "download it again")) from error
     if len(raw) > most:
         raise InputError(Mistake(where, "", limit, "more than that once unpacked", "cut it, or take another file"))
     return raw
+
+
+def _unpacked(raw: bytes, where: str) -> gzip.GzipFile | IO[bytes]:
+    """The one file in a gzip or ZIP file, open; InputError for a ZIP of several."""
+    if raw.startswith(GZIP_MARK):
+        return gzip.open(io.BytesIO(raw))
+    archive = zipfile.ZipFile(io.BytesIO(raw))
+    names = [name for name in archive.namelist() if not name.endswith("/") and not name.startswith("__MACOSX/")]
+    if len(names) != 1:
+        shown = ", ".join(ascii(name)[1:-1] for name in names[:4]) + (", …" if len(names) > 4 else "")
+        got, advice = (
+            f"{len(names)} files ({shown})",
+            "unpack it and name one of them: files of one record find each other",
+        )
+        raise InputError(Mistake(where, "", "a ZIP archive of one file", got, advice))
+    return archive.open(names[0])
 
 
 def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:

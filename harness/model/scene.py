@@ -55,6 +55,13 @@ class Statue:
         """x of the middle of the base."""
         return 0.5 * (self.corner_right_m - self.corner_left_m)
 
+    @property
+    def outer_points_m(self) -> Array:
+        """Points (k, 3) whose hull is the body's: the mesh's vertices, a block's eight corners; about the centroid."""
+        block = np.vstack([self.footprint_m, self.footprint_m + np.array([0.0, 0.0, self.height_m])])
+        points = block if self.solid is None else self.solid.vertices_m
+        return np.asarray(points - np.array([0.0, 0.0, self.centroid_height_m]))
+
     def corner_m(self, side: int) -> float:
         """Distance b_s of the corner on that side (+1 right, −1 left) from the centroid's vertical."""
         return self.corner_right_m if side > 0 else self.corner_left_m
@@ -128,11 +135,51 @@ class Wall:
 
 
 @dataclass(frozen=True)
+class Pose:
+    """A body anywhere in space at t = 0, table's frame (z up, floor at 0): its centroid's place and velocity, the rotation of its
+    own axes (unit quaternion, w first; none is upright, as the scene describes the statue), angular velocity about these axes.
+    """
+
+    position_m: tuple[float, float, float]
+    quaternion_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angular_velocity_rad_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def rotation(self) -> Array:
+        """The rotation (3, 3) from the body's axes to the table's."""
+        w, x, y, z = self.quaternion_wxyz
+        v = np.array([x, y, z])
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.asarray((w * w - v @ v) * np.eye(3) + 2.0 * np.outer(v, v) + 2.0 * w * cross)
+
+    def faster(self, factor: float) -> Pose:
+        """The same pose with its velocities multiplied by a factor."""
+        (u, v, w), (p, q, r) = self.velocity_m_s, self.angular_velocity_rad_s
+        turning = (factor * p, factor * q, factor * r)
+        return replace(self, velocity_m_s=(factor * u, factor * v, factor * w), angular_velocity_rad_s=turning)
+
+
+@dataclass(frozen=True)
 class Initial:
-    """Rotation and rate at t = 0."""
+    """Rotation and rate at t = 0; or, for engines of three dimensions, a pose, beside which both are 0."""
 
     theta_rad: float = 0.0
     theta_rate_rad_s: float = 0.0
+    pose: Pose | None = None
+
+    @property
+    def still(self) -> bool:
+        """Whether the statue begins at rest on its base."""
+        return self.theta_rad == 0.0 and self.theta_rate_rad_s == 0.0 and self.pose is None
+
+    def plus(self, theta_rad: float, rate_rad_s: float) -> Initial:
+        """The start with so much more rotation and rate in the rocking plane (of a posed body: more angular velocity only)."""
+        if self.pose is None:
+            return Initial(self.theta_rad + theta_rad, self.theta_rate_rad_s + rate_rad_s)
+        across = self.pose.rotation[1]
+        spin = np.array(self.pose.angular_velocity_rad_s) + rate_rad_s * across
+        return Initial(pose=replace(self.pose, angular_velocity_rad_s=(float(spin[0]), float(spin[1]), float(spin[2]))))
 
 
 @dataclass(frozen=True)
@@ -174,8 +221,9 @@ class Scene:
 
     @property
     def planar(self) -> bool:
-        """Whether nothing in the scene leaves the rocking plane (no shaking across it, section symmetric about it)."""
-        return isinstance(self.base_excitation.y, ZeroExcitation) and self.statue.solid is None
+        """Whether nothing in the scene leaves the rocking plane (no shaking across it, no scan, no pose in space)."""
+        posed = self.initial.pose is not None
+        return isinstance(self.base_excitation.y, ZeroExcitation) and self.statue.solid is None and not posed
 
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:

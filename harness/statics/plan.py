@@ -95,7 +95,7 @@ def first_motion_s(scene: Scene) -> float:
 
     For piecewise linear records the time is the last sample before a limit is first exceeded; for formulas it is 0.
     """
-    if scene.initial.theta_rad != 0.0 or scene.initial.theta_rate_rad_s != 0.0:
+    if not scene.initial.still:
         return 0.0
     components = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
     times = _knots(components, scene.duration_s)

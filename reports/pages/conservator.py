@@ -79,9 +79,12 @@ def _headline(source: RunSource, answered: Mapping[str, Any]) -> tuple[str, str]
 
 def _begins(source: RunSource) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
+    shaking = any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz")
     lean, rate = (float(source.scene["initial"][key]) for key in ("theta_rad", "theta_rate_rad_s"))
+    if source.scene["initial"].get("pose") is not None:
+        return "Let go from its pose in space," if not shaking else "In this shaking, begun from a pose in space,"
     start = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
-    if any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz"):
+    if shaking:
         return f"In this shaking, begun {start}," if start else "In this shaking"
     return f"Let go {start}, without any shaking," if start else "Left alone"
 

@@ -25,6 +25,7 @@ PAGES: Final = {
     "study": "reports.pages.study_page",
     "effects3d": "reports.pages.effects3d_page",
     "validation": "reports.pages.validation_page",
+    "tosses": "reports.pages.tosses_page",
     "bench": "reports.pages.bench_page",
     "stress": "reports.pages.stress_page",
 }

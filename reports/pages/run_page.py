@@ -150,9 +150,22 @@ def scene_rows(source: RunSource) -> list[tuple[str, str]]:
     if scene["wall"] is not None:
         rows.append(("Wall", f"{scene['wall']['side']}, {length(scene['wall']['distance_m'])} from the base"))
     if any(scene["initial"].values()):
-        start = scene["initial"]
-        rows.append(("Start", f"{unit(start['theta_rad'], 'rad')}, {unit(start['theta_rate_rad_s'], 'rad/s')}"))
+        rows.append(("Start", start_words(scene["initial"])))
     return rows
+
+
+def start_words(start: Mapping[str, Any]) -> str:
+    """How the statue begins: rotation and rate in the plane, or the centroid's place and velocities in space."""
+    pose = start.get("pose")
+    if pose is None:
+        return f"{unit(start['theta_rad'], 'rad')}, {unit(start['theta_rate_rad_s'], 'rad/s')}"
+    parts = (
+        ("position_m", "m"),
+        ("quaternion_wxyz", "(w first)"),
+        ("velocity_m_s", "m/s"),
+        ("angular_velocity_rad_s", "rad/s"),
+    )
+    return "; ".join(f"({', '.join(short(value) for value in pose[key])}) {name}" for key, name in parts)
 
 
 def motion_rows(motion: Mapping[str, Any], scene: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -50,7 +50,8 @@ class Report:
 def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
     """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
 
-    The run ends at the overturning rotation, the same in every model; the time is interpolated between two samples.
+    The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
+    interpolated between two samples.
     """
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
@@ -143,7 +144,8 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
     """End of the run, time of overturning or None, and the number of samples that belong to it."""
     t_s, size = trajectory.t_s, np.abs(trajectory.theta_rad)
     over = np.flatnonzero(size >= OVERTURN_RAD)
-    if over.size:
+    # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
+    if over.size and scene.initial.pose is None:
         k = int(over[0])
         if k == 0:
             return float(t_s[0]), float(t_s[0]), 1

@@ -57,6 +57,7 @@ class Bullet3D(Engine):
         pedestal_tips=True,
         statue_slips=True,
         flies=True,
+        posed_start=True,
         moving_table=True,
         forces=True,
         skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),
@@ -103,6 +104,10 @@ class Bullet3D(Engine):
         from harness.engines.pybullet.columns import trajectory
 
         level = _own(settings)
+        if scene.initial.pose is not None and scene.contact.restitution is not None:
+            raise EngineFailure(
+                "pybullet locates plastic impacts only: a coefficient of restitution is pybullet:plain's"
+            )
         begin = time.perf_counter()
         setup = course.prepare(scene)
         found = course.run(scene, level, setup, want)

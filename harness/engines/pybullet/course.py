@@ -76,8 +76,8 @@ def prepare(scene: Scene) -> Setup:
     moments, axes = pose.principal(statue)
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     hull = feet.hull_vertices(statue)
-    # A wall can be touched by any vertex, a level support only by those that a lean brings down.
-    touching = hull if scene.wall is not None else feet.touchable(statue)
+    # Any vertex can touch a wall, and the floor under a thrown body; else those that a lean brings down to a level support.
+    touching = hull if scene.wall is not None or scene.initial.pose is not None else feet.touchable(statue)
     rest = feet.rest(statue)
     start = pose.start(scene, touching, rest, axes)
     return Setup(axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start)

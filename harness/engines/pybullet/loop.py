@@ -74,12 +74,12 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: StepState) 
     """Run `march` to the schedule's end, an overturn, rest, or a halt."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record = Still(watch), march.record
+    still, record, falls = Still(watch), march.record, scene.initial.pose is None
     look, halt_look, beside = march.number, march.number, False
     while march.number < schedule.count:
         row = march.row
         zx, zy, zz = axis_of(row, watch.axis)
-        if zz < LEANING and fallen(zx, zy, zz):
+        if zz < LEANING and falls and fallen(zx, zy, zz):
             break
         if march.on_grid:
             if watch.halt is not None and march.number >= halt_look:

@@ -72,6 +72,7 @@ class PlainBullet3D(Engine):
         pedestal_tips=True,
         statue_slips=True,
         flies=True,
+        posed_start=True,
         forces=True,
         skips=frozenset({"base_only", "no_history", "stop_at_overturn"}),
     )
@@ -151,7 +152,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOp
 
     def ended(t_s: float, row: tuple[float, ...]) -> bool:
         x, y, z = axis_of(row, axis)
-        if want.allows("stop_at_overturn") and fallen(x, y, z):
+        if want.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
             return True
         return want.stop is not None and want.stop(t_s, math.atan2(x, z))
 
@@ -188,6 +189,8 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
     with World(settings) as world:
         world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+        if scene.contact.restitution is not None:
+            world.bounce(scene.contact.restitution)
         read, client, acting = reader(world), world.client, course.friction.static
         row = read()
         record = Record(len(row))

@@ -43,9 +43,13 @@ def principal(statue: Statue) -> tuple[Array, Array]:
 def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     """The statue at t = 0: at rest on its facet, turned by the initial rotation about the lowest foot on that side.
 
-    The lowest foot touches the support; the centroid of an upright statue stands over the origin.
+    The lowest foot touches the support; the centroid of an upright statue stands over the origin. Where the scene gives a pose,
+    that.
     """
     statue, initial = scene.statue, scene.initial
+    if initial.pose is not None:
+        turn, spin = initial.pose.rotation, np.array(initial.pose.angular_velocity_rad_s)
+        return Body(initial.pose.position_m, quaternion(turn @ axes), initial.pose.velocity_m_s, _triple(turn @ spin))
     height = 0.0 if scene.pedestal is None else scene.pedestal.height_m
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     rested = feet_m @ rest.rotation.T

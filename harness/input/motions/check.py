@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.series import Series, displacement_m, velocity_m_s
 from harness.input.motions.text import mistake
 
 LARGEST_PEAK_G: Final = 10.0
@@ -21,6 +22,12 @@ STATED_PEAK_TOLERANCE: Final = 0.01
 """Headers round a peak to three digits or more."""
 ABRUPT: Final = 0.1
 """Share of the peak that a record cut within its shaking still has at an end."""
+DRIFTS: Final = ": drifts, "
+DRIFT_VELOCITY: Final = 0.25
+"""Share of the peak velocity that remains at the end; corrected records keep less than 0.1, an offset of any size 1."""
+DRIFT_PATH: Final = (0.9, 0.01)
+"""Shares of the peak displacement, and of the way at peak velocity, that lie between start and end. Corrected records keep less
+than 0.008 of the way; a fling's lasting displacement is reached in a second or two of strong velocity, not over a minute."""
 _END_SHARE, _FLAT_SAMPLES, _STRONG = 0.01, 10, (0.05, 0.95)
 
 
@@ -51,8 +58,10 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
         )
     found = _of_clock_and_sense(channel)
     if peak_g < SMALLEST_PEAK_G:
-        found.append(f"a peak of {peak_g:.2g} g is very small: {_likely_units(peak_g, record.unit)}")
-    found += _against_header(channel)
+        claimed = channel.stated_peak_m_s2 is not None and not _against_header(channel)
+        why = "its header says so too" if claimed else _likely_units(peak_g, record.unit)
+        found.append(f"a peak of {peak_g:.2g} g is very small: {why}")
+    found += [*_against_header(channel), *_drift(channel)]
     edge = max(1, int(_END_SHARE * accel.size))
     for name, part in (("begins", accel[:edge]), ("ends", accel[-edge:])):
         share = float(np.abs(part).max() / np.abs(accel).max())
@@ -80,6 +89,21 @@ def _of_clock_and_sense(channel: Channel) -> list[str]:
     if channel.orientation.sign < 0:
         found.append("counted downwards in the file: turned in sign, so that up is positive")
     return found
+
+
+def _drift(channel: Channel) -> list[str]:
+    """Whether the record runs away when it is integrated, and what takes that off."""
+    series = Series(channel.dt_s, channel.accel_m_s2)
+    velocity, path_m = velocity_m_s(series), displacement_m(series)
+    fastest, farthest = float(np.abs(velocity).max()), float(np.abs(path_m).max())
+    left = (abs(float(velocity[-1])), abs(float(path_m[-1])))
+    of_peak, of_way = DRIFT_PATH
+    if left[0] <= DRIFT_VELOCITY * fastest and not (
+        left[1] > of_peak * farthest and left[1] > of_way * fastest * series.duration_s
+    ):
+        return []
+    said = f"integrated, it ends at {velocity[-1]:.2g} m/s and {path_m[-1]:.2g} m"
+    return [f'drifts, {said}: baseline = "linear" (or "rest") in the scene\'s record takes that off']
 
 
 def _against_header(channel: Channel) -> list[str]:

@@ -12,6 +12,7 @@ import numpy as np
 from analytic.excitation import SampledAcceleration
 from harness.input import motions
 from harness.input.motions import components, oscillator
+from harness.input.motions.layout import Layout
 from harness.input.motions.measures import Measures, measures
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
@@ -100,11 +101,14 @@ class Inspection:
         return [head, size, *rows]
 
 
-def inspect_file(path: Path, *, unit: str | None = None, target: DesignSpectrum | None = None) -> Inspection:
+def inspect_file(
+    path: Path, *, unit: str | None = None, layout: Layout | None = None, target: DesignSpectrum | None = None
+) -> Inspection:
     """The record in `path` as it is, with its sister files' channels; InputError where it cannot be read."""
-    record = read_record(path, unit=unit)
+    record = read_record(path, unit=unit, layout=layout)
     tested = "tried on originals" if record.tested else "untested on originals"
-    source = {"file": str(path), "format": f"{record.format} (reader {tested})", "unit": record.unit, **record.facts}
+    source = {"file": str(path), "format": f"{record.format} (reader {tested})", "unit": record.unit}
+    source |= {key: " ".join(said.split()) for key, said in record.facts.items()}
     series = components.aligned(record)
     traces = tuple(
         _trace(channel.name, str(channel.orientation), series[channel.name], target) for channel in record.channels

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -16,6 +17,15 @@ STANDARD_GRAVITY_M_S2: Final = 9.80665
 UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
     {"m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "g": STANDARD_GRAVITY_M_S2}
 )
+UNIT_NAMES: Final = " or ".join(UNITS_M_S2)
+_SPELLINGS: Final = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "cm/s2", "mms2": "mm/s2", "mmps2": "mm/s2",
+                     "gal": "cm/s2", "gals": "cm/s2"}  # fmt: skip
+
+
+def unit_named(text: str) -> str | None:
+    """The key of UNITS_M_S2 that `text` means (cm/sec/sec, cm/s^2, m/s², gal, g. …), or None."""
+    bare = re.sub(r"[\s^*.()\[\]]|-(?=2)", "", text.lower().replace("²", "2").replace("sec", "s").replace("s/s", "s2"))
+    return bare if bare in UNITS_M_S2 else _SPELLINGS.get(bare)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +48,16 @@ class Channel:
         samples = np.array(self.accel_m_s2, dtype=np.float64)
         samples.setflags(write=False)
         object.__setattr__(self, "accel_m_s2", samples)
+
+    @classmethod
+    def read(
+        cls, name: str, orientation: Orientation, dt_s: float, values: NDArray[np.float64], unit: str,
+        peak: tuple[float | None, float | None] = (None, None), start_s: float = 0.0,
+    ) -> Channel:  # fmt: skip
+        """The channel of `values` in `unit` as a file holds them, turned so that up is positive; `peak` likewise."""
+        factor = UNITS_M_S2[unit] * orientation.sign
+        stated, at_s = peak
+        return cls(name, orientation, dt_s, values * factor, start_s, None if stated is None else stated * factor, at_s)
 
     @property
     def t_s(self) -> NDArray[np.float64]:

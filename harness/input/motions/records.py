@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.motions import components, process
+from harness.input.motions.check import DRIFTS
 from harness.input.motions.process import ProcessError
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import RecordFile
@@ -28,7 +29,7 @@ class Processed:
 def load(source: Source, *, base_dir: Path, where: str, key: str) -> Processed:
     """Read and process; InputError names `key` of `where`, or the record file and its line."""
     path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
-    record = read_record(path, unit=source.unit)
+    record = read_record(path, unit=source.unit, layout=source.layout)
     series = _chosen(record, source, where, key)
     try:
         return Processed(_processed(series, record, source), _concerning(record, source, where, key))
@@ -45,11 +46,13 @@ def _chosen(record: RecordFile, source: Source, where: str, key: str) -> Series:
 
 def _concerning(record: RecordFile, source: Source, where: str, key: str) -> tuple[str, ...]:
     """What the reader said of the channel that is used and of the whole file; of every channel where two are turned."""
+    cured = source.baseline != "none" or source.bandpass_hz is not None
+    warnings = tuple(said for said in record.warnings if not (cured and DRIFTS in said))
     if source.azimuth_deg is not None:
-        return record.warnings
+        return warnings
     used = components.channel_named(record, source.column, where=where, key=key).name
     others = tuple(f"{channel.name}: " for channel in record.channels if channel.name != used)
-    return tuple(said for said in record.warnings if not said.startswith(others))
+    return tuple(said for said in warnings if not said.startswith(others))
 
 
 def _shaped(series: Series, source: Source) -> Series:

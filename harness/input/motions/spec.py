@@ -6,6 +6,9 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from harness.input.motions.layout import Layout
+from harness.input.motions.recordfile import unit_named
+
 
 def list_to_tuple(value: Any) -> Any:
     """Let a TOML array stand for a fixed tuple, which strict validation would refuse."""
@@ -13,7 +16,10 @@ def list_to_tuple(value: Any) -> Any:
 
 
 Pair = Annotated[tuple[float, float], BeforeValidator(list_to_tuple)]
-Unit = Literal["m/s2", "cm/s2", "mm/s2", "g"]
+Unit = Annotated[
+    Literal["m/s2", "cm/s2", "mm/s2", "g"],
+    BeforeValidator(lambda value: (unit_named(value) or value) if isinstance(value, str) else value),
+]
 Code = Literal["ntc2008", "ntc2018", "ec8"]
 Soil = Literal["A", "B", "C", "D", "E"]
 LARGEST_G: Final = 1e3
@@ -77,13 +83,18 @@ class Source(_Part):
     """A channel of a record file and what is done to it, in the order of the keys below.
 
     `column` is a CSV header, a component's name (N28W, UP) or its azimuth in degrees; `azimuth_deg` turns the two horizontal
-    channels to that direction instead. `unit` is needed only where the file does not state it.
+    channels to that direction instead. `unit` is needed only where the file does not state it; `dt_s`, `skip_lines`, `columns`
+    and `time_column` only for a text that no reader knows (docs/motions.md, "Any other text").
     """
 
     file: str = Field(min_length=1)
     column: str | None = None
     azimuth_deg: float | None = Field(default=None, ge=0.0, lt=360.0)
     unit: Unit | None = None
+    dt_s: float | None = Field(default=None, ge=1e-6, le=1.0)
+    skip_lines: int | None = Field(default=None, ge=0)
+    columns: str | None = Field(default=None, min_length=1)
+    time_column: int | None = Field(default=None, ge=1)
     window_s: Pair | None = None
     baseline: Literal["none", "mean", "linear", "quadratic", "rest"] = "none"
     bandpass_hz: Pair | None = None
@@ -93,6 +104,11 @@ class Source(_Part):
     scale: float = Field(default=1.0, ge=-LARGEST_SCALE, le=LARGEST_SCALE)
     pga_g: float | None = Field(default=None, gt=0.0, le=LARGEST_G)
     pgv_m_s: float | None = Field(default=None, gt=0.0, le=LARGEST_M_S)
+
+    @property
+    def layout(self) -> Layout:
+        """How the numbers of a text stand that no reader knows."""
+        return Layout(self.dt_s, self.skip_lines, self.columns, self.time_column)
 
     @model_validator(mode="after")
     def _consistent(self) -> Source:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.text_file import decoded, fortran, read_bytes
+from harness.input.text_file import decoded, fortran
 from harness.model.errors import InputError, Mistake
 
-_NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{3}(?![0-9.]))?"
+_NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{1,3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
@@ -24,9 +23,9 @@ def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> In
     return InputError(Mistake(where, key, wanted, got, advice))
 
 
-def read_text(path: Path) -> str:
-    """The file's text, unpacked where it is gzip (UTF-8, UTF-16 by its mark, else Latin-1); InputError where that fails."""
-    return decoded(read_bytes(path, "an accelerogram"), str(path), "an accelerogram", latin=True)
+def text_of(raw: bytes, where: str) -> str:
+    """The text of a file's bytes (UTF-8, UTF-16 by its mark, else Latin-1); InputError where they are none."""
+    return decoded(raw, where, "an accelerogram", latin=True)
 
 
 def header_number(text: str, where: str, place: str, what: str) -> float:
@@ -46,14 +45,6 @@ def header_count(text: str, where: str, place: str, what: str) -> int:
     if value < 2.0 or value != int(value):
         raise mistake(where, place, f"{what}, a whole number of 2 or more", repr(text.strip()), "the header is damaged")
     return int(value)
-
-
-def stated_peak(match: re.Match[str] | None, factor: float) -> tuple[float | None, float | None]:
-    """A header's peak times `factor`, and its time (groups 1 and 2); None and None where there is none, or no number."""
-    try:
-        return (fortran(match.group(1)) * factor, fortran(match.group(2))) if match else (None, None)
-    except ValueError:
-        return None, None
 
 
 def fixed_width(
@@ -127,6 +118,18 @@ def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray
     except ValueError:
         values = np.array([number for i, line in enumerate(lines) for number in _touching(line, where, first_line + i)])
     return finite(values, where, "accelerations")
+
+
+def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) -> NDArray[np.float64]:
+    """The numbers of `lines` in rows of `count` (n, count), blank lines left out; InputError naming a line with fewer or more."""
+    whole = [(first_line + i, line) for i, line in enumerate(lines) if line.strip()]
+    values = free_format([line for _, line in whole], where=where, first_line=first_line)
+    if values.size != count * len(whole):
+        for place, line in whole:
+            had = free_format([line], where=where, first_line=place).size
+            if had != count:
+                raise mistake(where, f"line {place}", f"{count} numbers", str(had), "the file is damaged, or cut off")
+    return values.reshape(-1, count)
 
 
 def _touching(line: str, where: str, number: int) -> list[float]:

@@ -122,3 +122,38 @@ def test_an_unknown_key_is_named_whatever_it_looks_like(
         load_scene(path)
     told = [item for item in found.value.mistakes if item.got == "an unknown key"]
     assert [(item.key, item.advice) for item in told] == [(key, near)]
+
+
+POSED = "[initial]\nposition_m = [0.0, 0.0, 0.6]\n"
+
+
+def test_a_pose_in_space_is_read_and_its_quaternion_made_exact(tmp_path: Path) -> None:
+    turn = "quaternion_wxyz = [0.70711, 0.0, 0.70711, 0.0]\nangular_velocity_rad_s = [1.0, 2.0, 3.0]\n"
+    pose = load_scene(written(tmp_path, GOOD + POSED + turn)).initial.pose
+    assert pose is not None
+    assert pose.position_m == (0.0, 0.0, 0.6)
+    assert sum(part * part for part in pose.quaternion_wxyz) == pytest.approx(1.0, rel=1e-15)
+    assert pose.rotation[:, 2] == pytest.approx([1.0, 0.0, 0.0], abs=1e-15)
+    assert pose.velocity_m_s == (0.0, 0.0, 0.0)
+    assert pose.angular_velocity_rad_s == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (POSED + "theta_rad = 0.1\n", r"initial\.theta_rad: wanted no planar start beside position_m"),
+        ("[initial]\nvelocity_m_s = [0, 0, 1.0]\n", r"initial\.position_m: wanted the centroid's place beside velocity_m_s"),
+        (POSED + "quaternion_wxyz = [1.0, 0.1, 0.0, 0.0]\n", r"initial\.quaternion_wxyz: wanted a unit .* norm 1\.00499"),
+        (POSED + "quaternion_wxyz = [1.0, 0.0, 0.0]\n", r"initial\.quaternion_wxyz"),
+        ("[initial]\nposition_m = [0.0, 0.0, 0.4]\n", r"initial\.position_m: wanted the whole body .* lowest point at -0\.1 m"),
+        (POSED + "[wall]\nside = 'left'\ndistance_m = 1.0\n", r"initial\.position_m: wanted no \[wall\]"),
+        (
+            POSED + "[pedestal]\nmass_kg = 1.0\nwidth_m = 1.0\ndepth_m = 1.0\nheight_m = 0.1\n",
+            r"initial\.position_m: wanted a body on the floor",
+        ),
+    ],
+)  # fmt: skip
+def test_a_pose_that_contradicts_itself_or_the_scene_is_refused(tmp_path: Path, lines: str, message: str) -> None:
+    statue, _, _ = GOOD.partition("[initial]")
+    with pytest.raises(InputError, match=message):
+        load_scene(written(tmp_path, statue.rstrip() + "\nheight_m = 1.0\n" + lines))

@@ -1,86 +1,126 @@
 """The readers of record files: the format is recognised by its content.
 
-To add a format: one file beside this one with NAME, TESTED_ON_ORIGINALS, recognises(text) and read(text, where), and its
-line in _READERS, the strictest first.
+To add a format: one file beside this one with FORMATS (name, and whether it was tried on originals), recognises(text) and
+read(text, where), and its place in _READERS, the strictest first.
 """
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, Protocol
 
 from harness.input.motions import check
-from harness.input.motions.readers import at2, cosmos, csv, esm, smc, v2, v2a
-from harness.input.motions.recordfile import UNITS_M_S2, RecordFile
-from harness.input.motions.text import mistake, read_text
-from harness.model.errors import InputError
+from harness.input.motions.layout import Layout
+from harness.input.motions.readers import (
+    at2,
+    cosmos,
+    csv,
+    cwb,
+    esm,
+    geonet,
+    knet,
+    nsmn,
+    seed,
+    smc,
+    table,
+    unam,
+    v2,
+    volume1,
+)
+from harness.input.motions.recordfile import UNIT_NAMES, RecordFile, unit_named
+from harness.input.motions.text import mistake, text_of
+from harness.input.text_file import read_bytes
+from harness.model.errors import InputError, Mistake
 
 
 class Reader(Protocol):
     """What a format's file offers."""
 
-    NAME: str
-    TESTED_ON_ORIGINALS: bool
+    FORMATS: dict[str, bool]
 
     def recognises(self, text: str) -> bool:
-        """Whether `text` is of this format."""
+        """Whether `text` is of this format, damaged or not."""
 
     def read(self, text: str, where: str) -> RecordFile:
         """Its channels; InputError where it is damaged."""
 
 
-_READERS: Final[tuple[Reader, ...]] = (v2a, v2, cosmos, smc, esm, at2)
-FORMATS: Final[tuple[tuple[str, bool], ...]] = tuple((r.NAME, r.TESTED_ON_ORIGINALS) for r in (*_READERS, csv))
+_READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
+FORMATS: Final[dict[str, bool]] = {
+    name: tried
+    for formats in (*(r.FORMATS for r in _READERS), csv.FORMATS, seed.FORMATS)
+    for name, tried in formats.items()
+}
 """Every format's name and whether its reader was tried on originals of the network."""
 
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
+_ENDINGS: Final = {"K-NET": r"\.(EW|NS|UD)", "KiK-net": r"\.(EW|NS|UD)[12]", "USC V1": r"\.[a-z]\d[a-z]"}
+"""Endings by which these networks tell the files of one record apart."""
+_NO_RECORD = re.compile(r"RESPONSE AND FOURIER AMPLITUDE SPECTRA|RESPONSE SPECTR", re.IGNORECASE)
 
 
-def read_file(path: Path, *, unit: str | None = None) -> RecordFile:
-    """The channels of one file; `unit` where the file does not state one (CSV). InputError names the line at fault."""
-    text = read_text(path)
+def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = None) -> RecordFile:
+    """The channels of one file; `unit` and `layout` where the file does not tell them. InputError names the line at fault."""
     where = str(path)
+    named = None if unit is None else unit_named(unit)
+    if unit is not None and named is None:
+        raise mistake(where, "unit", UNIT_NAMES, unit)
+    raw = read_bytes(path, "an accelerogram")
+    if seed.is_binary(raw):
+        return seed.read(raw, where, unit=named)
+    text = text_of(raw, where)
+    if layout is not None and layout.given:
+        return table.read(text, where, unit=named, layout=layout)
     for reader in _READERS:
         if reader.recognises(text):
             record = reader.read(text, where)
-            if unit is not None and unit != record.unit:
-                raise mistake(
-                    where, "unit", f"the unit of a {record.format} file, {record.unit}", unit, "leave unit out"
-                )
+            if named is not None and named != record.unit:
+                wanted = f"the unit of a {record.format} file, {record.unit}"
+                raise mistake(where, "unit", wanted, named, "leave unit out")
             return record
-    if not csv.recognises(text):
-        names = ", ".join(name for name, _ in FORMATS)
-        raise mistake(
-            where, "", f"one of {names}", repr(text.splitlines()[0][:60]), "columns of numbers with t_s also do"
-        )
-    if unit is not None and unit not in UNITS_M_S2:
-        raise mistake(where, "unit", " or ".join(UNITS_M_S2), unit)
-    return csv.read(text, where, unit=unit)
+    if spectra := _NO_RECORD.search(text[:400]):
+        advice = "take the record's own file (V1, V2)"
+        raise mistake(where, "", "an accelerogram", f"a file of spectra ({spectra.group()})", advice)
+    try:
+        if csv.recognises(text):
+            return csv.read(text, where, unit=named)
+        names = ", ".join(FORMATS)
+        first = next(line.strip() for line in text.splitlines() if line.strip())
+        raise mistake(where, "", f"one of {names}", repr(first[:60]), "columns of numbers with t_s also do")
+    except InputError as error:
+        raise _with_proposal(error, text, where) from None
 
 
-def read_record(path: Path, *, unit: str | None = None) -> RecordFile:
+def _with_proposal(error: InputError, text: str, where: str) -> InputError:
+    """The error with the options that would read the text as plain numbers, where its own table is not what failed."""
+    if csv.names_times(text) or not (said := table.proposal(text, where)):
+        return error
+    first = error.mistakes[0]
+    return InputError(
+        Mistake(first.where, first.key, first.wanted, first.got, f"its numbers alone are read by: {said}")
+    )
+
+
+def read_record(path: Path, *, unit: str | None = None, layout: Layout | None = None) -> RecordFile:
     """The whole record: this file's channels, those of its sister files where a file holds one, and all findings."""
-    record = read_file(path, unit=unit)
+    record = read_file(path, unit=unit, layout=layout)
     sisters, unread = _read_sisters(record, path) if record.group else ([], [])
     channels = (*record.channels, *(channel for other in sisters for channel in other.channels))
     warnings = (*record.warnings, *(said for other in sisters for said in other.warnings), *unread)
     names = [channel.name for channel in channels]
     if len(set(names)) < len(names):
         channels, warnings = record.channels, (*record.warnings, "sister files repeat a component: they are left out")
-    whole = RecordFile(
-        record.path, record.format, record.tested, record.unit, channels, record.facts, record.group, warnings
-    )
-    said = check.check(whole)
-    return RecordFile(
-        record.path, record.format, record.tested, record.unit, channels, record.facts, record.group, (*warnings, *said)
-    )
+    whole = replace(record, channels=channels, warnings=tuple(dict.fromkeys(warnings)))
+    return replace(whole, warnings=(*whole.warnings, *check.check(whole)))
 
 
 def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], list[str]]:
     """Other files of the same record, and what is to be said of those beside it that are damaged."""
     sisters: list[RecordFile] = []
     unread: list[str] = []
-    for other in _sisters(path):
+    for other in _sisters(path, _ENDINGS.get(record.format)):
         try:
             sister = read_file(other)
             check.check(sister)
@@ -93,20 +133,24 @@ def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], lis
     return sisters, unread
 
 
-def _sisters(path: Path) -> list[Path]:
-    """Files beside this one whose names differ in their middle only, sorted."""
+def _sisters(path: Path, endings: str | None) -> list[Path]:
+    """Files beside this one, sorted, whose names differ in their middle only, or in one of their network's `endings`."""
     found: list[Path] = []
     try:
         beside = sorted(path.parent.iterdir())
     except OSError:  # a folder that may be entered but not listed: the file itself was read
         beside = []
     for other in beside:
-        if other == path or other.suffixes[-1:] != path.suffixes[-1:] or not other.is_file():
+        if other == path or not other.is_file():
             continue
-        same = _alike(path.stem, other.stem)
-        same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
-        if same >= _ALIKE * max(len(path.stem), len(other.stem)):
-            found.append(other)
+        if endings and re.fullmatch(endings, other.suffix, re.IGNORECASE):
+            if other.stem == path.stem:
+                found.append(other)
+        elif other.suffix == path.suffix:
+            same = _alike(path.stem, other.stem)
+            same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
+            if same >= _ALIKE * max(len(path.stem), len(other.stem)):
+                found.append(other)
     return found
 
 

@@ -1,85 +1,112 @@
-"""COSMOS volume 1 to 3 (V1, V2, V1C, V2C): self-describing header and data blocks, one or more channels in a file."""
+"""COSMOS volume 0 to 2 (V0C, V1C, V2C): self-describing header and data blocks, one or more channels in a file."""
 
 from __future__ import annotations
 
 import re
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import fixed_width, mistake
 
-NAME: Final = "COSMOS"
-TESTED_ON_ORIGINALS: Final = False
+FORMATS: Final = {"COSMOS": True, "COSMOS V0": False}
 
 _HEADER = re.compile(
-    r"^\s*(\d+)\s+(Integer|Real)-header values follow on\s+(\d+)\s+lines?,\s*Format\s*=\s*\(\s*\d*[IFE](\d+)",
-    re.IGNORECASE,
+    r"^\s*(\d+)\s+(Integer|Real)-header values follow on\s+(\d+)\s+lines?,?\s*Format\s*=\s*(\(.*\))", re.IGNORECASE
 )
 _DATA = re.compile(
-    r"^\s*(\d+)\s+accel\S*\s+pts,\s*approx\s+(\d+)\s*secs,\s*units\s*=\s*([^,(]+?)\s*(?:\(\s*\d+\s*\))?\s*,"
-    r"\s*Format\s*=\s*\(\s*(\d*)[FEG](\d+)",
+    r"^\s*(\d+)\s+(?:raw\s+)?accel\S*\s+(?:pts|points|counts),?\s*approx\s+(\d+)\s*secs,?"
+    r"\s*units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\))?\s*,?\s*Format\s*=\s*(\(.*\))",
     re.IGNORECASE,
 )
-_CHANNEL = re.compile(r"Sta Chan?:?\s+\S+:\s*(\S+)", re.IGNORECASE)
-_UNITS: Final = {"cm/s^2": "cm/s2", "cm/sec2": "cm/s2", "cm/sec/sec": "cm/s2", "cm/s/s": "cm/s2", "g": "g"}
+_CODES: Final = {"2": "g", "4": "cm/s2", "10": "cm/s2"}
+"""Units by the number beside their name (COSMOS table 2); 50 are counts."""
+_COUNTS = "counts"
 _DIRECTION, _STEP = 53, (61, 33)  # places in the integer and the real header, from 0: of the data, of the raw file
+_LEAST_UV, _VOLTS_PER_G, _GAIN = 21, 41, 46  # of the real header: µV in a count, the sensor's sensitivity and gain
 _PEAK, _PEAK_TIME = 63, 64
 _UNKNOWN = -999.0
 _UP, _DOWN = 400, 401
 _DURATION_TOLERANCE_S = 1.5  # "approx" is in whole seconds
 
+Floats = NDArray[np.float64]
+
 
 def recognises(text: str) -> bool:
-    """Whether COSMOS's two header blocks are announced in its words."""
-    head = text[:20000]
-    return "Integer-header values follow on" in head and "Real-header values follow on" in head
+    """Whether one of COSMOS's two header blocks is announced in its words."""
+    return re.search(r"(Integer|Real)-header values follow on", text[:20000], re.IGNORECASE) is not None
 
 
 def read(text: str, where: str) -> RecordFile:
     """All acceleration channels of a COSMOS file; InputError where a block is incomplete."""
     lines = text.splitlines()
     channels: list[Channel] = []
-    numbers: dict[str, list[float]] = {}
+    warnings: list[str] = []
+    numbers: dict[str, Floats] = {}
     text_from, unit = 0, "cm/s2"
     for i, line in enumerate(lines):
         if header := _HEADER.match(line):
-            count, kind, rows, width = (header.group(k) for k in (1, 2, 3, 4))
+            count, kind, rows, form = header.groups()
+            _, width = fortran_format(form, where, f"line {i + 1}")
             block = lines[i + 1 : i + 1 + int(rows)]
-            values = fixed_width(block, int(width), int(count), where=where, first_line=i + 2, what=f"{kind} header")
-            numbers[kind.lower()] = values.tolist()
+            numbers[kind.lower()] = fixed_width(
+                block, width, int(count), where=where, first_line=i + 2, what=f"{kind} header"
+            )
         elif data := _DATA.match(line):
-            channel, unit = _channel(lines, i, data, numbers, "\n".join(lines[text_from:i]), where)
+            channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), warnings)
             channels.append(channel)
             numbers, text_from = {}, i + 1
     if not channels:
-        raise mistake(
-            where, "", "an acceleration block in cm/s² or g", "none", "raw counts (V0) cannot be used: take V1 or V2"
-        )
+        got = next((line.strip() for line in lines if re.search(r"\bunits\s*=", line)), "none")
+        wanted = "a block of accelerations, 'N acceleration pts, approx … units=…'"
+        raise mistake(where, "", wanted, repr(got), "the file is cut off, or holds none")
     facts = {"event": " ".join(lines[1].split()), "station": " ".join(lines[4].split()) if len(lines) > 4 else ""}
-    group = f"{facts['event']}|{facts['station']}" if len(channels) == 1 else ""
-    return RecordFile(where, NAME, TESTED_ON_ORIGINALS, unit, tuple(channels), facts, group)
+    place = Header(lines, where).words(r"<SCNL>[^.\s]*\.\w{3}\.(\S*)")  # network and location: a building has many
+    group = f"{facts['event']}|{facts['station']}|{place}" if len(channels) == 1 else ""
+    name = "COSMOS V0" if unit == _COUNTS else "COSMOS"
+    shown = "g" if unit == _COUNTS else unit
+    return RecordFile(where, name, FORMATS[name], shown, tuple(channels), facts, group, tuple(warnings))
 
 
 def _channel(
-    lines: list[str], i: int, data: re.Match[str], numbers: dict[str, list[float]], head: str, where: str
+    lines: list[str], i: int, data: re.Match[str], numbers: dict[str, Floats], head: Header, warnings: list[str]
 ) -> tuple[Channel, str]:
-    count, duration, unit = int(data.group(1)), float(data.group(2)), data.group(3).strip().lower()
-    per_line, width = max(int(data.group(4) or 1), 1), int(data.group(5))
-    if unit not in _UNITS:
-        raise mistake(
-            where, f"line {i + 1}", "accelerations in cm/s² or g", repr(unit), "raw counts (V0): take V1 or V2"
-        )
-    integers, reals = numbers.get("integer", []), numbers.get("real", [])
-    if len(integers) <= _DIRECTION or len(reals) <= _PEAK_TIME or count < 2:
-        raise mistake(where, f"line {i + 1}", "whole integer and real headers before the data", "shorter ones")
-    dt_s = _step_s([reals[place] for place in _STEP], count, duration, where)
+    where, place = head.where, f"line {i + 1}"
+    count, duration = int(data.group(1)), float(data.group(2))
+    written, code = data.group(3), (data.group(4) or "").lstrip("0")
+    unit = _COUNTS if code == "50" or written.lower().startswith("count") else unit_named(written) or _CODES.get(code)
+    if unit is None:
+        raise mistake(where, place, "accelerations in cm/s², g or counts", repr(written))
+    per_line, width = fortran_format(data.group(5), where, place)
+    integers, reals = (numbers.get(kind, np.empty(0)) for kind in ("integer", "real"))
+    if integers.size <= _DIRECTION or reals.size <= _PEAK_TIME or count < 2:
+        raise mistake(where, place, "whole integer and real headers before the data", "shorter ones")
+    dt_s = _step_s([float(reals[at]) for at in _STEP], count, duration, where)
     values = fixed_width(lines[i + 1 : i + 1 + -(-count // per_line)], width, count, where=where, first_line=i + 2)
-    name, orientation = _direction(int(integers[_DIRECTION]), head)
-    factor = UNITS_M_S2[_UNITS[unit]] * orientation.sign
+    name, orientation = _direction(int(integers[_DIRECTION]), head, warnings)
+    if unit == _COUNTS:
+        values, rest_g = _in_g(values, reals, where)
+        warnings.append(f"{name}: counts about a rest of {rest_g:.4g} g, which is taken off; instrument as recorded")
+        return Channel.read(name, orientation, dt_s, values, "g"), unit
     known = _UNKNOWN not in (reals[_PEAK], reals[_PEAK_TIME])
-    stated = (reals[_PEAK] * factor, reals[_PEAK_TIME]) if known else (None, None)
-    return Channel(name, orientation, dt_s, values * factor, 0.0, *stated), _UNITS[unit]
+    peak = (float(reals[_PEAK]), float(reals[_PEAK_TIME])) if known else (None, None)
+    return Channel.read(name, orientation, dt_s, values, unit, peak), unit
+
+
+def _in_g(counts: Floats, reals: Floats, where: str) -> tuple[Floats, float]:
+    """Counts about their mean, and the mean, in g by the recorder's µV for a count and the sensor's V for g."""
+    microvolts, sensitivity, gain = (float(reals[at]) for at in (_LEAST_UV, _VOLTS_PER_G, _GAIN))
+    if microvolts <= 0.0 or sensitivity <= 0.0:
+        got = f"{microvolts:g} µV and {sensitivity:g} V/g"
+        wanted = "the recorder's µV for a count and the sensor's V/g (real headers 22 and 42)"
+        raise mistake(where, "counts (V0)", wanted, got, "take the V1 or V2 file of this record")
+    factor = microvolts * 1e-6 / sensitivity / (gain if gain > 0.0 else 1.0)
+    mean = float(counts.mean())
+    return (counts - mean) * factor, mean * factor
 
 
 def _step_s(stated: list[float], count: int, duration_s: float, where: str) -> float:
@@ -92,11 +119,16 @@ def _step_s(stated: list[float], count: int, duration_s: float, where: str) -> f
     raise mistake(where, "real headers 62 and 34", wanted, got)
 
 
-def _direction(code: int, head: str) -> tuple[str, Orientation]:
-    if code in (_UP, _DOWN):
-        return "UP" if code == _UP else "DOWN", Orientation(vertical=True, sign=1 if code == _UP else -1)
+def _direction(code: int, head: Header, warnings: list[str]) -> tuple[str, Orientation]:
+    """By the integer header, unless the channel's SEED name (<SCNL>STATION.BNZ.…) says that it is vertical."""
+    seed = head.words(r"<SCNL>[^.\s]*\.(\w{3})\b")
+    if code == _DOWN:
+        return "DOWN", Orientation(vertical=True, sign=-1)
+    if code == _UP or parse_orientation(seed).vertical:
+        if code != _UP:
+            warnings.append(f"UP: vertical by its SEED name {seed}, though its header says {code}")
+        return "UP", Orientation(vertical=True)
     if 0 <= code <= 360:
         return f"{code % 360:03d}", Orientation(code % 360.0)
-    match = _CHANNEL.search(head)
-    name = match.group(1) if match else str(code)
-    return name, parse_orientation(name)
+    name = head.words(r"Sta Chan?:?\s+\S+:\s*(\S+)") or seed or str(code)
+    return name, parse_orientation(seed) if parse_orientation(name) == Orientation() else parse_orientation(name)

@@ -1,92 +1,74 @@
-"""ITACA and ESM (DYNA): 64 header lines "KEY: value", then one acceleration per line, one channel in a file."""
+"""ITACA and ESM (DYNA): header lines "KEY: value", then one acceleration per line, one channel in a file."""
 
 from __future__ import annotations
 
-import math
 import re
 from datetime import datetime
 from typing import Final
 
+from harness.input.motions.header import Header
 from harness.input.motions.orientation import parse_orientation
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile, unit_named
 from harness.input.motions.text import free_format, mistake
-from harness.input.text_file import decimal
 
-NAME: Final = "ITACA/ESM ASCII"
-TESTED_ON_ORIGINALS: Final = False
+FORMATS: Final = {"ITACA/ESM ASCII": True}
 
-_KEY = re.compile(r"^([A-Z][A-Z0-9_/^()]*):\s*(.*)$")
+_KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
 _EPOCH: Final = datetime(1970, 1, 1)
 _CLOCK_KEY = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
-_UNITS: Final = {"cm/s^2": "cm/s2", "m/s^2": "m/s2", "g": "g"}
-_NEEDED: Final = ("SAMPLING_INTERVAL_S", "NDATA", "STREAM", "UNITS")
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line is EVENT_NAME and the header gives a sampling interval."""
-    return text.startswith("EVENT_NAME:") and "SAMPLING_INTERVAL_S:" in text[:8000]
+    """Whether the first lines name an event and its date as the archive does."""
+    head = text[:2000]
+    return bool(re.search(r"^EVENT[_ ](NAME|ID):", head, re.MULTILINE)) and bool(
+        re.search(r"^EVENT[_ ]|^NETWORK:", head)
+    )
 
 
 def read(text: str, where: str) -> RecordFile:
     """The one channel of an ESM file; InputError where keys or values are missing."""
     lines = text.splitlines()
-    header: dict[str, str] = {}
-    first = 0  # counted apart from the keys: a damaged file may hold one twice
-    while first < len(lines) and (match := _KEY.match(lines[first])):
-        header[match.group(1)] = match.group(2).strip()
-        first += 1
-    for key in _NEEDED:
-        if not header.get(key):
-            raise mistake(where, key, "a value in the header", "none")
-    if header.get("DATA_TYPE", "ACCELERATION") != "ACCELERATION":
-        raise mistake(where, "DATA_TYPE", "ACCELERATION", header["DATA_TYPE"], "take the file whose name holds .ACC.")
-    if header["UNITS"] not in _UNITS:
-        raise mistake(where, "UNITS", " or ".join(_UNITS), repr(header["UNITS"]))
-    dt_s, count = _number(header, "SAMPLING_INTERVAL_S", where), int(_number(header, "NDATA", where))
+    first = next((i for i, line in enumerate(lines) if line.strip() and not _KEY.match(line)), len(lines))
+    head = Header(lines[:first], where)
+    kind = _words(head, "DATA_TYPE") or "ACCELERATION"
+    if kind.upper() != "ACCELERATION":
+        raise mistake(where, "DATA_TYPE", "ACCELERATION", kind, "take the file whose name holds .ACC.")
+    dt_s = head.number(_key("SAMPLING_INTERVAL_S"), "SAMPLING_INTERVAL_S and a step")
+    count = head.count(_key("NDATA"), "NDATA and how many")
+    stream = head.needed(_key("STREAM|COMPONENT|CHANNEL_CODE|CHANNEL"), "STREAM and a channel such as HNE")[0]
+    written, place = head.needed(_key("UNITS"), "UNITS and cm/s^2, m/s^2 or g")
+    unit = unit_named(written)
+    if unit is None:
+        raise mistake(where, place, "UNITS of cm/s^2, m/s^2 or g", repr(written))
     values = free_format(lines[first:], where=where, first_line=first + 1)
     if values.size != count:
-        raise mistake(
-            where, "NDATA", f"{count} accelerations", str(values.size), "the file is cut off: download it again"
-        )
-    unit = _UNITS[header["UNITS"]]
-    orientation = parse_orientation(header["STREAM"])
-    factor = UNITS_M_S2[unit] * orientation.sign
-    peak, peak_s = (_stated(header, key, where) for key in ("PGA_CM/S^2", "TIME_PGA_S"))
-    stated = None if peak is None else peak * UNITS_M_S2["cm/s2"] * orientation.sign
-    channel = Channel(header["STREAM"], orientation, dt_s, values * factor, _clock_s(header, where), stated, peak_s)
+        advice = "the file is cut off: download it again"
+        raise mistake(where, "NDATA", f"{count} accelerations", str(values.size), advice)
+    peak, _ = head.peak(_key(r"PGA_CM/S\^2"))
+    peak_s, _ = head.peak(_key("TIME_PGA_S"))
+    stated = None if peak is None else peak * UNITS_M_S2["cm/s2"] / UNITS_M_S2[unit]
+    start_s = _clock_s(_words(head, _CLOCK_KEY), where)
+    channel = Channel.read(stream, parse_orientation(stream), dt_s, values, unit, (stated, peak_s), start_s)
     facts = {
-        "event": header.get("EVENT_NAME", ""),
-        "station": f"{header.get('NETWORK', '')}.{header.get('STATION_CODE', '')}",
+        "event": _words(head, "EVENT_NAME"),
+        "station": f"{_words(head, 'NETWORK')}.{_words(head, 'STATION_CODE')}",
     }
-    group = (
-        f"{header.get('EVENT_ID', '')}|{facts['station']}|{header.get('LOCATION', '')}|{header.get('PROCESSING', '')}"
-    )
-    return RecordFile(where, NAME, TESTED_ON_ORIGINALS, unit, (channel,), facts, group)
+    group = "|".join((_words(head, "EVENT_ID"), facts["station"], _words(head, "LOCATION"), _words(head, "PROCESSING")))
+    return RecordFile(where, "ITACA/ESM ASCII", True, unit, (channel,), facts, group)
 
 
-def _number(header: dict[str, str], key: str, where: str) -> float:
-    value = _stated(header, key, where) or 0.0
-    if value <= 0.0:
-        raise mistake(where, key, "a positive number", repr(header[key]))
-    return value
+def _key(names: str) -> str:
+    """The pattern of a line's value by its key, blanks or underscores between the key's words."""
+    return rf"^\s*(?:{names.replace('_', '[_ ]')})\s*:(.*)$"
 
 
-def _stated(header: dict[str, str], key: str, where: str) -> float | None:
-    """The number after a key, None where the file leaves it empty."""
-    if not header.get(key):
-        return None
-    try:
-        value = decimal(header[key])
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise mistake(where, key, "a number", repr(header[key]))
-    return value
+def _words(head: Header, key: str) -> str:
+    return head.words(_key(key))
 
 
-def _clock_s(header: dict[str, str], where: str) -> float:
-    """Time of the first sample since _EPOCH, s, so that a record's three files share one clock."""
-    stamp = header.get(_CLOCK_KEY, "")
+def _clock_s(stamp: str, where: str) -> float:
+    """Time of the first sample since _EPOCH, s, so that a record's three files share one clock; 0 where it is not said."""
     if not stamp:
         return 0.0
     try:

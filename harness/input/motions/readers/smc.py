@@ -1,4 +1,4 @@
-"""USGS SMC: 11 text lines, 48 integers, 50 reals, comments, then accelerations in cm/s², one channel in a file."""
+"""USGS SMC: 11 text lines, 48 integers, 50 reals, comments, then accelerations in cm/s², even or in pairs with their times."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import re
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from harness.input.motions.clock import clock_of
+from harness.input.motions.header import Header
 from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile
+from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.text import fixed_width, mistake
 
-NAME: Final = "USGS SMC"
-TESTED_ON_ORIGINALS: Final = False
+FORMATS: Final = {"USGS SMC": True, "USGS SMC, uncorrected": False}
 
-_KIND = re.compile(r"^\s*(\d)\s+(UN)?CORRECTED ACCELEROGRAM", re.IGNORECASE)
-_COMPONENT = re.compile(r"component\s*=\s*(\S+)", re.IGNORECASE)
-_STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=", re.IGNORECASE)
+_KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
 _VERTICAL, _AZIMUTH, _COMMENTS, _COUNT = 12, 13, 15, 16  # places among the integers, from 0
 _RATE, _TIMES_AND_PEAKS = 1, (28, 32)  # places among the reals, from 0
@@ -24,60 +24,70 @@ _NO_REAL = 1e38
 _WIDTH, _PER_LINE = 10, 8
 _LARGEST_INTEGER: Final = 1e10
 
+Floats = NDArray[np.float64]
+
 
 def recognises(text: str) -> bool:
-    """Whether the first line is SMC's "2 CORRECTED ACCELEROGRAM" (or "1 UNCORRECTED …") and the second begins with *."""
-    lines = text.splitlines()[:2]
+    """Whether the first line is SMC's "2 CORRECTED ACCELEROGRAM" (or another kind's) and the second begins with *."""
+    lines = text[:400].splitlines()[:2]
     return len(lines) == 2 and bool(_KIND.match(lines[0])) and lines[1].startswith("*")
 
 
 def read(text: str, where: str) -> RecordFile:
-    """The one channel of an SMC file; InputError where the header or values are incomplete."""
+    """The one channel of an SMC file; InputError where it holds no accelerations, or header or values are incomplete."""
     lines = text.splitlines()
-    integers_from, reals_from = _TEXT_LINES, _TEXT_LINES + _INTEGER_LINES
-    comments_from = reals_from + _REAL_LINES
-    integers = fixed_width(
-        lines[integers_from:reals_from], 10, 48, where=where, first_line=integers_from + 1, what="integer header"
-    )
-    largest = float(np.max(np.abs(integers)))
-    if largest > _LARGEST_INTEGER:
-        raise mistake(where, "integer header", "integers of at most ten digits", f"{largest:g}")
-    ints = integers.astype(np.int64)
-    reals = fixed_width(
-        lines[reals_from:comments_from], 15, 50, where=where, first_line=reals_from + 1, what="real header"
-    )
+    kind = lines[0].split()[0]
+    if kind not in ("1", "2"):
+        got, advice = repr(lines[0].strip()), "take the file whose first line says ACCELEROGRAM"
+        raise mistake(where, "line 1", "1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM", got, advice)
+    ints, reals, first = _headers(lines, where)
     count, rate = int(ints[_COUNT]), float(reals[_RATE])
-    if count < 2 or not 0.0 < rate < 1e5:
+    paired = kind == "1" and rate >= _NO_REAL
+    if count < 2 or not (paired or 0.0 < rate < 1e5):
         raise mistake(where, "header", "a number of values and a sampling rate", f"{count} and {rate:g} per second")
-    first = comments_from + int(ints[_COMMENTS])
     rows = -(-count // _PER_LINE)
     values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
-    name, orientation = _direction(lines, ints)
-    factor = UNITS_M_S2["cm/s2"] * orientation.sign
-    channel = Channel(name, orientation, 1.0 / rate, values * factor, 0.0, *_stated(reals, factor))
-    station = _STATION.search("\n".join(lines[:_TEXT_LINES]))
-    facts = {"event": lines[3].strip(), "station": station.group(1).strip() if station else ""}
-    warnings = (
-        () if lines[0].lstrip().startswith("2") else ("uncorrected accelerogram: baseline and instrument as recorded",)
-    )
+    head = Header(lines[:_TEXT_LINES], where)
+    name = head.words(r"component\s*=\s*(\S+)") or str(int(ints[_AZIMUTH]))
+    dt_s, start_s = (0.0 if paired else 1.0 / rate), 0.0
+    said: tuple[str, ...] = ()
+    if paired:
+        times, values = values[: count // 2 * 2].reshape(-1, 2).T
+        clock = clock_of(times, where, largest=int(np.argmax(np.abs(values))))
+        dt_s, start_s, values = clock.dt_s, clock.start_s, clock.on(values)
+        said = tuple(f"{name}: {each}" for each in clock.said)
+    channel = Channel.read(name, _direction(name, ints), dt_s, values, "cm/s2", _stated(reals, start_s), start_s)
+    facts = {"event": lines[3].strip(), "station": head.words(r"station\s*=\s*(.*?)\s*component\s*=")}
+    raw = () if kind == "2" else ("uncorrected accelerogram: baseline and instrument as recorded",)
+    form = "USGS SMC" if kind == "2" else "USGS SMC, uncorrected"
     group = f"{facts['event']}|{facts['station']}"
-    return RecordFile(where, NAME, TESTED_ON_ORIGINALS, "cm/s2", (channel,), facts, group, warnings)
+    return RecordFile(where, form, FORMATS[form], "cm/s2", (channel,), facts, group, (*raw, *said))
 
 
-def _direction(lines: list[str], ints: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> tuple[str, Orientation]:
-    match = _COMPONENT.search("\n".join(lines[:_TEXT_LINES]))
-    name = match.group(1) if match else str(ints[_AZIMUTH])
-    from_vertical, azimuth = int(ints[_VERTICAL]), int(ints[_AZIMUTH])
-    if from_vertical in (0, 180):
-        return name, Orientation(vertical=True, sign=1 if from_vertical == 0 else -1)
-    return name, Orientation(azimuth % 360.0) if 0 <= azimuth <= 360 else parse_orientation(name)
+def _headers(lines: list[str], where: str) -> tuple[Floats, Floats, int]:
+    """The integers, the reals and the place of the first line of values."""
+    reals_from = _TEXT_LINES + _INTEGER_LINES
+    comments_from = reals_from + _REAL_LINES
+    block = lines[_TEXT_LINES:reals_from]
+    ints = fixed_width(block, 10, 48, where=where, first_line=_TEXT_LINES + 1, what="integer header")
+    largest = float(np.max(np.abs(ints)))
+    if largest > _LARGEST_INTEGER:
+        raise mistake(where, "integer header", "integers of at most ten digits", f"{largest:g}")
+    block = lines[reals_from:comments_from]
+    reals = fixed_width(block, 15, 50, where=where, first_line=reals_from + 1, what="real header")
+    return ints, reals, comments_from + max(int(ints[_COMMENTS]), 0)
 
 
-def _stated(
-    reals: np.ndarray[tuple[int, ...], np.dtype[np.float64]], factor: float
-) -> tuple[float | None, float | None]:
+def _direction(name: str, ints: Floats) -> Orientation:
+    from_vertical, azimuth = float(ints[_VERTICAL]), float(ints[_AZIMUTH])
+    if from_vertical in (0.0, 180.0):
+        return Orientation(vertical=True, sign=1 if from_vertical == 0.0 else -1)
+    return Orientation(azimuth % 360.0) if 0.0 <= azimuth <= 360.0 else parse_orientation(name)
+
+
+def _stated(reals: Floats, start_s: float) -> tuple[float | None, float | None]:
+    """The larger of the header's two peaks, and its time after the first sample."""
     time_max, peak_max, time_min, peak_min = (float(value) for value in reals[slice(*_TIMES_AND_PEAKS)])
     if max(abs(value) for value in (time_max, peak_max, time_min, peak_min)) >= _NO_REAL:
         return None, None
-    largest = (peak_max, time_max) if abs(peak_max) >= abs(peak_min) else (peak_min, time_min)
-    return largest[0] * factor, largest[1]
+    return (peak_max, time_max - start_s) if abs(peak_max) >= abs(peak_min) else (peak_min, time_min - start_s)

@@ -14,7 +14,7 @@ from harness.input.motions.readers import FORMATS, read_record
 from harness.input.motions.text import fixed_width, free_format
 from harness.model.errors import InputError
 from tests.budgets_motions import SAME_MOTION, WRITTEN_DIGITS_G
-from tests.harness.input.motions import writers
+from tests.harness.input.motions import layouts, writers
 from tests.harness.input.motions.writers import GRAVITY, wave
 
 DIGITS = WRITTEN_DIGITS_G * GRAVITY
@@ -137,11 +137,16 @@ def test_gzip_is_unpacked(tmp_path: Path) -> None:
 
 def test_readers_without_originals_say_so(tmp_path: Path) -> None:
     assert dict(FORMATS) == {
-        "GeoNet V2A": True, "CSMIP V2": True, "COSMOS": False, "USGS SMC": False, "ITACA/ESM ASCII": False,
-        "PEER AT2": False, "CSV": True,
+        "GeoNet V2A": True, "GeoNet V1A": False, "K-NET": True, "KiK-net": False, "USGS SMC": True,
+        "USGS SMC, uncorrected": False,
+        "CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False, "CSMIP V2": True, "COSMOS": True,
+        "COSMOS V0": False, "ITACA/ESM ASCII": True, "PEER AT2": True, "NSMN (AFAD)": False, "UNAM": False, "CWB": False,
+        "CSV": True, "miniSEED/SAC": False,
     }  # fmt: skip
-    record = read_record(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP"))
+    record = read_record(layouts.nsmn(tmp_path / "a.txt", [wave(), wave(), wave()], 0.01))
     assert any("untested on originals" in warning for warning in record.warnings)
+    record = read_record(writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP"))
+    assert not any("untested on originals" in warning for warning in record.warnings)
 
 
 def test_turning_recovers_the_motion_that_two_oblique_channels_saw(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def smc(path: Path, accel_m_s2: Floats, rate_hz: float, azimuth: int, from_verti
     reals = [1.7e38] * 50
     at = int(np.argmax(accel_m_s2)) / rate_hz, int(np.argmin(accel_m_s2)) / rate_hz
     reals[1], reals[28], reals[29], reals[30], reals[31] = rate_hz, at[0], stated_cm_s2, at[1], -1.0
-    values = [_one_digit_exponent(100.0 * value) for value in accel_m_s2]
+    values = [one_digit_exponent(100.0 * value) for value in accel_m_s2]
     body = ["".join(values[i : i + 8]) for i in range(0, len(values), 8)]
     numbers = ["".join(f"{v:10d}" for v in ints[i : i + 8]) for i in range(0, 48, 8)]
     numbers += ["".join(f"{v:15.7E}" for v in reals[i : i + 5]) for i in range(0, 50, 5)]
@@ -57,7 +57,8 @@ def smc(path: Path, accel_m_s2: Floats, rate_hz: float, azimuth: int, from_verti
     return path
 
 
-def _one_digit_exponent(value: float) -> str:
+def one_digit_exponent(value: float) -> str:
+    """Ten characters with an exponent of one digit, as SMC has them."""
     mantissa, exponent = f"{value:.4E}".split("E")
     sign, digits = exponent[0], exponent[1:].lstrip("0") or "0"
     return f"{mantissa}E{sign}{digits}".rjust(10) if len(digits) == 1 else " 0.0000E+0"

@@ -1,0 +1,96 @@
+"""Times of samples as files print them: even within their digits, or put on an even clock that keeps every sample it can."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.motions.text import mistake
+
+Floats = NDArray[np.float64]
+
+JITTER: Final = 0.02
+"""Of a step: what times printed with few digits are off by."""
+GAP_STEPS: Final = 5.0
+"""A hole of more steps in a table is a loss; film is digitised where the trace bends, and may leave more out."""
+_QUANTA: Final = (1e-2, 1e-3, 1e-4, 1e-5)
+_FINEST: Final = 12
+"""An even clock that meets every sample may be finer than the smallest step by this factor, not by more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """An even clock of `count` samples from start_s every dt_s; `given_s` (n,) are the file's times where they are uneven."""
+
+    start_s: float
+    dt_s: float
+    count: int
+    given_s: Floats | None = None
+    said: tuple[str, ...] = ()
+
+    def on(self, values: Floats) -> Floats:
+        """Samples (count,) of the straight lines through `values` (n,) at the file's times."""
+        if self.given_s is None:
+            return values
+        return np.asarray(np.interp(self.start_s + self.dt_s * np.arange(self.count), self.given_s, values))
+
+
+def clock_of(t_s: Floats, where: str, lines: tuple[int, ...] | None = None, *, largest: int | None = None) -> Clock:
+    """The clock of samples at t_s (n,), s; InputError for times that do not increase and for gaps.
+
+    `lines` are the rows' lines, for messages. With `largest`, the place of the largest sample, the trace is film or the like:
+    times printed alike are spread, gaps are allowed, and that sample stays on the clock.
+    """
+    doubled: tuple[str, ...] = ()
+    if largest is not None and (np.diff(t_s) == 0.0).any():
+        t_s, doubled = _spread(t_s), ("times printed alike for lack of digits: spread evenly",)
+    steps = np.diff(t_s)
+
+    def place(row: int) -> str:
+        return f"line {lines[row]}" if lines else f"sample {row + 1}"
+
+    if (steps <= 0.0).any():
+        row = int(np.flatnonzero(steps <= 0.0)[0]) + 1
+        got = f"{t_s[row]:g} s after {t_s[row - 1]:g} s"
+        raise mistake(where, place(row), "increasing times", got, "sort the rows and drop doubled ones")
+    dt_s = float(np.median(steps))
+    if largest is None and steps.max() > GAP_STEPS * dt_s:
+        row = int(np.argmax(steps)) + 1
+        got = f"a gap of {steps[row - 1]:g} s from {t_s[row - 1]:g} s"
+        raise mistake(where, place(row), f"a step of about {dt_s:g} s", got, "cut the record there or fill it")
+    start_s, end_s = float(t_s[0]), float(t_s[-1])
+    exact = (end_s - start_s) / (t_s.size - 1)
+    if np.abs(t_s - start_s - exact * np.arange(t_s.size)).max() <= JITTER * exact:
+        return Clock(start_s, round(exact, 9), t_s.size, None, doubled)
+    fine = _common_step(t_s)
+    if fine is None:
+        fine = float(steps.min()) if largest is None else 0.5 * dt_s
+        if largest is None:  # the clock ends with the last sample
+            fine = (end_s - start_s) / max(round((end_s - start_s) / fine), 1)
+        else:
+            start_s += (float(t_s[largest]) - start_s) % fine
+    count = int((end_s - start_s) / fine + 1e-6) + 1
+    said = f"uneven steps, {steps.min():g} to {steps.max():g} s: interpolated linearly at {fine:.6g} s"
+    return Clock(start_s, fine, count, t_s, (*doubled, said))
+
+
+def _common_step(t_s: Floats) -> float | None:
+    """The largest step whose multiples meet every time, None where it would be far finer than the times themselves."""
+    least = float(np.diff(t_s).min())
+    for quantum in _QUANTA:
+        ticks = (t_s - t_s[0]) / quantum
+        if np.abs(ticks - np.round(ticks)).max() < 1e-4:
+            step = quantum * float(np.gcd.reduce(np.diff(np.round(ticks)).astype(np.int64)))
+            return step if step * _FINEST >= least else None
+    return None
+
+
+def _spread(t_s: Floats) -> Floats:
+    """Times that do not decrease, those printed alike drawn apart evenly towards the next."""
+    first = np.flatnonzero(np.concatenate([[True], np.diff(t_s) != 0.0]))
+    step = float(t_s[-1] - t_s[0]) / max(t_s.size - 1, 1)
+    ends = np.append(first, t_s.size), np.append(t_s[first], t_s[-1] + step * (t_s.size - first[-1]))
+    return np.asarray(np.interp(np.arange(t_s.size), *ends))

@@ -1,0 +1,59 @@
+"""Taiwan's Central Weather Bureau (CWB, today CWA): "#key: value" lines, then time and three columns in gal."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from harness.input.motions.clock import clock_of
+from harness.input.motions.header import Header
+from harness.input.motions.orientation import parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile, unit_named
+from harness.input.motions.text import columns, mistake
+
+FORMATS: Final = {"CWB": False}
+
+
+def recognises(text: str) -> bool:
+    """Whether the comment lines name a station code and a sequence of columns as CWB does."""
+    head = text[:4000]
+    return "#StationCode" in head and ("#DataSequence" in head or "#AmplitudeUnit" in head)
+
+
+def read(text: str, where: str) -> RecordFile:
+    """All channels; InputError where the header or a column is incomplete."""
+    lines = text.splitlines()
+    first = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), len(lines))
+    head = Header(lines[:first], where)
+    written, place = head.needed(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")
+    unit = unit_named(written)
+    if unit is None:
+        raise mistake(where, place, "an acceleration in gal", repr(written))
+    sequence, place = head.needed(r"^#\s*DataSequence:\s*(.*)", "'#DataSequence:' and the columns")
+    named = re.findall(r"\b([UNE])\(([+-])\)", sequence)
+    if not sequence.lower().startswith("time") or not named:
+        raise mistake(where, place, "'Time U(+); N(+); E(+)'", repr(sequence), "the header is damaged")
+    values = columns(lines[first:], 1 + len(named), where=where, first_line=first + 1)
+    if len(values) < 2:
+        raise mistake(where, "", "two samples or more", str(len(values)), "the file is cut off")
+    clock = clock_of(values[:, 0], where)
+    seconds = head.number(r"^#\s*RecordLength\(sec\):\s*([0-9.]+)", "'#RecordLength(sec):' and the length")
+    if clock.dt_s * clock.count < seconds - 1.0:
+        got = f"{clock.dt_s * clock.count:g} s"
+        raise mistake(where, "RecordLength(sec)", f"about {seconds:g} s", got, "the file is cut off")
+    channels = [
+        Channel.read(
+            name, parse_orientation(name if sense == "+" else {"U": "DOWN", "N": "S", "E": "W"}[name]), clock.dt_s,
+            clock.on(values[:, i]), unit, _stated(head, name), clock.start_s,
+        )
+        for i, (name, sense) in enumerate(named, start=1)
+    ]  # fmt: skip
+    facts = {"event": head.words(r"^#\s*Origin Time[^:]*:\s*(.*)"), "station": head.words(r"^#\s*StationCode:\s*(.*)")}
+    return RecordFile(where, "CWB", False, unit, tuple(channels), facts, warnings=clock.said)
+
+
+def _stated(head: Header, name: str) -> tuple[float | None, None]:
+    """The larger of the two peaks, "1.196~ -1.017", that the header claims."""
+    most, _ = head.peak(rf"AmplitudeMAX\.\s*{name}:\s*([-+.\d]+)\s*~")
+    least, _ = head.peak(rf"AmplitudeMAX\.\s*{name}:\s*[-+.\d]+\s*~\s*([-+.\d]+)")
+    return max((peak for peak in (most, least) if peak is not None), key=abs, default=None), None

@@ -1,0 +1,59 @@
+"""GeoNet's V1A and V2A: per channel 16 text and 10 number lines, then accelerations (V2A: also velocities, displacements)."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from harness.input.motions.header import Header
+from harness.input.motions.orientation import parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.text import fixed_width, mistake
+
+FORMATS: Final = {"GeoNet V2A": True, "GeoNet V1A": False}
+
+_FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
+_TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line names a corrected or uncorrected accelerogram of GNS, or the 13th and 14th are of their form."""
+    head = text[:4000].splitlines()[:_TEXT_LINES]
+    if head and _FIRST.match(head[0]):
+        return True
+    return len(head) == _TEXT_LINES and head[12].startswith("Component") and "mm/s/s" in head[13]
+
+
+def read(text: str, where: str) -> RecordFile:
+    """All channels of a V1A or V2A file; InputError where values are missing."""
+    lines = text.splitlines()
+    name = "GeoNet V1A" if lines[0].lower().lstrip().startswith("un") else "GeoNet V2A"
+    channels: list[Channel] = []
+    start = 0
+    while start < len(lines) and lines[start].strip():
+        channel, used = _channel(lines, start, where, blocks=3 if name == "GeoNet V2A" else 1)
+        channels.append(channel)
+        start += used
+    if not channels:
+        raise mistake(where, "line 1", "a channel", "an empty line", "the file is damaged")
+    site = lines[1].split()
+    facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
+    warnings = ("uncorrected accelerogram: baseline and instrument as recorded",) if name == "GeoNet V1A" else ()
+    return RecordFile(where, name, FORMATS[name], "mm/s2", tuple(channels), facts, warnings=warnings)
+
+
+def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Channel, int]:
+    head = Header(lines[start : start + _TEXT_LINES], where, start)
+    count = head.count(r"^\s*Number of points\s+(\S+)", "'Number of points' and how many")
+    dt_s = head.number(
+        r"(?:data at|intervals of)\s+(\S+)\s*s", "a step, 'at intervals of 0.005 s' or 'data at 0.020 sec'"
+    )
+    name = head.needed(r"^Component\s+(\S+)", "'Component' and a direction")[0]
+    first = start + _TEXT_LINES + _NUMBER_LINES
+    rows = -(-count // _PER_LINE)
+    values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
+    if head.find(r"(Raw readings)")[0]:
+        values = values * head.number(r"in units of\s+(\S+)\s*mm/s/s", "a unit of so many mm/s/s")
+    peak = head.peak(r"^Acceleration:\s+peak\s+([-+.\deEdD]+)\s*\S+\s+at\s+(\S+)\s+s")
+    channel = Channel.read(name, parse_orientation(name), dt_s, values, "mm/s2", peak)
+    return channel, first - start + blocks * rows

@@ -1,0 +1,62 @@
+"""K-NET and KiK-net ASCII (NIED): 17 header lines, then counts times a scale factor; one component in a file."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from harness.input.motions.header import Header
+from harness.input.motions.orientation import Orientation
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.text import free_format, header_number, mistake
+
+FORMATS: Final = {"K-NET": True, "KiK-net": False}
+
+_SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
+# NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.
+_DIRECTIONS: Final = {
+    "N-S": Orientation(0.0), "E-W": Orientation(90.0), "U-D": Orientation(vertical=True),
+    **{str(place + add): Orientation(90.0 * place) for place in (0, 1) for add in (1, 4)},
+    "3": Orientation(vertical=True), "6": Orientation(vertical=True),
+}  # fmt: skip
+_NAMES: Final = {"1": "NS1", "2": "EW1", "3": "UD1", "4": "NS2", "5": "EW2", "6": "UD2"}
+_HEADER_LINES: Final = 17
+
+
+def recognises(text: str) -> bool:
+    """Whether the header begins with an origin time and gives a scale factor in NIED's words."""
+    head = text[:2000]
+    return head.lstrip().startswith("Origin Time") and ("Scale Factor" in head or "Station Code" in head)
+
+
+def read(text: str, where: str) -> RecordFile:
+    """The one component of a K-NET or KiK-net file, its mean taken off as NIED does for its peak; InputError where incomplete."""
+    lines = text.splitlines()
+    first = next((i + 1 for i, line in enumerate(lines) if line.startswith("Memo")), _HEADER_LINES)
+    head = Header(lines[:first], where)
+    dt_s = 1.0 / head.number(r"^Sampling Freq\D*([0-9.]+)", "'Sampling Freq(Hz)' and the rate")
+    scale, place = head.needed(r"^Scale Factor\s+(.*)", "'Scale Factor' and gal for a number of counts")
+    match = _SCALE.fullmatch(scale)
+    if match is None:
+        raise mistake(where, place, "a factor such as 3920(gal)/6182761", repr(scale), "the header is damaged")
+    gal, counts = (header_number(part, where, place, "a part of the scale factor") for part in match.groups())
+    values = free_format(lines[first:], where=where, first_line=first + 1) * (gal / counts)
+    code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0]
+    if code not in _DIRECTIONS:
+        raise mistake(where, "Dir.", "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged")
+    seconds = head.number(r"^Duration Time\D*([0-9.]+)", "'Duration Time(s)' and the length")
+    if values.size < round(seconds / dt_s):
+        wanted = f"{round(seconds / dt_s)} numbers, as {seconds:g} s at {dt_s:g} s have"
+        raise mistake(where, "accelerations", wanted, str(values.size), "the file is cut off")
+    mean = float(values.mean())
+    kik = code in _NAMES
+    channel = Channel.read(
+        _NAMES.get(code, code), _DIRECTIONS[code], dt_s, values - mean, "cm/s2", head.peak(r"^Max\. Acc\.\D*([0-9.]+)")
+    )
+    facts = {"event": head.words(r"^Origin Time\s+(.*)"), "station": head.words(r"^Station Code\s+(.*)")}
+    if kik:
+        facts["sensor"] = "borehole" if code in "123" else "surface"
+    warnings = (f"{channel.name}: counts about a rest of {mean:.4g} gal, which is taken off",)
+    name = "KiK-net" if kik else "K-NET"
+    group = "|".join((*facts.values(), head.words(r"^Record Time\s+(.*)")))
+    return RecordFile(where, name, FORMATS[name], "cm/s2", (channel,), facts, group, warnings)

@@ -1,0 +1,46 @@
+"""Türkiye's strong-motion network (AFAD, NSMN): "KEY : value" lines, then three columns in gal under N-S, E-W, U-D."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from harness.input.motions.header import Header
+from harness.input.motions.orientation import parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.text import columns, mistake
+
+FORMATS: Final = {"NSMN (AFAD)": False}
+
+_NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$")
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line says strong ground motion records of Türkiye."""
+    return "STRONG GROUND MOTION RECORDS OF T" in text[:200].upper()
+
+
+def read(text: str, where: str) -> RecordFile:
+    """The three channels; InputError where the header or a column is incomplete."""
+    lines = text.splitlines()
+    named = next((i for i, line in enumerate(lines) if _NAMES.match(line)), None)
+    if named is None:
+        raise mistake(where, "", "a line that names the columns, 'N-S E-W U-D'", "none", "the file is damaged")
+    names = lines[named].split()
+    head = Header(lines[:named], where)
+    count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")
+    dt_s = head.number(r"^SAMPLING INTERVAL \(sec\)\s*:(.*)", "'SAMPLING INTERVAL (sec)' and a step")
+    if not head.words(r"PGA VALUES \((gal)\)"):
+        raise mistake(where, "header", "'PGA VALUES (gal)', which says the unit", "none", "the header is damaged")
+    values = columns(lines[named + 1 :], len(names), where=where, first_line=named + 2)
+    if len(values) != count:
+        raise mistake(where, "NUMBER OF DATA", f"{count} lines of numbers", str(len(values)), "the file is cut off")
+    channels = [
+        Channel.read(
+            name, parse_orientation(name), dt_s, values[:, i], "cm/s2",
+            head.peak(rf"PGA VALUES.*\({re.escape(name)}\)\s*([-+.\d]+)"),
+        )
+        for i, name in enumerate(names)
+    ]  # fmt: skip
+    facts = {"event": head.words(r"^EARTHQUAKE DATE\s*:(.*)"), "station": head.words(r"^STATION ID\s*:(.*)")}
+    return RecordFile(where, "NSMN (AFAD)", False, "cm/s2", tuple(channels), facts)

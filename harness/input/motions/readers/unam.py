@@ -1,0 +1,73 @@
+"""UNAM's standard acceleration file (Mexico): Spanish "KEY : value" lines, then a column for each channel in gal."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from harness.input.motions.header import Header, fortran_format
+from harness.input.motions.orientation import parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile, unit_named
+from harness.input.motions.text import fixed_width, header_count, header_number, mistake
+from harness.input.text_file import fortran
+
+FORMATS: Final = {"UNAM": False}
+
+
+def recognises(text: str) -> bool:
+    """Whether the header says UNAM's standard file of acceleration."""
+    return "ARCHIVO ESTANDAR DE ACELERACI" in text[:4000].upper()
+
+
+def read(text: str, where: str) -> RecordFile:
+    """All channels; InputError where the header or a column is incomplete."""
+    lines = text.splitlines()
+    rules = [i for i, line in enumerate(lines) if line.startswith("---------+")]
+    if len(rules) < 2:
+        raise mistake(
+            where, "", "two ruled lines about the columns' names", f"{len(rules)} of them", "the file is cut off"
+        )
+    first = rules[1] + 1
+    head = Header(lines[:first], where)
+    names = [part.split(";")[0].strip() for part in _parts(head, r"^ORIENTACION C1-C6[^:]*:(.*)", "an orientation")]
+    steps = _parts(head, r"^INTERVALO DE MUESTREO, C1-C6[^:]*:(.*)", "a sampling interval")
+    counts = _parts(head, r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")
+    peaks = _parts(head, r"^ACEL\. MAX\.\(Gal\), C1-C6[^:]*:(.*)", "a largest acceleration")
+    at = _parts(head, r"^ACEL\. MAX\., C1-C6, EN LA MUESTRA[^:]*:(.*)", "the largest acceleration's sample")
+    if len({len(each) for each in (names, steps, counts)}) > 1:
+        got = f"{len(names)}, {len(steps)} and {len(counts)}"
+        raise mistake(where, "header", "as many orientations, intervals and numbers of samples", got)
+    written = head.needed(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "'UNIDADES DE LOS DATOS' and Gal")[0]
+    unit = unit_named(written)
+    if unit is None:
+        raise mistake(where, "UNIDADES DE LOS DATOS", "Gal (cm/s/s)", repr(written))
+    form, place = head.needed(r"^FORMATO DATOS[^:]*:(.*)", "'FORMATO DATOS' and a format such as 3F10.4")
+    _, width = fortran_format(form, where, place)
+    sizes = [header_count(count, where, "NUM. TOTAL DE MUESTRAS", "a number of samples") for count in counts]
+    rows = max(sizes)
+    body = [line.ljust(width * len(names))[: width * len(names)].rstrip() for line in lines[first : first + rows]]
+    values = fixed_width(body, width, rows * len(names), where=where, first_line=first + 1).reshape(rows, len(names))
+    channels = [
+        Channel.read(
+            name, parse_orientation(name), header_number(step, where, "INTERVALO DE MUESTREO", "a step"),
+            values[:size, i], unit, _stated(peaks, at, i, step),
+        )
+        for i, (name, step, size) in enumerate(zip(names, steps, sizes, strict=True))
+    ]  # fmt: skip
+    facts = {
+        "event": head.words(r"^FECHA DEL SISMO[^:]*:(.*)"),
+        "station": head.words(r"^CLAVE DE LA ESTACION\s*:(.*)"),
+    }
+    return RecordFile(where, "UNAM", False, unit, tuple(channels), facts)
+
+
+def _parts(head: Header, pattern: str, what: str) -> list[str]:
+    """The channels' values, which stand behind a slash each."""
+    return [part.strip() for part in head.needed(pattern, what)[0].split("/") if part.strip()]
+
+
+def _stated(peaks: list[str], samples: list[str], i: int, step: str) -> tuple[float | None, float | None]:
+    """The header's peak of channel i and its time; the header counts samples from 1."""
+    try:
+        return fortran(peaks[i]), (fortran(samples[i]) - 1.0) * fortran(step)
+    except (IndexError, ValueError):
+        return None, None

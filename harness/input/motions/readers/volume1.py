@@ -1,0 +1,104 @@
+"""Volume 1 of CSMIP, USC, RENADIC and BHRC: per channel 13 text, 7 integer and 7 real lines, then uncorrected accelerations.
+
+One layout of the 1970s, kept by four networks: pairs of time and g/10 with three decimals; BHRC writes even steps in g/10,
+CSMIP today even steps in g below a line that says so.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.motions.clock import clock_of
+from harness.input.motions.header import Header, fortran_format
+from harness.input.motions.orientation import Orientation, parse_orientation
+from harness.input.motions.recordfile import Channel, RecordFile
+from harness.input.motions.text import fixed_width, free_format, header_number, mistake
+
+FORMATS: Final = {"CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False}
+
+_FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED ACCELEROGRAM DATA|\s*\* ?VOL1DS", re.IGNORECASE)
+_TEXT_LINES, _HEADER_LINES = 13, 27
+_PAIRED = re.compile(r"[-+]?[0-9]*\.[0-9]{3}")
+"""Three decimals, so that a time of 100 s and more may touch the value before it."""
+_EVEN = re.compile(
+    r"\s*\d+\s+(?:accelerogram points at\s+(?P<rate>\S+)\s+pts/sec in units of\s+"
+    r"|points of accel data equally spaced at\s+(?P<step>\S+)\s+sec\.?,?\s+(?:\(units:|in)\s*)"
+    r"g(?P<tenths>/10)?[\s.)]*(?:Format:\s*)?(?P<form>\(.*\))?",
+    re.IGNORECASE,
+)
+"""The line above even steps, of today and of the 1990s."""
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line announces uncorrected accelerogram data, or BHRC's VOL1DS."""
+    return _FIRST.match(text) is not None
+
+
+def read(text: str, where: str) -> RecordFile:
+    """All channels of a volume 1 file; InputError where a header or values are missing."""
+    lines = text.splitlines()
+    starts = [i for i, line in enumerate(lines) if _FIRST.match(line)]
+    found = [_channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)]
+    first, head = lines[starts[0]].upper(), Header(lines[: starts[0] + _TEXT_LINES], where)
+    network = "BHRC" if "VOL1DS" in first else "USC" if "FILE" in first else "CSMIP"
+    name = "RENADIC V1" if head.words("(RENADIC)") else f"{network} V1"
+    event, station = (2, 7) if network == "BHRC" else (1, 5)
+    facts = {"event": lines[event].strip(), "station": re.split(r"\s{2,}", lines[station].strip())[0]}
+    raw = "uncorrected accelerogram: baseline and instrument as recorded"
+    warnings = (raw, *(said for _, more in found for said in more))
+    group = "|".join((*facts.values(), lines[4].strip())) if network == "USC" else ""
+    return RecordFile(where, name, False, "g", tuple(channel for channel, _ in found), facts, group, warnings)
+
+
+def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[str, ...]]:
+    head = Header(lines[start : start + _TEXT_LINES], where, start)
+    count = head.count(r"NO\. OF POINTS\s*=\s*(\d+)", "'NO. OF POINTS =' and how many")
+    name = head.needed(r"^\s*(?:CHAN\s+\d+:|COMP\s)\s*(\S+)", "'CHAN 1:' or 'COMP' and a direction")[0]
+    peak = head.peak(r"MAX\s*=\s*([-+.\d]+)\s*G\s*,\s*AT\s*([-+.\d]+)")
+    first = start + _HEADER_LINES
+    data = [line for line in lines[first:end] if not line.startswith("/&")]
+    if data and (even := _EVEN.match(data[0])):
+        place = f"line {first + 1}"
+        spacing = header_number(even["rate"] or even["step"], where, place, "points per second, or a step")
+        dt_s = 1.0 / spacing if even["rate"] else spacing
+        per_line, width = fortran_format(even["form"] or "(8F9.6)", where, place)
+        values = fixed_width(data[1 : 1 + -(-count // per_line)], width, count, where=where, first_line=first + 2)
+        values = values / 10.0 if even["tenths"] else values
+        return Channel.read(name, parse_orientation(name), dt_s, values, "g", peak), ()
+    head.needed(r"UNITS.*SEC.*(G/10)", "'UNITS … SEC AND G/10'")
+    if "VOL1DS" in lines[start].upper():
+        dt_s = head.number(r"DURATION\s*=\s*([\d.]+)", "'DURATION =' and seconds") / count
+        values = _enough(free_format(data, where=where, first_line=first + 1), count, where, name)
+        return Channel.read(name, _bhrc_direction(name, head), dt_s, values / 10.0, "g", peak), ()
+    pairs = _enough(_pairs(data, where, first + 1), 2 * count, where, name).reshape(-1, 2)
+    clock = clock_of(pairs[:, 0], where, largest=int(np.argmax(np.abs(pairs[:, 1]))))
+    values = clock.on(pairs[:, 1]) / 10.0
+    channel = Channel.read(name, parse_orientation(name), clock.dt_s, values, "g", peak, clock.start_s)
+    return channel, tuple(f"{name}: {said}" for said in clock.said)
+
+
+def _enough(values: NDArray[np.float64], count: int, where: str, name: str) -> NDArray[np.float64]:
+    if values.size < count:
+        raise mistake(where, name, f"{count} numbers, as its header says", str(values.size), "the file is cut off")
+    return values[:count]
+
+
+def _pairs(data: Sequence[str], where: str, first_line: int) -> NDArray[np.float64]:
+    """Times and values of all lines; InputError at anything but numbers of three decimals."""
+    for i, line in enumerate(data):
+        if rest := _PAIRED.sub("", line).strip():
+            place = f"line {first_line + i}"
+            raise mistake(where, place, "times and values with three decimals", repr(rest[:40]), "the file is damaged")
+    return np.array([float(number) for line in data for number in _PAIRED.findall(line)])
+
+
+def _bhrc_direction(name: str, head: Header) -> Orientation:
+    """BHRC names its channels L, V and T, and gives the azimuths of L and T in one line."""
+    if name[:1].upper() == "V":
+        return Orientation(vertical=True)
+    return parse_orientation(head.words(rf"Azimuth.*\b{re.escape(name[:1])}\s+(\d+)"))

@@ -1,0 +1,210 @@
+"""Engines against measured tosses: coefficients fitted on a seeded share, rotation and place scored on the others."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from harness.campaign.executors import Crash, LocalPool
+from harness.engines import REGISTRY
+from harness.input.scene_file import load_scene
+from harness.model import run as record
+from harness.model.errors import InputError, Mistake
+from harness.model.run import SCHEMA_VERSION
+from harness.model.scene import Scene
+from harness.records.result_folder import listing
+from harness.validation.jobs import Model, parse_model
+from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
+from harness.validation.tosses import Toss, holds_tosses, read_tosses
+
+TOSS_ENGINES: Final = ("pybullet", "pybullet:plain", "spatial")
+FRICTIONS: Final = (0.10, 0.13, 0.15, 0.17, 0.18, 0.19, 0.20, 0.21, 0.23, 0.26, 0.30)
+"""Coefficients tried: plastic on wood lies between 0.1 and 0.3."""
+RESTITUTIONS: Final = (None, 0.05, 0.1, 0.2, 0.4)
+FITTED: Final = 1.0 / 3.0
+"""Share of the tosses on which the coefficients are fitted."""
+OVER_TIME_S: Final = 0.1
+"""Errors over time are told at every so many seconds."""
+
+Scored = dict[str, list[Errors | str]]
+
+
+def body_of_tosses(table: Path, body: Path | None, **options: object) -> Path | None:
+    """The scene whose statue is thrown where a table holds tosses, else None.
+
+    Raises `InputError` for a body without tosses, tosses without a body, or options of other tables.
+    """
+    if not holds_tosses(table):
+        if body is not None:
+            raise InputError(Mistake("--body", "", "a table of tosses beside it", str(table)))
+        return None
+    if body is None:
+        raise InputError(Mistake("--body", "", f"the scene whose statue was thrown in {table}", "nothing"))
+    plain = {"samples": 0, "resume": False, "fit_share": "fit"}
+    mistakes = [
+        Mistake(f"--{name.replace('_', '-')}", "", "no such option with a table of tosses", repr(value))
+        for name, value in options.items()
+        if value != plain[name]
+    ]
+    if mistakes:
+        raise InputError(mistakes)
+    return body
+
+
+def validate_tosses(
+    table: Path,
+    folder: Path,
+    body: Path,
+    *,
+    models: Sequence[str] | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    most: int | None = None,
+) -> dict[str, Any]:
+    """Run the models on measured tosses of a scene's body and score them; writes result.json into `folder`.
+
+    `body` is a scene file whose statue is thrown; the coefficients of friction and restitution with which a model comes nearest
+    to a seeded third of the tosses are scored on the others. `most` takes the table's first so many tosses. Raises `InputError`
+    for a wrong table, scene, model or number.
+    """
+    start = time.perf_counter()
+    base = load_scene(body)
+    tosses = read_tosses(table, base.statue)[:most]
+    if len(tosses) < 2:
+        raise InputError(Mistake(str(table), "", "two tosses: one to fit, one to score", str(len(tosses))))
+    known, absent = _models(models)
+    drawn = np.random.default_rng(seed).permutation(len(tosses))
+    fitted = sorted(int(k) for k in drawn[: max(round(FITTED * len(tosses)), 1)])
+    pool = LocalPool(jobs)
+    try:
+        answers = {model.name: _of_model(pool, base, tosses, fitted, model) for model in known}
+    finally:
+        pool.close()
+    found = {
+        "schema_version": SCHEMA_VERSION,
+        "kind": "tosses",
+        "tosses": table.name,
+        "body": body.name,
+        "count": len(tosses),
+        "fitted_on": [tosses[k].name for k in fitted],
+        "raised_m": quartiles([toss.raised_m for toss in tosses]),
+        "models": answers,
+        "absent": absent,
+        "seed": seed,
+        "versions": record.versions(),
+        "machine": record.machine(),
+        "seconds": time.perf_counter() - start,
+        "files": listing(()),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    record.write_json(folder / "result.json", found)
+    plain: dict[str, Any] = record.to_plain(found)
+    return plain
+
+
+def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
+    """The models asked for, or all that can be thrown; those of them that are not there, with the reason."""
+    if names:
+        return [parse_model(name) for name in dict.fromkeys(names)], {}
+    absent = {name: "no engine of that name is there" for name in TOSS_ENGINES if name not in REGISTRY}
+    return [parse_model(name) for name in TOSS_ENGINES if name in REGISTRY], absent
+
+
+def _of_model(
+    pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model
+) -> dict[str, Any]:
+    """What is fitted for a model, and its scores on the tosses that are left."""
+    grid = tuple(Coefficients(mu, e) for e in RESTITUTIONS for mu in FRICTIONS)
+    tried = _computed(pool, [TossTask(base, tosses[k], model, grid) for k in fitted])
+    miss = [_miss([answers[k] for answers in tried.values()]) for k in range(len(grid))]
+    best = grid[int(np.argmin(miss))]
+    rest = [toss for k, toss in enumerate(tosses) if k not in set(fitted)]
+    answers = _computed(pool, [TossTask(base, toss, model, (best,)) for toss in rest])
+    known = {name: item[0] for name, item in answers.items() if isinstance(item[0], Errors)}
+    failed = {name: item[0] for name, item in answers.items() if isinstance(item[0], str)}
+    plastic = {str(item.friction): value for item, value in zip(grid, miss, strict=True) if item.restitution is None}
+    bouncing = {
+        str(item.restitution or 0.0): value
+        for item, value in zip(grid, miss, strict=True)
+        if item.friction == best.friction
+    }
+    return {
+        "engine": model.engine,
+        "dt_s": model.dt_s,
+        "friction": best.friction,
+        "restitution": 0.0 if best.restitution is None else best.restitution,
+        "missed_m": {
+            "by_friction": plastic,
+            "by_restitution": {key: value for key, value in bouncing.items() if np.isfinite(value)},
+        },
+        "failed": failed,
+        **_scores(known, rest),
+    }
+
+
+def _computed(pool: LocalPool, tasks: Sequence[TossTask]) -> Scored:
+    """The errors of each task's toss by its name, in the tasks' order."""
+    found: Scored = {}
+
+    def done(task: TossTask, result: Any) -> None:
+        if isinstance(result, BaseException) and not isinstance(result, Crash):
+            raise result
+        if isinstance(result, Crash):
+            found[task.toss.name] = [f"the engine's process died: {result}" for _ in task.coefficients]
+        else:
+            found[task.toss.name] = result
+
+    pool.run(scored, tasks, done)
+    return {task.toss.name: found[task.toss.name] for task in tasks}
+
+
+def _miss(answers: Sequence[Errors | str]) -> float:
+    """Median over all frames of the mean distance of the body's points, m; infinite where a toss could not be computed."""
+    known = [item.points_m for item in answers if isinstance(item, Errors)]
+    return float(np.median(np.concatenate(known))) if len(known) == len(answers) else float("inf")
+
+
+def _scores(known: Mapping[str, Errors], tosses: Sequence[Toss]) -> dict[str, Any]:
+    """Quartiles over all frames, at the end, and over time; each toss by its name."""
+    if not known:
+        return {"frames": None, "end": None, "over_time": [], "rows": []}
+    every = list(known.values())
+    frame_s = {toss.name: toss.frame_s for toss in tosses}
+    longest = max(len(item.rotation_rad) * frame_s[name] for name, item in known.items())
+    over_time = []
+    for time_s in np.arange(OVER_TIME_S, longest, OVER_TIME_S).tolist():
+        at = {name: round(time_s / frame_s[name]) for name in known}
+        there = [(item, at[name]) for name, item in known.items() if at[name] < len(item.rotation_rad)]
+        over_time.append(
+            {
+                "t_s": time_s,
+                "tosses": len(there),
+                "rotation_rad": quartiles([float(item.rotation_rad[k]) for item, k in there]),
+                "place_m": quartiles([float(item.place_m[k]) for item, k in there]),
+            }
+        )
+    return {
+        "frames": {
+            "count": int(sum(item.rotation_rad.size for item in every)),
+            "rotation_rad": quartiles(np.concatenate([item.rotation_rad for item in every])),
+            "place_m": quartiles(np.concatenate([item.place_m for item in every])),
+        },
+        "end": {
+            "rotation_rad": quartiles([float(item.rotation_rad[-1]) for item in every]),
+            "place_m": quartiles([float(item.place_m[-1]) for item in every]),
+        },
+        "over_time": over_time,
+        "rows": [
+            {
+                "toss": name,
+                "rotation_rad": float(np.median(item.rotation_rad)),
+                "end_rotation_rad": float(item.rotation_rad[-1]),
+                "end_place_m": float(item.place_m[-1]),
+            }
+            for name, item in known.items()
+        ],
+    }

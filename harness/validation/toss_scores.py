@@ -1,0 +1,131 @@
+"""One toss computed and scored: how far rotation and place are off at every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.excitation import ZeroExcitation
+from harness import engines
+from harness.accuracy.simulation import simulate_with
+from harness.model.history import History
+from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
+from harness.validation.jobs import Model
+from harness.validation.tosses import Toss
+
+Array = NDArray[np.float64]
+
+STEPS_A_FRAME: Final = 8
+"""Steps between two frames where no step is asked for: 0.84 ms at 148 Hz; four times as many change no quartile by a tenth."""
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What is fitted: friction, and the share of the normal velocity that an impact gives back (None: plastic)."""
+
+    friction: float
+    restitution: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """By frame (n,): angle between the computed and the measured rotation, distance of the centroids, mean distance of the
+    body's outer points (what the two do together; fitted).
+    """
+
+    rotation_rad: Array
+    place_m: Array
+    points_m: Array
+
+
+@dataclass(frozen=True)
+class TossTask:
+    """One toss with every pair of coefficients that is wanted of it."""
+
+    base: Scene
+    toss: Toss
+    model: Model
+    coefficients: tuple[Coefficients, ...]
+
+
+def scored(task: TossTask) -> list[Errors | str]:
+    """The errors with each pair of coefficients, or the sentence with which the engine failed."""
+    return [_one(task, item) for item in task.coefficients]
+
+
+def _one(task: TossTask, item: Coefficients) -> Errors | str:
+    scene, engine = scene_of(task.base, task.toss, item), engines.load(task.model.engine)
+    dt_s = accuracy_rad = None
+    if task.model.dt_s is not None:
+        # Frames are whole steps: poses between two steps would be interpolated across a turn of an angle.
+        dt_s = task.toss.frame_s / max(round(task.toss.frame_s / task.model.dt_s), 1)
+    elif engine.capabilities.certifies:
+        accuracy_rad = task.model.accuracy_rad
+    else:
+        dt_s = task.toss.frame_s / STEPS_A_FRAME
+    run = simulate_with(engine, scene, accuracy_rad, dt_s, RunOptions())
+    if run.history is None:
+        return run.message or run.outcome.sentence
+    return errors(task.toss, scene.statue, run.history)
+
+
+def scene_of(base: Scene, toss: Toss, item: Coefficients) -> Scene:
+    """The body of a scene thrown as measured onto a still floor."""
+    still = ZeroExcitation()
+    return base.but(
+        title=f"toss {toss.name}",
+        duration_s=toss.end_s,
+        contact=Contact(base.contact.floor_static, base.contact.floor_kinetic, item.friction, item.restitution),
+        base_excitation=BaseExcitation(still, still, still),
+        initial=Initial(pose=toss.start(base.gravity_m_s2)),
+        output_dt_s=toss.frame_s,
+    )
+
+
+def errors(toss: Toss, body: Statue, history: History) -> Errors:
+    """A computed pose history beside the measured one, frame by frame."""
+    turn, place = poses(body, history)
+    count = min(len(turn), len(toss.places_m))
+    measured, seen = rotations(toss.quaternions[:count]), toss.places_m[:count]
+    apart = np.einsum("nij,nik->njk", measured, turn[:count])
+    # The angle of a rotation from both its sine and its cosine: neither is good near 0 and π alone.
+    axis = np.stack([apart[:, 2, 1] - apart[:, 1, 2], apart[:, 0, 2] - apart[:, 2, 0], apart[:, 1, 0] - apart[:, 0, 1]])
+    angle = np.arctan2(np.linalg.norm(axis, axis=0), np.trace(apart, axis1=1, axis2=2) - 1.0)
+    points = body.outer_points_m
+    shift = place[:count] - seen
+    moved = points @ np.swapaxes(turn[:count] - measured, 1, 2) + shift[:, None, :]
+    return Errors(angle, np.linalg.norm(shift, axis=1), np.mean(np.linalg.norm(moved, axis=2), axis=1))
+
+
+def poses(body: Statue, history: History) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and centroids (n, 3) from the columns that every engine of three dimensions records."""
+    roll, pitch, yaw = (0.5 * history.extra[f"{name}_rad"] for name in ("roll", "pitch", "yaw"))
+    cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
+    # R = R_z(yaw) R_y(pitch) R_x(roll), as quaternions.
+    quaternions = [
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    ]
+    turn = rotations(np.stack(quaternions, axis=1))
+    corner = np.stack([history.extra[f"corner_right_{axis}_m"] for axis in "xyz"], axis=1)
+    return turn, corner - turn @ np.array([body.corner_right_m, 0.0, -body.centroid_height_m])
+
+
+def rotations(quaternions: Array) -> Array:
+    """Matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
+    from harness.engines.contact.spatial import matrices
+
+    return matrices(quaternions[:, [1, 2, 3, 0]])
+
+
+def quartiles(values: Sequence[float] | Array) -> dict[str, float]:
+    """Lower quartile, median and upper quartile."""
+    low, middle, high = np.percentile(np.asarray(values), [25.0, 50.0, 75.0])
+    return {"low": float(low), "median": float(middle), "high": float(high)}

@@ -1,0 +1,127 @@
+"""Measured motion in space: a table of tosses, each the pose of one body at equal times from the hand to rest.
+
+One line for each frame: `toss` (its name), `t_s`, the centroid's place `x_m, y_m, z_m` (z up), the rotation from the body's axes
+to the table's `qw, qx, qy, qz`, the velocities of the centroid `vx_m_s, vy_m_s, vz_m_s` and about the body's axes
+`wx_rad_s, wy_rad_s, wz_rad_s`, both as backward differences; as DAIRLab's contact-nets tells them, in SI units.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.input.text_file import decimals, decoded, read_bytes
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Pose, Statue
+
+Array = NDArray[np.float64]
+
+PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
+RATES: Final = ("vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s")
+COLUMNS: Final = ("toss", "t_s", *PLACE, *RATES)
+UNIT: Final = 1e-3
+"""A measured quaternion's norm may be off by this much (six printed digits leave 1e-6); it is made exact."""
+EVEN: Final = 1e-3
+"""Share of a frame by which a frame's time may be off the even grid (six printed digits leave 1e-4)."""
+FEWEST_FRAMES: Final = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Toss:
+    """One toss: times (n,) from 0, evenly spaced; places (n, 3); quaternions (n, 4), w first; first velocities (3,) each.
+
+    `raised_m` was added to every height so that the body's lowest point is on the table at the last frame.
+    """
+
+    name: str
+    frame_s: float
+    places_m: Array
+    quaternions: Array
+    velocity_m_s: Array
+    rate_rad_s: Array
+    raised_m: float = 0.0
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last frame."""
+        return self.frame_s * (len(self.places_m) - 1)
+
+    def start(self, gravity_m_s2: float) -> Pose:
+        """Its pose and velocities at the first frame; a backward difference is the velocity of half a frame before, in flight."""
+        (x, y, z), (a, b, c, d) = self.places_m[0].tolist(), self.quaternions[0].tolist()
+        (u, v, w), (p, q, r) = self.velocity_m_s.tolist(), self.rate_rad_s.tolist()
+        return Pose((x, y, z), (a, b, c, d), (u, v, w - 0.5 * gravity_m_s2 * self.frame_s), (p, q, r))
+
+
+def holds_tosses(path: Path) -> bool:
+    """Whether a table's header is that of tosses."""
+    text = decoded(read_bytes(path, "a table"), str(path), "a CSV file with a header")
+    return text.partition("\n")[0].partition(",")[0].strip() == COLUMNS[0]
+
+
+def read_tosses(path: Path, body: Statue) -> list[Toss]:
+    """All tosses of a table, stood on it by the body's outer points. Raises `InputError` with every mistake."""
+    text = decoded(read_bytes(path, "a table of tosses"), str(path), "a CSV file with a header and at least one toss")
+    lines = [line for line in csv.reader(io.StringIO(text, newline="")) if line]
+    if not lines or tuple(name.strip() for name in lines[0]) != COLUMNS:
+        got = "nothing" if not lines else ", ".join(lines[0])
+        raise InputError(Mistake(str(path), "header", ", ".join(COLUMNS), got))
+    mistakes: list[Mistake] = []
+    rows: list[tuple[str, list[float]]] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            values = decimals(line[1:])
+        except ValueError as error:
+            mistakes.append(Mistake(str(path), f"line {number}", "decimal numbers", str(error)))
+            continue
+        if len(line) != len(COLUMNS):
+            mistakes.append(Mistake(str(path), f"line {number}", f"{len(COLUMNS)} cells", f"{len(line)}"))
+            continue
+        rows.append((line[0].strip(), values))
+    tosses: list[Toss] = []
+    for name, frames in groupby(rows, key=lambda row: row[0]):
+        table = np.array([values for _, values in frames])
+        wrong = _wrong(name, table, {toss.name for toss in tosses})
+        if wrong is None:
+            tosses.append(_stood(name, table, body))
+        else:
+            mistakes.append(Mistake(str(path), f"toss {name}", *wrong))
+    if not tosses and not mistakes:
+        mistakes.append(Mistake(str(path), "", "at least one toss", "none"))
+    if mistakes:
+        raise InputError(mistakes)
+    return tosses
+
+
+def _wrong(name: str, table: Array, earlier: set[str]) -> tuple[str, str] | None:
+    """What is wrong with a toss's frames: wanted and got."""
+    if name in earlier:
+        return "all its frames after each other", "other tosses between them"
+    if len(table) < FEWEST_FRAMES:
+        return f"at least {FEWEST_FRAMES} frames", str(len(table))
+    times, frame_s = table[:, 0], table[-1, 0] / (len(table) - 1)
+    if not frame_s > 0.0 or np.max(np.abs(times - frame_s * np.arange(len(times)))) > EVEN * frame_s:
+        return "evenly spaced times from 0", f"times from {times[0]:g} to {times[-1]:g} s that are not"
+    norms = np.linalg.norm(table[:, 4:8], axis=1)
+    worst = float(norms[np.argmax(np.abs(norms - 1.0))])
+    if abs(worst - 1.0) > UNIT:
+        return "unit quaternions", f"one of norm {worst:.6g}"
+    return None
+
+
+def _stood(name: str, table: Array, body: Statue) -> Toss:
+    """The toss with its heights such that it ends on the table: a camera's height has a bias, rest has none."""
+    turns = table[:, 4:8] / np.linalg.norm(table[:, 4:8], axis=1)[:, None]
+    w, x, y, z = turns[-1].tolist()
+    last = Pose((0.0, 0.0, 0.0), (w, x, y, z))
+    lowest = float(table[-1, 3] + np.min(body.outer_points_m @ last.rotation[2]))
+    places = table[:, 1:4] - np.array([0.0, 0.0, lowest])
+    frame_s = float(table[-1, 0] / (len(table) - 1))
+    return Toss(name, frame_s, places, turns, table[0, 8:11], table[0, 11:14], -lowest)

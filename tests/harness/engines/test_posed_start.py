@@ -1,0 +1,148 @@
+"""Starts from a pose in space: closed forms, symmetries and the independent reference beside the engines that take them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness import engines
+from harness.accuracy.simulation import simulate_with
+from harness.assess.assessment import assess, assess_model
+from harness.engines.base import Engine
+from harness.model.errors import InputError
+from harness.model.history import Outcome
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Contact, Initial, Pose, Scene, Uncertain
+from tests import budgets_spatial as budget
+from tests.analytic.spatial.reference import initial_state, simulate
+from tests.analytic.spatial.reference_body import Case
+from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
+
+BLOCK = rectangle(0.3, 1.2, depth_m=0.4)
+POSED = ("pybullet", "pybullet:plain")
+
+
+def thrown(pose: Pose, duration_s: float, friction: float = 1.0) -> Scene:
+    """The block from a pose, on the floor."""
+    return scene(BLOCK, duration_s=duration_s).but(
+        initial=Initial(pose=pose), contact=Contact(0.2, 0.15, friction), output_dt_s=0.01
+    )
+
+
+def run(name: str, on: Scene, dt_s: float) -> Run:
+    engine = engines.load(name)
+    if engine.missing() is not None:
+        pytest.skip(str(engine.missing()))
+    return simulate_with(engine, on, None, dt_s, RunOptions())
+
+
+def turned(found: Run) -> Rotation:
+    """The body's rotation at each sample."""
+    assert found.history is not None
+    extra = found.history.extra
+    return Rotation.from_euler("xyz", np.column_stack([extra[f"{name}_rad"] for name in ("roll", "pitch", "yaw")]))
+
+
+@pytest.mark.parametrize("name", sorted(engines.REGISTRY))
+def test_a_pose_is_begun_from_or_refused(name: str) -> None:
+    engine: Engine = engines.load(name)
+    pose = Pose((0.1, -0.2, 2.0), (math.cos(0.3), 0.0, 0.0, math.sin(0.3)))
+    found = run(name, thrown(pose, 0.05), 1e-3)
+    if not engine.capabilities.posed_start:
+        assert found.outcome is Outcome.CRASHED
+        assert "does not begin from a pose in space" in found.message
+        return
+    assert turned(found)[0].as_quat()[[3, 0, 1, 2]] == pytest.approx(pose.quaternion_wxyz, abs=budget.INTEGRATED)
+
+
+@pytest.mark.parametrize("name", POSED)
+def test_torque_free_flight_errs_by_the_first_order_of_the_step(name: str) -> None:
+    """ω and attitude by Euler's equations (the reference is held to their closed forms); the flight passes any rotation."""
+    pose = Pose((0.0, 0.0, 100.0), velocity_m_s=(1.0, 2.0, 0.0), angular_velocity_rad_s=(1.0, 0.5, 3.0))
+    on = thrown(pose, 2.0)
+    wanted = exact(on)
+    errors = [float(np.max((turned(run(name, on, dt)) * wanted.inv()).magnitude())) for dt in (1e-3, 5e-4)]
+    assert errors[0] < budget.FLIGHT_RAD_PER_S * 1e-3
+    assert errors[1] < budget.FIRST_ORDER * errors[0]
+
+
+def exact(on: Scene) -> Rotation:
+    """The reference's rotations at the output times."""
+    pose, statue = on.initial.pose, on.statue
+    assert pose is not None
+    mu = on.contact.statue
+    case = Case(
+        statue.mass_kg, statue.inertia_tensor_kg_m2, statue.outer_points_m, mu, mu, gravity_m_s2=on.gravity_m_s2
+    )
+    parts = (pose.position_m, pose.quaternion_wxyz, pose.velocity_m_s, pose.angular_velocity_rad_s)
+    times = np.arange(round(on.duration_s / on.output_dt_s) + 1) * on.output_dt_s
+    states = simulate(case, initial_state(*(np.array(part) for part in parts)), times).states
+    return Rotation.from_quat(states[:, [7, 8, 9, 6]])
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"), [("pybullet", budget.TUMBLE_RAD), ("pybullet:plain", budget.TUMBLE_PLAIN_RAD)]
+)
+def test_a_block_that_lands_on_vertex_after_vertex_follows_the_reference(name: str, limit: float) -> None:
+    """Four impacts, each on another vertex or edge, off the plane."""
+    turn = np.array([math.sqrt(1.0 - 0.03**2 - 0.02**2 - 0.0346**2), 0.03, 0.02, 0.0346])
+    pose = Pose((0.0, 0.0, 0.75), tuple(turn), angular_velocity_rad_s=(0.3, 0.2, 0.5))
+    on = thrown(pose, 0.8)
+    assert np.max((turned(run(name, on, 2.5e-4)) * exact(on).inv()).magnitude()) < limit
+
+
+@pytest.mark.parametrize("name", POSED)
+def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
+    on = thrown(Pose((0.0, 0.0, 0.7)), 0.5)
+    found = run(name, on, 2.5e-4)
+    assert found.history is not None
+    height = found.history.extra["corner_right_z_m"]
+    times = found.history.t_s
+    falling = times < math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
+    # Symplectic steps fall g t dt/2 further than g t²/2.
+    late = 0.5 * GRAVITY_M_S2 * times[falling] * 2.5e-4 + budget.INTEGRATED
+    assert np.all(np.abs(height[falling] - (0.1 - 0.5 * GRAVITY_M_S2 * times[falling] ** 2)) <= late)
+    assert height[-1] == pytest.approx(0.0, abs=budget.SLOP_M)
+    assert turned(found)[-1].magnitude() < budget.SLOP_RAD
+
+
+@pytest.mark.parametrize("name", POSED)
+def test_a_body_that_begins_on_its_side_runs_to_the_end(name: str) -> None:
+    on = thrown(Pose((0.0, 0.0, 0.5), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)), 0.4)
+    found = run(name, on, 1e-3)
+    assert found.end_s == on.duration_s
+    assert found.history is not None
+    assert found.history.t_s.size == 41
+
+
+@pytest.mark.parametrize("name", POSED)
+def test_a_mirrored_start_gives_the_mirrored_history(name: str) -> None:
+    """Across the rocking plane: y and the rotations about x and z change their sign."""
+    turn = Rotation.from_euler("xyz", [0.1, -0.05, 0.3])
+    x, y, z, w = turn.as_quat()
+    pose = Pose((0.0, 0.0, 0.8), (w, x, y, z), (0.1, 0.2, 0.0), (0.3, 0.2, 0.5))
+    mirrored = Pose((0.0, 0.0, 0.8), (w, -x, y, -z), (0.1, -0.2, 0.0), (-0.3, 0.2, -0.5))
+    one, other = (turned(run(name, thrown(each, 0.4), 5e-4)) for each in (pose, mirrored))
+    reflected = Rotation.from_quat(other.as_quat() * np.array([-1.0, 1.0, -1.0, 1.0]))
+    assert np.max((one * reflected.inv()).magnitude()) < budget.MIRRORED_RAD
+
+
+def test_a_start_is_perturbed_by_its_velocities() -> None:
+    pose = Pose((0.0, 0.0, 0.8), angular_velocity_rad_s=(1.0, 0.0, 0.0))
+    start = Initial(pose=pose)
+    assert not start.still
+    assert start.plus(0.0, 0.5) == Initial(pose=replace(pose, angular_velocity_rad_s=(1.0, 0.5, 0.0)))
+    assert pose.faster(2.0).angular_velocity_rad_s == (2.0, 0.0, 0.0)
+
+
+def test_no_probability_is_stated_by_a_model_that_does_not_see_the_pose() -> None:
+    unknown = (Uncertain("statue.mass_kg", "lognormal", 1000.0, 0.1),)
+    on = thrown(Pose((0.0, 0.0, 0.8)), 0.1).but(uncertainty=unknown)
+    assert assess_model(on, draws=10) is None
+    with pytest.raises(InputError, match=r"initial\.position_m: wanted a start in the rocking plane"):
+        assess(on, draws=10)

@@ -1,0 +1,246 @@
+"""Layouts of networks whose originals are not at hand: built from the heads of their files, read back, cut, and re-encoded."""
+
+from __future__ import annotations
+
+import gzip
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.input.motions.orientation import Orientation
+from harness.input.motions.readers import read_file, read_record
+from harness.model.errors import InputError
+from tests.budgets_motions import COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
+from tests.harness.input.motions import layouts, writers
+from tests.harness.input.motions.writers import GRAVITY, Floats, wave
+
+NORTH, EAST, UP = Orientation(0.0), Orientation(90.0), Orientation(vertical=True)
+THREE = (wave(400, peak_m_s2=2.0), wave(400, peak_m_s2=3.0, phase=0.5), wave(400, peak_m_s2=1.0, phase=1.0))
+BUILDERS: dict[str, Callable[[Path], Path]] = {
+    "K-NET": lambda path: layouts.knet(path / "AOM001.EW", THREE[0], 100, "E-W"),
+    "KiK-net": lambda path: layouts.knet(path / "AICH04.UD2", THREE[0], 200, "6"),
+    "CSMIP V1": lambda path: layouts.volume1(path / "a.V1", [(THREE[0], "90 DEG"), (THREE[1], "Up")], 0.01, "CSMIP"),
+    "CSMIP V1 film": lambda path: layouts.volume1(path / "a.RAW", [(THREE[0], "90 DEG")], 0.005, "film"),
+    "CSMIP V1 1990s": lambda path: layouts.volume1(path / "a.RAW", [(THREE[0], "90 DEG")], 0.005, "CSMIP of the 1990s"),
+    "USC V1": lambda path: layouts.volume1(path / "017m30bt.s0a", [(THREE[0], "N00W")], 0.01, "USC"),
+    "RENADIC V1": lambda path: layouts.volume1(path / "a.v1", [(THREE[0], "NS"), (THREE[1], "V")], 0.01, "RENADIC"),
+    "BHRC V1": lambda path: layouts.volume1(path / "b.V1", [(THREE[0], "L1"), (THREE[1], "V2"), (THREE[2], "T3")], 0.005, "BHRC"),
+    "GeoNet V1A": lambda path: layouts.v1a(path / "a.V1A", [(THREE[0], "S90E"), (8.0 * THREE[1], "Up")], 0.005),
+    "NSMN (AFAD)": lambda path: layouts.nsmn(path / "a.txt", THREE, 0.01),
+    "UNAM": lambda path: layouts.unam(path / "ACAC1709.191", THREE, 0.005),
+    "CWB": lambda path: layouts.cwb(path / "2-ECU.dat", THREE, 0.005),
+    "USGS SMC, uncorrected": lambda path: layouts.smc_pairs(path / "a.smc", 0.005 * np.arange(400), THREE[0]),
+    "COSMOS": lambda path: layouts.cosmos_of_today(
+        path / "a.V1C", THREE[0] / GRAVITY, 0.005, 360,
+        "   {n} acceleration pts, approx  {s} secs, units=g.     (02)Format=(8f9.6)   ",
+    ),
+    "COSMOS V0": lambda path: layouts.cosmos_of_today(
+        path / "a.v0c", np.round(THREE[0] * 1e5).astype(int) - 982416, 0.005, 90,
+        "   {n} raw accel.   pts, approx  {s} secs, units=counts (50),Format=(10I8)",
+    ),
+    "AT2": lambda path: writers.at2(path / "a.AT2", THREE[0], 0.01, "090", stuck=True),
+    "SMC": lambda path: writers.smc(path / "b.smc", THREE[0], 100.0, 45, 90, 200.0),
+    "ESM": lambda path: writers.esm(path / "a.ASC", THREE[0], 0.01, "HNE", "20190728_160919.870"),
+}  # fmt: skip
+OTHER_NAMES = {
+    "AT2": "PEER AT2", "SMC": "USGS SMC", "ESM": "ITACA/ESM ASCII", "CSMIP V1 film": "CSMIP V1", "CSMIP V1 1990s": "CSMIP V1",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BUILDERS)
+def test_a_network_s_layout_is_read_in_every_wrapping(tmp_path: Path, name: str) -> None:
+    path = BUILDERS[name](tmp_path)
+    plain = path.read_bytes()
+    first = read_file(path)
+    assert first.format == OTHER_NAMES.get(name, name)
+    with zipfile.ZipFile(tmp_path / "in.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(path.name, plain)
+    text = plain.decode()
+    wrappings = {
+        "crlf": text.replace("\n", "\r\n").encode(), "utf-16": text.encode("utf-16"), "mark": text.encode("utf-8-sig"),
+        "latin": text.encode("latin-1", "replace"), "blanks": text.replace("\n", "     \n").encode(),
+        "gz": gzip.compress(plain), "zip": (tmp_path / "in.zip").read_bytes(),
+    }  # fmt: skip
+    for wrapping, content in wrappings.items():
+        path.write_bytes(content)
+        again = read_file(path)
+        assert again.format == first.format, wrapping
+        for one, other in zip(first.channels, again.channels, strict=True):
+            np.testing.assert_array_equal(one.accel_m_s2, other.accel_m_s2, err_msg=wrapping)
+            assert one.orientation == other.orientation
+
+
+@pytest.mark.parametrize("name", BUILDERS)
+def test_a_network_s_file_that_is_cut_is_refused_in_its_reader_s_words(tmp_path: Path, name: str) -> None:
+    path = BUILDERS[name](tmp_path)
+    lines = path.read_text().splitlines()
+    body = [i for i, line in enumerate(lines) if not line.startswith("/&")]
+    for keep in (body[-4], body[int(0.45 * len(body))]) if name != "CWB" else (body[int(0.45 * len(body))],):
+        path.write_text("\n".join(lines[:keep]))
+        with pytest.raises(InputError, match=r"cut off|as its header says") as error:
+            read_file(path)
+        assert len(str(error.value).splitlines()) == 1
+        assert "--skip-lines" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", BUILDERS)
+def test_any_damaged_byte_is_read_or_refused(tmp_path: Path, name: str) -> None:
+    path = BUILDERS[name](tmp_path)
+    whole = path.read_bytes()
+    generator = np.random.default_rng(7)
+    said: list[str] = []
+    for _ in range(60):
+        raw = bytearray(whole)
+        for at in generator.integers(0, min(len(raw), 4000), 3):
+            raw[at] = generator.integers(0, 256)
+        path.write_bytes(bytes(raw))
+        try:
+            read_record(path)
+        except InputError as error:
+            said.append(str(error))
+    assert said
+    assert all(str(path) in each for each in said)
+
+
+def _same(found: Floats, expected: Floats, within: float) -> None:
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=within)
+
+
+def test_k_net_s_three_files_are_one_record_by_any_of_them(tmp_path: Path) -> None:
+    for accel, name in zip(THREE, ("N-S", "E-W", "U-D"), strict=True):
+        layouts.knet(tmp_path / f"AOM001.{name.replace('-', '')}", accel, 100, name)
+        layouts.knet(tmp_path / f"AOM002.{name.replace('-', '')}", accel, 100, name)
+    for ending in ("EW", "NS", "UD"):
+        record = read_record(tmp_path / f"AOM001.{ending}")
+        assert {c.name: c.orientation for c in record.channels} == {"N-S": NORTH, "E-W": EAST, "U-D": UP}
+        assert not any("header says" in said for said in record.warnings)
+    north = next(c for c in record.channels if c.name == "N-S")
+    _same(north.accel_m_s2, THREE[0] - THREE[0].mean(), COUNTS_M_S2)
+
+
+def test_kik_net_s_borehole_and_surface_are_two_records(tmp_path: Path) -> None:
+    for number, name in enumerate(("NS1", "EW1", "UD1", "NS2", "EW2", "UD2"), start=1):
+        layouts.knet(tmp_path / f"AICH04.{name}", THREE[0], 200, str(number))
+    surface = read_record(tmp_path / "AICH04.EW2")
+    assert sorted(channel.name for channel in surface.channels) == ["EW2", "NS2", "UD2"]
+    assert surface.facts["sensor"] == "surface"
+    assert {c.name: c.orientation for c in surface.channels} == {"NS2": NORTH, "EW2": EAST, "UD2": UP}
+    assert read_record(tmp_path / "AICH04.UD1").facts["sensor"] == "borehole"
+
+
+def test_volumes_1(tmp_path: Path) -> None:
+    nineties = read_file(BUILDERS["CSMIP V1 1990s"](tmp_path)).channels[0]
+    assert nineties.dt_s == 0.005
+    _same(nineties.accel_m_s2, THREE[0], 1e-6 * GRAVITY)
+    csmip = read_file(BUILDERS["CSMIP V1"](tmp_path))
+    assert [c.orientation for c in csmip.channels] == [EAST, UP]
+    _same(csmip.channels[0].accel_m_s2, THREE[0], 1e-6 * GRAVITY)
+    for name, direction, within in (
+        ("CSMIP V1 film", EAST, TENTH_G_3), ("USC V1", NORTH, TENTH_G_3),
+        ("RENADIC V1", Orientation(0.0, sense_assumed=True), TENTH_G_3),
+    ):  # fmt: skip
+        channel = read_file(BUILDERS[name](tmp_path)).channels[0]
+        assert channel.orientation == direction
+        assert channel.dt_s == (0.005 if "film" in name else 0.01)
+        _same(channel.accel_m_s2, THREE[0], within)
+    bhrc = read_file(BUILDERS["BHRC V1"](tmp_path))
+    assert [c.orientation for c in bhrc.channels] == [Orientation(177.0), UP, Orientation(267.0)]
+    assert bhrc.channels[2].dt_s == 0.005
+    _same(bhrc.channels[2].accel_m_s2, THREE[2], 1e-6 * GRAVITY)
+
+
+def test_times_of_100_s_touch_the_value_before_them(tmp_path: Path) -> None:
+    accel = wave(10_400, peak_m_s2=9.0)
+    path = layouts.volume1(tmp_path / "a.v1", [(accel, "NS")], 0.01, "RENADIC")
+    path.write_text(path.read_text().replace(" 100.000", "100.000"))
+    found = read_file(path).channels[0]
+    assert found.dt_s == 0.01
+    _same(found.accel_m_s2, accel, TENTH_G_3)
+
+
+def test_film_keeps_every_sample_and_its_peak(tmp_path: Path) -> None:
+    """USC's steps of 4.26 ms are printed to 1 ms: a clock of 1 ms meets every printed sample (fails: the smallest step)."""
+    t_s = np.array([float(f"{0.00426 * i:.3f}") for i in range(400)])
+    path = layouts.volume1(tmp_path / "017m30bt.s0a", [(THREE[0], "N00W")], 0.00426, "USC")
+    channel = read_file(path).channels[0]
+    assert channel.dt_s == pytest.approx(0.001)
+    _same(np.interp(t_s, channel.t_s, channel.accel_m_s2), THREE[0], TENTH_G_3)
+
+
+def test_smc_in_pairs_keeps_its_peak_where_no_clock_meets_all_times(tmp_path: Path) -> None:
+    t_s = np.array([float(f"{t:.4e}") for t in 0.00149731 * np.arange(9000)])
+    accel = wave(9000, 0.0015, peak_m_s2=2.5)
+    record = read_record(layouts.smc_pairs(tmp_path / "a.smc", t_s, accel))
+    found = record.channels[0].accel_m_s2
+    assert np.abs(found).max() == pytest.approx(2.5, rel=1e-4)
+    assert not any("header says" in said for said in record.warnings)
+
+
+def test_tables_of_three_columns(tmp_path: Path) -> None:
+    nsmn, unam, cwb = (read_file(BUILDERS[name](tmp_path)) for name in ("NSMN (AFAD)", "UNAM", "CWB"))
+    assert [c.name for c in nsmn.channels] == ["N-S", "E-W", "U-D"]
+    assert [c.orientation for c in unam.channels] == [UP, NORTH, EAST]
+    assert [c.orientation for c in cwb.channels] == [UP, NORTH, EAST]
+    for record, dt_s, within in ((nsmn, 0.01, GAL_6), (unam, 0.005, GAL_6 * 100.0), (cwb, 0.005, GAL_3)):
+        for channel, accel in zip(record.channels, THREE, strict=True):
+            assert channel.dt_s == dt_s
+            assert channel.stated_peak_m_s2 is not None
+            assert abs(channel.stated_peak_m_s2) == pytest.approx(np.abs(accel).max(), rel=1e-4)
+            _same(channel.accel_m_s2, accel, within)
+
+
+def test_cosmos_of_today(tmp_path: Path) -> None:
+    in_g = read_file(BUILDERS["COSMOS"](tmp_path))
+    assert in_g.unit == "g"
+    _same(in_g.channels[0].accel_m_s2, THREE[0], 1e-6 * GRAVITY)
+    counts = read_file(BUILDERS["COSMOS V0"](tmp_path))
+    factor = 0.794729e-6 / 1.2 * GRAVITY
+    expected = np.round(THREE[0] * 1e5) * factor
+    _same(counts.channels[0].accel_m_s2, expected - expected.mean(), 1e-12)
+    assert any("counts about a rest of -0.65" in said for said in counts.warnings)
+    line = "   {n} acceleration pts, approx  {s} secs, units=cm/sec2(04),Format=(8f9.6)"
+    upright = read_file(layouts.cosmos_of_today(tmp_path / "z.V2C", THREE[0], 0.005, 0, line, seed="BNZ")).channels[0]
+    assert upright.orientation == UP
+
+
+def test_what_holds_no_accelerations_is_said_to(tmp_path: Path) -> None:
+    velocity = BUILDERS["AT2"](tmp_path)
+    velocity.write_text(
+        velocity.read_text().replace("ACCELERATION TIME SERIES IN UNITS OF G", "VELOCITY TIME SERIES IN UNITS OF CM/S")
+    )
+    with pytest.raises(InputError, match=r"line 3: wanted an acceleration in units of g, got 'VELOCITY .* VT2 and DT2"):
+        read_file(velocity)
+    smc = BUILDERS["SMC"](tmp_path)
+    smc.write_text(smc.read_text().replace("2 CORRECTED ACCELEROGRAM", "3 VELOCITY"))
+    with pytest.raises(InputError, match=r"line 1: wanted 1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM"):
+        read_file(smc)
+    spectra = tmp_path / "a.V3"
+    spectra.write_text("RESPONSE AND FOURIER AMPLITUDE SPECTRA   CHAN 1\n1 2 3\n")
+    with pytest.raises(InputError, match=r"a file of spectra .* take the record's own file"):
+        read_file(spectra)
+
+
+def test_a_record_that_drifts_is_said_to_with_the_cure(tmp_path: Path) -> None:
+    def told(accel: Floats) -> bool:
+        path = writers.at2(tmp_path / "a.AT2", accel, 0.01, "090")
+        return any(
+            "drifts, integrated" in said and 'baseline = "linear"' in said for said in read_record(path).warnings
+        )
+
+    assert not told(wave(2000))
+    assert told(wave(2000) + 0.02)
+    assert told(wave(2000) + 0.02 * np.linspace(-1.0, 1.0, 2000))
+
+
+def test_a_zip_of_several_files_names_them(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        for name in ("one.AT2", "two.AT2"):
+            archive.writestr(name, "x")
+    with pytest.raises(InputError, match=r"a ZIP archive of one file, got 2 files \(one.AT2, two.AT2\)"):
+        read_file(tmp_path / "a.zip")
+    (tmp_path / "cut.zip").write_bytes((tmp_path / "a.zip").read_bytes()[:40])
+    with pytest.raises(InputError, match="does not unpack"):
+        read_file(tmp_path / "cut.zip")
