@@ -13,8 +13,8 @@ from markupsafe import Markup
 from reports.charts.decimate import kept_samples
 from reports.charts.palette import HAIRLINE, INK, MUTED, solid
 from reports.charts.static_svg_axes import LETTER, MARGIN, Array, Axis, Json, axes, numbers
+from reports.charts.static_svg_heatmap import heatmap
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
-from reports.text.numbers import short
 
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""
@@ -24,11 +24,8 @@ POINTS: Final = 1200
 MARK_PX: Final = 3.5
 HATCH_PX: Final = 6.0
 """Distance of a hatching's lines, which tell patterns apart where colours do not."""
+PARTED: Final = (np.nan, np.nan)
 DASHES: Final = {"solid": "", "dash": "6 4", "dot": "1.5 3", "longdash": "10 4", "dashdot": "6 3 1.5 3"}
-SCALES: Final[Mapping[str, Sequence[tuple[float, str]]]] = {
-    "Cividis": ((0.0, "#00204c"), (0.25, "#414d6b"), (0.5, "#7b7b78"), (0.75, "#bcae6c"), (1.0, "#ffe945"))
-}
-"""Colour scales that figures call by name."""
 _TAG: Final = re.compile(r"<[^>]+>")
 
 
@@ -50,7 +47,7 @@ def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture 
     for trace in figure["data"]:
         x, y = places[trace.get("xaxis", "x")], places[trace.get("yaxis", "y")]
         if trace["type"] == "heatmap":
-            shapes += _heatmap(trace, x, y)
+            shapes += heatmap(trace, x, y)
         elif trace["type"] == "bar":
             beside = len(bars) if layout.get("barmode") == "group" and trace in bars else 1
             shapes += _bars(trace, x, y, bars.index(trace) if beside > 1 else 0, beside)
@@ -175,80 +172,36 @@ def _bars(trace: Json, x: Axis, y: Axis, number: int, beside: int) -> list[Shape
     colour = marker.get("color", INK)
     colours = colour if isinstance(colour, list) else [colour] * len(sizes)
     texts = trace.get("text") or [""] * len(sizes)
+    boxes: list[tuple[float, ...]] = []
     shapes: list[Shape] = []
     for size, place, base, shade, text in zip(sizes, places, bases, colours, texts, strict=True):
         middle = float(across.px(place)[0]) + (number - 0.5 * (beside - 1)) * thick
         a, b = float(along.px(base)[0]), float(along.px(base + size)[0])
         start, length = min(a, b), abs(b - a)
         sides = (start, middle - thick / 2, length, thick) if lying else (middle - thick / 2, start, thick, length)
-        shapes += [box(*sides, shade), *_hatching(*sides, (marker.get("pattern") or {}).get("shape", ""))]
+        shapes.append(box(*sides, shade))
+        boxes.append(sides)
         if text:
             shapes.append(_text(b + 5, middle + 4, text, "start") if lying else _text(middle, b - 5, text))
-    return shapes
+    return [*shapes, *_hatching(boxes, (marker.get("pattern") or {}).get("shape", ""))]
 
 
-def _hatching(left: float, top: float, width: float, height: float, shape: str) -> list[Shape]:
-    """White lines across a box at 45°: upwards to the right for "/", both ways for "x"; none in a box too small to show them."""
-    if not shape or min(width, height) < HATCH_PX / 2.0:
-        return []
-    shapes: list[Shape] = []
-    for start in np.arange(HATCH_PX / 2.0, width + height, HATCH_PX):
-        # Where x + y = start meets the box's sides.
-        (x0, y0), (x1, y1) = (
-            (min(start, width), max(0.0, start - width)),
-            (max(0.0, start - height), min(start, height)),
-        )
-        shapes.append(line([(left + x0, top + y0), (left + x1, top + y1)], "#ffffff"))
-        if shape == "x":
-            shapes.append(line([(left + x0, top + height - y0), (left + x1, top + height - y1)], "#ffffff"))
-    return shapes
-
-
-def _heatmap(trace: Json, x: Axis, y: Axis) -> list[Shape]:
-    """Cells in the colours of the trace's scale, neighbours of one colour drawn as one; a key where the trace has a bar."""
-    levels = np.asarray(numbers(trace["z"]), dtype=np.float64)
-    low = float(trace.get("zmin", np.nanmin(levels)))
-    high = float(trace.get("zmax", np.nanmax(levels)))
-    shades = _shades(trace, (levels - low) / ((high - low) or 1.0))
-    xs, ys = _edges(x.px(trace["x"])), _edges(y.px(trace["y"]))
-    shapes: list[Shape] = []
-    for i, row in enumerate(shades):
-        top, start = min(ys[i], ys[i + 1]), 0
-        for j, shade in enumerate(row):
-            if j + 1 < len(row) and row[j + 1] == shade:
-                continue
-            if shade:
-                shapes.append(box(xs[start], top, xs[j + 1] - xs[start], abs(ys[i + 1] - ys[i]), shade))
-            start = j + 1
-    title = ((trace.get("colorbar") or {}).get("title") or {}).get("text")
-    if title:
-        key = _shades(trace, np.array([[0.0, 0.25, 0.5, 0.75, 1.0]]))[0]
-        right = x.end_px - 40.0
-        shapes += [box(right - 100 + 20 * k, 8, 20, 12, shade) for k, shade in enumerate(key)]
-        shapes.append(_text(right - 106, 18, f"{title}: {short(low, 3)}", "end"))
-        shapes.append(_text(right + 6, 18, short(high, 3), "start"))
-    return shapes
-
-
-def _shades(trace: Json, shares: Array) -> list[list[str]]:
-    """The colour of each share of a heatmap's range, empty where there is no value."""
-    scale = trace["colorscale"]
-    stops = SCALES[scale] if isinstance(scale, str) else scale
-    places = np.array([float(at) for at, _ in stops])
-    colours = np.array([[int(colour[i : i + 2], 16) for i in (1, 3, 5)] for _, colour in stops])
-    clipped = np.clip(1.0 - shares if trace.get("reversescale") else shares, 0.0, 1.0)
-    mixed = np.stack([np.interp(clipped, places, colours[:, k]) for k in range(3)], axis=-1)
-    return [
-        ["" if np.isnan(cell).any() else "#{:02x}{:02x}{:02x}".format(*np.round(cell).astype(int)) for cell in row]
-        for row in mixed
-    ]
-
-
-def _edges(centres: Array) -> list[float]:
-    if len(centres) < 2:
-        return [float(centres[0]) - 20.0, float(centres[0]) + 20.0]
-    middle = 0.5 * (centres[1:] + centres[:-1])
-    return [2 * centres[0] - middle[0], *middle.tolist(), 2 * centres[-1] - middle[-1]]
+def _hatching(boxes: Sequence[tuple[float, ...]], shape: str) -> list[Shape]:
+    """White lines across boxes at 45°: upwards to the right for "/", both ways for "x"; none in boxes too small for them."""
+    points: list[tuple[float, float]] = []
+    for left, top, width, height in boxes:
+        if not shape or min(width, height) < HATCH_PX / 2.0:
+            continue
+        for start in np.arange(HATCH_PX / 2.0, width + height, HATCH_PX):
+            # Where x + y = start meets the box's sides.
+            (x0, y0), (x1, y1) = (
+                (min(start, width), max(0.0, start - width)),
+                (max(0.0, start - height), min(start, height)),
+            )
+            points += [(left + x0, top + y0), (left + x1, top + y1), PARTED]
+            if shape == "x":
+                points += [(left + x0, top + height - y0), (left + x1, top + height - y1), PARTED]
+    return [line(points[:-1], "#ffffff")] if points else []
 
 
 def _at(value: Any, ref: str, places: Mapping[str, Axis], letter: str) -> float:
@@ -318,7 +271,7 @@ def _legend(figure: Json, width: float) -> list[Shape]:
         if trace["type"] == "bar":
             shapes += [box(x + 6, y - 6, 20, 12, colour)]
             shapes += _hatching(
-                x + 6, y - 6, 20, 12, ((trace.get("marker") or {}).get("pattern") or {}).get("shape", "")
+                [(x + 6, y - 6, 20, 12)], ((trace.get("marker") or {}).get("pattern") or {}).get("shape", "")
             )
         else:
             shapes += [line([(x, y), (x + 26, y)], colour, 2.5, dash)]

@@ -23,7 +23,10 @@ ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Straight lines through `points_px` (n, 2), drawn where `stroke` is a colour, filled where `fill` is one."""
+    """Straight lines through `points_px` (n, 2), drawn where `stroke` is a colour, filled where `fill` is one.
+
+    A point that is no number parts one line from the next.
+    """
 
     points_px: Array
     stroke: str = ""
@@ -39,6 +42,7 @@ class Path:
     def svg(self) -> str:
         """As SVG; a fill is said only where lines enclose an area."""
         points = "L".join(f"{x:.1f} {y:.1f}" for x, y in self.points_px.tolist())
+        points = points.replace("Lnan nanL", "M")
         style = f' fill="{self.fill or "none"}"' if self.fill or len(self.points_px) > 2 else ""
         if self.stroke:
             style += f' stroke="{self.stroke}" stroke-width="{self.width:g}"'

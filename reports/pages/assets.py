@@ -6,7 +6,7 @@ import base64
 import gzip
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -80,7 +80,23 @@ def chart_json(figure: Mapping[str, Any]) -> Markup:
     unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
     if unknown:
         raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
-    return json_for_script(figure)
+    return json_for_script({**figure, "data": _shared(figure["data"])})
+
+
+def _shared(traces: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The traces, each packed array written once: where it comes again, `same` gives the trace and the axis that hold it."""
+    first: dict[str, tuple[int, str]] = {}
+    shared = []
+    for number, trace in enumerate(traces):
+        own = dict(trace)
+        for letter in "xy":
+            values = trace.get(letter)
+            if isinstance(values, Mapping):
+                place = first.setdefault(values["bdata"], (number, letter))
+                if place != (number, letter):
+                    own[letter] = {"same": place}
+        shared.append(own)
+    return shared
 
 
 def _shown(value: Any) -> Any:
