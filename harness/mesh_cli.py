@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from harness.command import Known, Surroundings
 from harness.input import paths
+from harness.input.mesh_statue import mesh_mistake
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake, mistake_from
+from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def inspect(file: Path, known: Known) -> Inspection:
             contact_tolerance_m=known.contact_tolerance_m,
         )
     except MeshError as error:
-        raise InputError(mistake_from(str(error), str(file))) from error
+        raise InputError(mesh_mistake(error, str(file))) from error
 
 
 def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
@@ -53,8 +54,8 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     account = out.with_suffix(".account.json")
     _check_out(out, account, file)
     found = inspect(file, known)
-    if found.solid is None:
-        raise InputError(mistake_from(str(found.refusal), str(file)))
+    if found.refusal is not None:
+        raise InputError(mesh_mistake(found.refusal, str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
     with writing(out) as fresh:
         found.prepared.write(fresh)

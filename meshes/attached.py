@@ -84,7 +84,9 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
     low, size = float(mesh.vertices[:, 2].min()), float(np.ptp(mesh.vertices[:, 2]))
     if not 0.0 < height_m < size:
         raise MeshError(
-            f"{mesh.source}: wanted a cut between the lowest and the highest point, {size:.4g} m above it, got {height_m:g} m"
+            f"a cut between the lowest and the highest point, {size:.4g} m above it",
+            f"{height_m:g} m",
+            place=mesh.source,
         )
     level = low + height_m
     above = mesh.vertices[:, 2] > level

@@ -49,7 +49,7 @@ def hull(solid: Solid, max_vertices: int = 128) -> Hull:
     feet = solid.feet_m[_on_hull(solid.feet_m, corners)]
     least = max(LEAST_VERTICES, len(feet) + 4)
     if max_vertices < least:
-        raise MeshError(f"wanted a hull budget of at least {least} vertices, got {max_vertices}")
+        raise MeshError(f"a hull budget of at least {least} vertices", str(max_vertices))
     chosen, gap = thinned(corners, feet, max_vertices)
     return Hull(chosen, outward(chosen), gap, float(ConvexHull(chosen).volume / full.volume - 1.0))
 

@@ -71,7 +71,7 @@ def parts_of(
     Raises `MeshError` as `decompose` does.
     """
     if reason := missing():
-        raise MeshError(f"wanted a convex decomposition, but {reason}")
+        raise MeshError("a convex decomposition", f"none: {reason}")
     key = _key(solid, concavity, max_parts, max_vertices)
     arrays = kept.load(key)
     found = None if arrays is None else _unpacked(arrays)
@@ -97,7 +97,7 @@ def decompose(
     from manifold3d import Manifold
 
     if not 0.01 <= concavity <= 1.0:
-        raise MeshError(f"wanted a concavity between 0.01 and 1, got {concavity:g}")
+        raise MeshError("a concavity between 0.01 and 1", f"{concavity:g}")
     coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
     vertices, faces = (solid.vertices_m, solid.faces) if coarse is None else (coarse.vertices, coarse.faces)
     raw = _searched(vertices, faces, (concavity, max_parts, seed))
@@ -105,7 +105,7 @@ def decompose(
     inside = [Manifold.hull_points(points) ^ hull for points in raw]
     points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
     if not points:
-        raise MeshError("wanted convex parts of the statue, but its decomposition is empty")
+        raise MeshError("convex parts of the statue", "an empty decomposition")
     parts = tuple(thinned(corners, None, max_vertices)[0] for corners in points)
     return Parts(parts, *_misfit(solid, parts))
 
@@ -114,7 +114,7 @@ def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int,
     """The corners of CoACD's parts, from a process of its own. Raises `MeshError` where that ends without an answer."""
     digest = hashlib.sha256(vertices_m.tobytes() + faces.tobytes() + repr(options).encode()).digest()
     if digest in _FAILED:
-        raise MeshError(_FAILED[digest])
+        raise MeshError("convex parts of the statue", _FAILED[digest])
     with tempfile.TemporaryDirectory(prefix="rockcheck-parts-") as folder:
         given, answer = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
         np.savez(given, vertices_m=vertices_m, faces=faces.astype(np.int32), options=np.array(options))
@@ -128,8 +128,8 @@ def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int,
         except subprocess.TimeoutExpired:
             code, cause = 1, f"gave no answer in {LONGEST_S:g} s"
         if code or not answer.is_file():
-            _FAILED[digest] = f"wanted convex parts of the statue, but the search for them (CoACD) {cause}"
-            raise MeshError(_FAILED[digest])
+            _FAILED[digest] = f"a search for them (CoACD) that {cause}"
+            raise MeshError("convex parts of the statue", _FAILED[digest])
         with np.load(answer) as arrays:
             return np.split(arrays["corners"], np.cumsum(arrays["counts"])[:-1])
 

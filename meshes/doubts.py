@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.attached import attached_floor
+from meshes.errors import MeshError
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 
 Array = NDArray[np.float64]
@@ -19,37 +20,38 @@ MOST_WRONG: Final = 0.02
 """Share of the area inside out or buried that a scan may have: the mass is wrong by about as much."""
 
 
-def not_one_body(vertices: Array, faces: Faces) -> str:
-    """Why a closed surface bounds no single body, as "wanted …, got … — …"; "" where it does."""
+def not_one_body(vertices: Array, faces: Faces) -> MeshError | None:
+    """Why a closed surface bounds no single body; None where it does."""
     share, wrong = pinched(vertices, faces), wrongly_sided(vertices, faces)
     advice = "look at it there, and remesh (Blender: Voxel Remesh) or cut it in two"
     if share > MOST_PINCHED:
         got = f"one with {100 * share:.0f} % of its area beyond a neck that crosses itself or is a single point"
-        return f"wanted one solid body, got {got} — {advice}"
+        return MeshError("one solid body", got, advice)
     if wrong > MOST_WRONG:
         got = f"one with {100 * wrong:.0f} % of its area inside out or buried in itself"
-        return f"wanted a surface that does not pass through itself, got {got} — {advice}"
-    return ""
+        return MeshError("a surface that does not pass through itself", got, advice)
+    return None
 
 
-def floor_attached(vertices: Array, faces: Faces, how: str) -> str:
-    """Why a body with z up, in metres, seems to stand on a floor of its own, as "wanted …, got … — …"; "" where it does not.
+def floor_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
+    """Why a body with z up, in metres, seems to stand on a floor of its own; None where it does not.
 
     `how` says how to cut, with a place for the height.
     """
     floor = attached_floor(vertices, faces)
     if floor is None:
-        return ""
+        return None
     advice = f"cut it off: {how.format(floor.cut_m)} (--cut-below 0 says that it is the statue's own)"
-    return f"wanted a statue alone, got one of which {floor} — {advice}"
+    return MeshError("a statue alone", f"one of which {floor}", advice)
 
 
 def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
     """All of this and what passes through itself elsewhere, in sentences (`how` as for `floor_attached`)."""
     found = crossings(vertices, faces)
-    said = [floor_attached(vertices, faces, how), not_one_body(vertices, faces)]
+    refusals = floor_attached(vertices, faces, how), not_one_body(vertices, faces)
+    said = [str(each) for each in refusals if each is not None]
     if found.faces:
         said.append(
             f"{found.faces} of {found.looked_at} faces looked at pass through another one ({100 * found.share:.3f} %)"
         )
-    return tuple(sentence for sentence in said if sentence)
+    return tuple(said)

@@ -47,8 +47,9 @@ def _hull_indices(points: Array, hull_of: type, failure: type[Exception]) -> NDA
         order = np.asarray(hull_of(points).vertices, dtype=np.intp)
     except failure as error:
         raise MeshError(
-            f"wanted a base or outline with an area, got {len(points)} points on a line or in one place"
-            " — the mesh is a flat sheet, stands on an edge or a tip, or needs a larger contact tolerance"
+            "a base or outline with an area",
+            f"{len(points)} points on a line or in one place",
+            "the mesh is a flat sheet, stands on an edge or a tip, or needs a larger contact tolerance",
         ) from error
     corners = points[order]
     scale = float(np.ptp(points, axis=0).max())
@@ -71,9 +72,9 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
     low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
     if len(low) < 3:
         raise MeshError(
-            f"wanted a base of at least three touching vertices, got {len(low)} within {1e3 * tolerance_m:g} mm of"
-            f" the lowest point"
-            " — check the up axis and the base plane, or give a larger contact tolerance"
+            "a base of at least three touching vertices",
+            f"{len(low)} within {1000.0 * tolerance_m:g} mm of the lowest point",
+            "check the up axis and the base plane, or give a larger contact tolerance",
         )
     return np.array(low[_hull_indices(low[:, :2], ConvexHull, QhullError)])
 

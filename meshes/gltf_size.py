@@ -26,8 +26,10 @@ def must_be_bounded(file: Path) -> None:
         return
     if total > MOST_ELEMENTS:
         raise MeshError(
-            f"{file}: wanted at most {MOST_ELEMENTS:,} vertices and indices in all nodes, got {total:,}"
-            " — export the statue alone, decimated"
+            f"at most {MOST_ELEMENTS:,} vertices and indices in all nodes",
+            f"{total:,}",
+            "export the statue alone, decimated",
+            place=str(file),
         )
 
 

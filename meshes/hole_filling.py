@@ -148,11 +148,11 @@ def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
         if width > widest_allowed_m:
             middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
             raise MeshError(
-                f"{mesh.source}: wanted holes no wider than {widest_allowed_m:.3g} m, got one of {width:.3g} m"
-                f" around ({middle}) with"
-                f" {len(rim)} edges — too much would be invented: scan that part again, or close it in MeshLab"
-                f" (Filters, Remeshing,"
-                " Close Holes) or Blender (Fill, then sculpt)"
+                f"holes no wider than {widest_allowed_m:.3g} m",
+                f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
+                "too much would be invented: scan that part again, or close it in MeshLab (Filters,"
+                " Remeshing, Close Holes) or Blender (Fill, then sculpt)",
+                place=mesh.source,
             )
         widest = max(widest, width)
         around = rim[::-1]

@@ -29,14 +29,14 @@ class Filling:
     def around(self, outer_m3: float, inner_m3: float) -> float:
         """Density around the shell; raises MeshError unless it is given, or follows from the mass and is positive."""
         if (self.around_kg_m3 is None) == (self.weighed_kg is None):
-            raise MeshError("wanted either a density or a weighed mass, got both or neither — give one of them")
+            raise MeshError("either a density or a weighed mass", "both or neither", "give one of them")
         density = self.around_kg_m3
         if self.weighed_kg is not None:
             density = (self.weighed_kg - self.inside_kg_m3 * inner_m3) / (outer_m3 - inner_m3)
         if density is None or not density > 0.0:
             raise MeshError(
-                f"wanted a weighed mass above that of the core, {self.inside_kg_m3 * inner_m3:.5g} kg, got"
-                f" {self.weighed_kg or 0.0:g} kg"
+                f"a weighed mass above that of the core, {self.inside_kg_m3 * inner_m3:.5g} kg",
+                f"{self.weighed_kg or 0.0:g} kg",
             )
         return density
 
@@ -63,8 +63,10 @@ def load_hollow(
     volume, hollow = (mass_properties(mesh.vertices, mesh.faces).volume_m3 for mesh in (around, shell))
     if hollow <= 0.0:
         raise MeshError(
-            f"{inner}: wanted an inner shell with its faces outward, got a volume of {hollow:.4g} m³"
-            " — turn its faces (rockcheck mesh prepare does)"
+            "an inner shell with its faces outward",
+            f"a volume of {hollow:.4g} m³",
+            "turn its faces (rockcheck mesh prepare does)",
+            place=str(inner),
         )
     _must_be_inside(around, shell, hollow)
     density = filling.around(volume, hollow)
@@ -84,6 +86,8 @@ def _must_be_inside(around: RawMesh, shell: RawMesh, hollow_m3: float) -> None:
     outside = (bodies[0] - bodies[1]).volume() / hollow_m3
     if outside > OUTSIDE_REL:
         raise MeshError(
-            f"{shell.source}: wanted an inner shell inside the statue, got one with {100.0 * outside:.3g} % of its volume"
-            " outside — both files must have the same origin, unit and axes"
+            "an inner shell inside the statue",
+            f"one with {100.0 * outside:.3g} % of its volume outside",
+            "both files must have the same origin, unit and axes",
+            place=shell.source,
         )

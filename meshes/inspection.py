@@ -39,7 +39,8 @@ class Raw:
         state = "closed" if self.edges.closed else "not closed"
         return (
             f"{self.vertices} vertices, {self.faces} triangles, {size} units, {self.parts} parts; {state}:"
-            f" {self.edges.boundary} open, {self.edges.branching} branching, {self.edges.misoriented} misoriented edges"
+            f" {self.edges.boundary} open, {self.edges.branching} branching, {self.edges.misoriented}"
+            " misoriented edges"
         )
 
 
@@ -50,7 +51,7 @@ class Inspection:
     raw: Raw
     prepared: Prepared
     solid: Solid | None
-    refusal: str | None
+    refusal: MeshError | None
 
     def rose(self, step_deg: int = 30) -> list[dict[str, float]]:
         """Corner distance and slenderness towards every `step_deg` of azimuth."""
@@ -70,7 +71,7 @@ class Inspection:
             "schema_version": 1,
             "raw": asdict(self.raw),
             "account": self.prepared.account.as_dict(),
-            "refusal": self.refusal,
+            "refusal": None if self.refusal is None else str(self.refusal),
             "solid": None if self.solid is None else _numbers(self.solid),
             "rose": self.rose(10),
         }
@@ -108,7 +109,7 @@ def inspect(
     try:
         solid = prepared.solid(density_kg_m3=density_kg_m3, mass_kg=mass_kg, contact_tolerance_m=contact_tolerance_m)
     except MeshError as error:
-        refusal = str(error)
+        refusal = error
     return Inspection(Raw.of(mesh), prepared, solid, refusal)
 
 

@@ -34,8 +34,10 @@ def read_mesh(path: str | Path) -> RawMesh:
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
         raise MeshError(
-            f"{file}: wanted one of {', '.join(FORMATS)}, got {file.suffix or 'no suffix'} — export the scan as PLY"
-            f" or OBJ"
+            f"one of {', '.join(FORMATS)}",
+            str(file.suffix or "no suffix"),
+            "export the scan as PLY or OBJ",
+            place=str(file),
         )
     _must_be_there(file)
     if file.suffix.lower() == ".stl":
@@ -47,9 +49,10 @@ def read_mesh(path: str | Path) -> RawMesh:
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         count = int((~np.isfinite(vertices).all(axis=1)).sum())
         raise MeshError(
-            f"{file}: wanted finite coordinates, got {count} vertices that are NaN or infinite (the first is vertex"
-            f" {bad})"
-            " — remove them in the scanning software and export again"
+            "finite coordinates",
+            f"{count} vertices that are NaN or infinite (the first is vertex {bad})",
+            "remove them in the scanning software and export again",
+            place=str(file),
         )
     return weld(RawMesh(vertices, faces, str(file)))
 
@@ -60,15 +63,15 @@ def _must_be_there(file: Path) -> None:
         str(file).encode("utf-8")
     except UnicodeEncodeError:
         shown = ascii(str(file).encode("utf-8", "surrogateescape"))[2:-1]
-        raise MeshError(f"{shown}: wanted a file name in UTF-8, got other bytes — rename the file") from None
+        raise MeshError("a file name in UTF-8", "other bytes", "rename the file", place=shown) from None
     try:
         there = file.is_file()
     except OSError as error:
-        raise MeshError(f"{file}: wanted a mesh file, got {error.strerror} — check the path") from error
+        raise MeshError("a mesh file", str(error.strerror), "check the path", place=str(file)) from error
     if not there:
-        raise MeshError(f"{file}: wanted a mesh file, got none of that name — check the path")
+        raise MeshError("a mesh file", "none of that name", "check the path", place=str(file))
     if file.stat().st_size == 0:
-        raise MeshError(f"{file}: wanted a mesh, got an empty file — export it again")
+        raise MeshError("a mesh", "an empty file", "export it again", place=str(file))
 
 
 def _triangles(file: Path) -> tuple[Array, Faces]:
@@ -81,12 +84,17 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     except Exception as error:
         raise MeshError(
-            f"{file}: wanted a {file.suffix.lower()} mesh, got a file that does not parse ({_reason(error)}) — export it again"
+            f"a {file.suffix.lower()} mesh",
+            f"a file that does not parse ({_reason(error)})",
+            "export it again",
+            place=str(file),
         ) from error
     if not parts:
         raise MeshError(
-            f"{file}: wanted a surface of triangles, got no face (a point cloud?) — mesh it first, for example by"
-            f" Poisson reconstruction"
+            "a surface of triangles",
+            "no face (a point cloud?)",
+            "mesh it first, for example by Poisson reconstruction",
+            place=str(file),
         )
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     vertices = np.vstack([np.asarray(part.vertices, dtype=np.float64) for part in parts])
@@ -94,11 +102,13 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         [np.asarray(part.faces, dtype=np.int64) + offset for part, offset in zip(parts, offsets, strict=True)]
     )
     if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise MeshError(f"{file}: wanted vertices of three coordinates, got others — export it again")
+        raise MeshError("vertices of three coordinates", "others", "export it again", place=str(file))
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise MeshError(
-            f"{file}: wanted faces of vertices 0 to {len(vertices) - 1}, got {int(faces.min())} to {int(faces.max())}"
-            f" — the file is damaged: export it again"
+            f"faces of vertices 0 to {len(vertices) - 1}",
+            f"{int(faces.min())} to {int(faces.max())}",
+            "the file is damaged: export it again",
+            place=str(file),
         )
     return vertices, faces
 
@@ -112,8 +122,11 @@ def _must_be_stl(file: Path) -> None:
     text = head.lstrip().startswith(b"solid") and b"facet" in head
     if not text and (len(head) < 84 or size != 84 + 50 * count):
         raise MeshError(
-            f"{file}: wanted an STL, got {size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in"
-            " text (solid … facet …) — export it again"
+            "an STL",
+            f"{size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in text"
+            " (solid … facet …)",
+            "export it again",
+            place=str(file),
         )
 
 
@@ -133,7 +146,7 @@ def unit_length_m(unit: str | float) -> float:
         return UNIT_M[unit]
     if isinstance(unit, int | float) and not isinstance(unit, bool) and np.isfinite(unit) and unit > 0.0:
         return float(unit)
-    raise MeshError(f"wanted a unit out of {', '.join(UNIT_M)} or its length in metres, got {unit!r}")
+    raise MeshError(f"a unit out of {', '.join(UNIT_M)} or its length in metres", f"{unit!r}")
 
 
 def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
@@ -142,9 +155,10 @@ def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
     height = float(np.ptp(vertices[:, 2]))
     if not SHORTEST_M <= height <= TALLEST_M:
         raise MeshError(
-            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got {height:.4g} m"
-            f" with unit {unit!r}"
-            f" and up {up!r} — check the unit the scan was exported in"
+            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
+            f"{height:.4g} m with unit {unit!r} and up {up!r}",
+            "check the unit the scan was exported in",
+            place=mesh.source,
         )
     return RawMesh(vertices, mesh.faces, mesh.source)
 
@@ -179,7 +193,7 @@ def load_solid(
             contact_tolerance_m=contact_tolerance_m,
         )
     except MeshError as error:
-        raise MeshError(f"{mesh.source}: {error}") from error
+        raise error.at(mesh.source) from error
 
 
 def must_be_closed(mesh: RawMesh) -> None:
@@ -188,10 +202,11 @@ def must_be_closed(mesh: RawMesh) -> None:
     if count.closed:
         return
     raise MeshError(
-        f"{mesh.source}: wanted a closed surface, got {count.boundary} edges with one face, {count.branching} with"
-        f" more than two and"
-        f" {count.misoriented} between faces of opposite orientation — close it with rockcheck mesh prepare, which"
-        f" writes what it changed"
+        "a closed surface",
+        f"{count.boundary} edges with one face, {count.branching} with more than two and {count.misoriented}"
+        " between faces of opposite orientation",
+        "close it with rockcheck mesh prepare, which writes what it changed",
+        place=mesh.source,
     )
 
 
@@ -206,6 +221,9 @@ def must_be_one(mesh: RawMesh) -> None:
     if bodies > 1:
         sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])
         raise MeshError(
-            f"{mesh.source}: wanted one body, got {bodies} of {sizes} — export each to a file of its own, or join those that"
-            " overlap and drop crumbs with rockcheck mesh prepare, which writes what it changed"
+            "one body",
+            f"{bodies} of {sizes}",
+            "export each to a file of its own, or join those that overlap and drop crumbs with rockcheck"
+            " mesh prepare, which writes what it changed",
+            place=mesh.source,
         )

@@ -49,7 +49,7 @@ def weld(mesh: RawMesh) -> RawMesh:
     parts dropped."""
     extent = float(np.ptp(mesh.vertices, axis=0).max())
     if extent == 0.0:
-        raise MeshError(f"{mesh.source}: wanted a surface, got all vertices in one place — export it again")
+        raise MeshError("a surface", "all vertices in one place", "export it again", place=mesh.source)
     keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
     order = np.lexsort(keys.T)
     new = np.r_[True, (np.diff(keys[order], axis=0) != 0).any(axis=1)]
@@ -59,6 +59,6 @@ def weld(mesh: RawMesh) -> RawMesh:
     faces = faces[mesh.faces]
     proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     if not proper.any():
-        raise MeshError(f"{mesh.source}: wanted a surface, got only faces without an area — export it again")
+        raise MeshError("a surface", "only faces without an area", "export it again", place=mesh.source)
     vertices, faces = drop_unused(mesh.vertices, faces[proper])
     return RawMesh(vertices, faces, mesh.source)

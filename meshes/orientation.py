@@ -54,7 +54,7 @@ class Stance:
 def turn_axis(up: str) -> Array:
     """Rotation (3, 3) that takes the file's axis `up` to +z; raises MeshError for an unknown one."""
     if up not in UP_ROTATION:
-        raise MeshError(f"wanted an up axis out of {', '.join(UP_ROTATION)}, got {up!r}")
+        raise MeshError(f"an up axis out of {', '.join(UP_ROTATION)}", f"{up!r}")
     return np.array(UP_ROTATION[up], dtype=np.float64)
 
 
@@ -132,8 +132,10 @@ def _standing_normal(mesh: RawMesh) -> Array:
         down = normals[facet]
     if down @ flat < np.cos(SAME_DIRECTION_RAD):
         raise MeshError(
-            f"{mesh.source}: wanted a statue that stands on its largest flat face, got one that falls over from it"
-            " — set the up axis (--up) if it was taken for another, or mend the base"
+            "a statue that stands on its largest flat face",
+            "one that falls over from it",
+            "set the up axis (--up) if it was taken for another, or mend the base",
+            place=mesh.source,
         )
     return np.asarray(down)
 
@@ -159,8 +161,9 @@ def _flat_normal(mesh: RawMesh, hull: ConvexHull) -> Array:
     found.sort(key=lambda pair: pair[0], reverse=True)
     if len(found) > 1 and found[1][0] > CLEAR_RATIO * found[0][0]:
         raise MeshError(
-            f"{mesh.source}: wanted one base plane that stands out, got two of {found[0][0]:.4g} and"
-            f" {found[1][0]:.4g} square units"
-            " — set the up axis (--up)"
+            "one base plane that stands out",
+            f"two of {found[0][0]:.4g} and {found[1][0]:.4g} square units",
+            "set the up axis (--up)",
+            place=mesh.source,
         )
     return found[0][1]

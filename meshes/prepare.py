@@ -111,8 +111,8 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     if made is not None:
         state = Prepared(fewer, state.account.and_changed(made))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
-    if wrong:
-        raise MeshError(f"{state.mesh.source}: {wrong}")
+    if wrong is not None:
+        raise wrong.at(state.mesh.source)
     return state
 
 
@@ -121,9 +121,10 @@ def _must_have_thickness(mesh: RawMesh) -> None:
     extent = np.ptp(mesh.vertices, axis=0)
     if extent.min() < 0.01 * extent.max():
         raise MeshError(
-            f"{mesh.source}: wanted a body, got a flat sheet of {extent[0]:.4g} × {extent[1]:.4g} × {extent[2]:.4g}"
-            f" units"
-            " — scan it from all sides"
+            "a body",
+            f"a flat sheet of {extent[0]:.4g} × {extent[1]:.4g} × {extent[2]:.4g} units",
+            "scan it from all sides",
+            place=mesh.source,
         )
 
 
@@ -134,8 +135,10 @@ def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
     size = unit_length_m(wanted.unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
         raise MeshError(
-            f"{mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got a body of {size:.4g} m from"
-            f" corner to corner with unit {wanted.unit} — check the unit the scan was exported in"
+            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
+            f"a body of {size:.4g} m from corner to corner with unit {wanted.unit}",
+            "check the unit the scan was exported in",
+            place=mesh.source,
         )
 
 
@@ -176,10 +179,10 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
     """The mesh in metres, from the unit, the true height, or the unit that the format fixes."""
     height = float(np.ptp(state.mesh.vertices[:, 2]))
     if wanted.unit is not None and wanted.height_m is not None:
-        raise MeshError(f"{state.mesh.source}: wanted the unit or the true height, got both — give one of them")
+        raise MeshError("the unit or the true height", "both", "give one of them", place=state.mesh.source)
     if wanted.height_m is not None:
         if not (np.isfinite(wanted.height_m) and wanted.height_m > 0.0):
-            raise MeshError(f"{state.mesh.source}: wanted a positive height in metres, got {wanted.height_m}")
+            raise MeshError("a positive height in metres", str(wanted.height_m), place=state.mesh.source)
         unit_m, why = wanted.height_m / height, f"from the true height of {wanted.height_m:g} m"
     elif wanted.unit is not None:
         unit_m, why = unit_length_m(wanted.unit), f"unit {wanted.unit}, as set"
@@ -187,16 +190,18 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
         unit_m, why = 1.0, "metres, as the glTF standard says"
     else:
         raise MeshError(
-            f"{state.mesh.source}: wanted a scale, got a file without units, {height:.4g} units high (that is"
-            f" {1e-3 * height:.3g} m in"
-            f" mm, {1e-2 * height:.3g} m in cm, {height:.3g} m in m) — give the unit (--unit) or the true height"
-            f" (--height)"
+            "a scale",
+            f"a file without units, {height:.4g} units high (that is {0.001 * height:.3g} m in mm,"
+            f" {0.01 * height:.3g} m in cm, {height:.3g} m in m)",
+            "give the unit (--unit) or the true height (--height)",
+            place=state.mesh.source,
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
         raise MeshError(
-            f"{state.mesh.source}: wanted a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high, got"
-            f" {unit_m * height:.4g} m ({why})"
-            " — check the unit the scan was exported in"
+            f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high",
+            f"{unit_m * height:.4g} m ({why})",
+            "check the unit the scan was exported in",
+            place=state.mesh.source,
         )
     account = state.account.scaled(unit_m)
     if unit_m != 1.0:
@@ -214,8 +219,8 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
         mesh, made = mending.drop_crumbs(mesh, wanted.limits.crumb_area)
         state = state if made is None else Prepared(mesh, state.account.and_changed(made))
     attached = floor_attached(state.mesh.vertices, state.mesh.faces, "--cut-below {:.3g}")
-    if attached and wanted.cut_below_m != 0.0:
-        raise MeshError(f"{state.mesh.source}: {attached}")
+    if attached is not None and wanted.cut_below_m != 0.0:
+        raise attached.at(state.mesh.source)
     return state
 
 
@@ -229,10 +234,10 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
         closed = close_base(mesh, rim)
         if closed.ragged_m > limits.ragged_share * height:
             raise MeshError(
-                f"{mesh.source}: wanted an open base ragged by at most {limits.ragged_share * height:.3g} m, got a"
-                f" rim that rises by"
-                f" {closed.ragged_m:.3g} m — cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or"
-                f" set the up axis"
+                f"an open base ragged by at most {limits.ragged_share * height:.3g} m",
+                f"a rim that rises by {closed.ragged_m:.3g} m",
+                "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
+                place=mesh.source,
             )
         what = (
             f"open base closed by a plane under its rim: {closed.rim} rim edges, ragged by"
@@ -268,15 +273,17 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
     count = EdgeCount.of(mesh.faces)
     if not count.closed:
         raise MeshError(
-            f"{mesh.source}: wanted a closed surface after repair, got {count.boundary} open, {count.branching}"
-            f" branching and"
-            f" {count.misoriented} misoriented edges — repair it in MeshLab (Repair filters) or Blender (3D Print"
-            f" toolbox)"
+            "a closed surface after repair",
+            f"{count.boundary} open, {count.branching} branching and {count.misoriented} misoriented edges",
+            "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
+            place=mesh.source,
         )
     if account.invented_rel > limits.volume_rel:
         raise MeshError(
-            f"{mesh.source}: wanted repairs that change the volume by at most {100 * limits.volume_rel:g} %, got"
-            f" {100 * account.invented_rel:.3g} % — too much would be invented; scan again what is missing\n{account}"
+            f"repairs that change the volume by at most {100 * limits.volume_rel:g} %",
+            f"{100 * account.invented_rel:.3g} %",
+            f"too much would be invented; scan again what is missing\n{account}",
+            place=mesh.source,
         )
     return Prepared(mesh, _crossings(mesh, account, limits))
 
@@ -287,9 +294,11 @@ def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
     among = f"{found.faces} of {found.looked_at} faces"
     if found.share > limits.crossing_share:
         raise MeshError(
-            f"{mesh.source}: wanted a surface that does not pass through itself, got {among} that do"
-            " — select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
-            " (Voxel Remesh)"
+            "a surface that does not pass through itself",
+            f"{among} that do",
+            "select them in MeshLab (Select Self Intersecting Faces), delete and close, or remesh in Blender"
+            " (Voxel Remesh)",
+            place=mesh.source,
         )
     if found.faces:
         return account.and_found(f"{among} looked at pass through another one ({100 * found.share:.3f} %)")

@@ -53,9 +53,10 @@ def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
         return mesh, None
     if count > max(3, largest_share * len(edges.faces_at)):
         raise MeshError(
-            f"{mesh.source}: wanted edges with two faces each, got {count} of {len(edges.faces_at)} with more"
-            f" (non-manifold)"
-            " — in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve"
+            "edges with two faces each",
+            f"{count} of {len(edges.faces_at)} with more (non-manifold)",
+            "in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve",
+            place=mesh.source,
         )
     bad = np.unique(edges.face[branching])
     free = np.unique(edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
@@ -102,9 +103,11 @@ def join_bodies(mesh: RawMesh) -> Mended:
             return joined, change("bodies", what, count, measure(mesh), measure(joined))
     sizes = ", ".join(" × ".join(f"{value:.3g}" for value in np.ptp(vertices, axis=0)) for vertices, _ in pieces[:4])
     raise MeshError(
-        f"{mesh.source}: wanted one statue, got {count} separate bodies of {sizes} units — export each to a file of"
-        f" its own"
-        " (MeshLab: Split in Connected Components), or give a hollow statue's inner shell as a second file"
+        "one statue",
+        f"{count} separate bodies of {sizes} units",
+        "export each to a file of its own (MeshLab: Split in Connected Components), or give a hollow"
+        " statue's inner shell as a second file",
+        place=mesh.source,
     )
 
 

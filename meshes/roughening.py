@@ -25,8 +25,8 @@ def ragged(solid: Solid, depth_m: float, *, spacing_m: float, seed: int) -> Soli
     """
     if not 0.0 < depth_m <= solid.contact_tolerance_m or spacing_m <= 0.0:
         raise MeshError(
-            f"wanted a depth up to the contact tolerance of {solid.contact_tolerance_m:g} m and a positive spacing,"
-            f" got {depth_m:g} m and {spacing_m:g} m"
+            f"a depth up to the contact tolerance of {solid.contact_tolerance_m:g} m and a positive spacing",
+            f"{depth_m:g} m and {spacing_m:g} m",
         )
     vertices, faces = _divided(solid.vertices_m, solid.faces, spacing_m)
     low = vertices[:, 2] < 1e-9

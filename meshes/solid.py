@@ -187,17 +187,19 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
     """The pair (density, mass) from the one that is given."""
     if not volume_m3 > 0.0:
         raise MeshError(
-            f"wanted a closed mesh with its faces outward, got a signed volume of {volume_m3:g} m³"
-            " — turn the faces outward (rockcheck mesh prepare does, with an account)"
+            "a closed mesh with its faces outward",
+            f"a signed volume of {volume_m3:g} m³",
+            "turn the faces outward (rockcheck mesh prepare does, with an account)",
         )
     if (density_kg_m3 is None) == (mass_kg is None):
         raise MeshError(
-            f"wanted either a density or a weighed mass, got density {density_kg_m3} and mass {mass_kg}"
-            " — give one of them; the other follows from the volume"
+            "either a density or a weighed mass",
+            f"density {density_kg_m3} and mass {mass_kg}",
+            "give one of them; the other follows from the volume",
         )
     density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
     if not (density > 0.0 and np.isfinite(density)):
-        raise MeshError(f"wanted a positive density or mass, got density {density_kg_m3} and mass {mass_kg}")
+        raise MeshError("a positive density or mass", f"density {density_kg_m3} and mass {mass_kg}")
     return density, mass_kg if mass_kg is not None else density * volume_m3
 
 
@@ -206,8 +208,8 @@ def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
     margin = base.margin_m(polygon_m)
     if margin <= 0.0:
         raise MeshError(
-            f"wanted a statue that stands, got a centroid {-margin:.4g} m outside the polygon of its"
-            f" {len(polygon_m)} vertices that"
-            f" touch within {1e3 * contact_tolerance_m:g} mm — check the up axis and the base plane, or give a"
-            f" larger contact tolerance"
+            "a statue that stands",
+            f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that touch"
+            f" within {1000.0 * contact_tolerance_m:g} mm",
+            "check the up axis and the base plane, or give a larger contact tolerance",
         )

@@ -41,14 +41,15 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     moments = np.linalg.eigvalsh(inertia_kg_m2)
     if not (mass_kg > 0.0 and np.isfinite(mass_kg)) or moments[0] <= 0.0 or moments[0] + moments[1] < moments[2]:
         raise MeshError(
-            f"wanted a positive mass and the inertia of a body, got {mass_kg:g} kg and principal moments {moments}"
-            " — no moment may exceed the sum of the others"
+            "a positive mass and the inertia of a body",
+            f"{mass_kg:g} kg and principal moments {moments}",
+            "no moment may exceed the sum of the others",
         )
     shift = np.array([centroid_m[0], centroid_m[1], 0.0])
     footprint = solid.footprint_m - shift
     if base.margin_m(footprint) <= 0.0:
         beside = f"({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m"
-        raise MeshError(f"wanted a centroid above the base, got one at {beside}, beside it")
+        raise MeshError("a centroid above the base", f"one at {beside}, beside it")
     return replace(
         solid,
         vertices_m=solid.vertices_m - shift,
@@ -68,15 +69,15 @@ def with_core(solid: Solid, vertices_m: Array, faces: Faces, core_density_kg_m3:
     """
     core = mass_properties(vertices_m, faces)
     if core.volume_m3 <= 0.0:
-        raise MeshError(f"wanted a closed inner shell with its faces outward, got a volume of {core.volume_m3:g} m³")
+        raise MeshError("a closed inner shell with its faces outward", f"a volume of {core.volume_m3:g} m³")
     low, high = solid.vertices_m.min(axis=0), solid.vertices_m.max(axis=0)
     if (vertices_m < low).any() or (vertices_m > high).any():
-        wanted = "wanted an inner shell inside the statue, got one that leaves its bounding box"
-        raise MeshError(f"{wanted} — check unit and axes")
+        got = "one that leaves its bounding box"
+        raise MeshError("an inner shell inside the statue", got, "check unit and axes")
     change = core_density_kg_m3 - solid.density_kg_m3
     mass = solid.mass_kg + change * core.volume_m3
     if mass <= 0.0:
-        raise MeshError(f"wanted an inner shell smaller than the statue, got a mass left of {mass:g} kg")
+        raise MeshError("an inner shell smaller than the statue", f"a mass left of {mass:g} kg")
     outer_centroid = np.array([0.0, 0.0, solid.centroid_height_m])
     centroid = (solid.mass_kg * outer_centroid + change * core.volume_m3 * core.centroid_m) / mass
     inertia = _moved(solid.inertia_kg_m2, solid.mass_kg, outer_centroid - centroid) + _moved(
@@ -108,7 +109,7 @@ def adjusted(
     """
     if min(centroid_rel, base_rel, inertia_rel) <= -1.0:
         got = f"{centroid_rel:g}, {base_rel:g}, {inertia_rel:g}"
-        raise MeshError(f"wanted shares above -1 (nothing left), got {got} for centroid, base and inertia")
+        raise MeshError("shares above -1 (nothing left)", f"{got} for centroid, base and inertia")
     inertia = (1.0 + inertia_rel) * solid.inertia_kg_m2
     if not products:
         inertia = np.diag(np.diag(inertia))
@@ -155,7 +156,7 @@ def reconcile(solid: Solid, survey: Mapping[str, float]) -> tuple[Reconciled, ..
     rows = []
     for name, value in survey.items():
         if name not in SURVEYED:
-            raise MeshError(f"wanted a number out of {', '.join(SURVEYED)}, got {name!r}")
+            raise MeshError(f"a number out of {', '.join(SURVEYED)}", f"{name!r}")
         found = float(getattr(solid, name))
         apart = value / found - 1.0
         used = "the weighed mass" if name == "mass_kg" else "the mesh"

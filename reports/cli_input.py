@@ -160,10 +160,8 @@ def figures(
 ) -> None:
     """Write the figures of a result for print."""
     from reports.export.figures import FORMATS, write_figures
-    from reports.source import telling_damage
 
-    with telling_damage(folder):
-        written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
+    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
     saying.say(written, "\n".join(written))
 
 
@@ -175,9 +173,8 @@ def gif(
 ) -> None:
     """Write the replay of a run as an animated picture for slides."""
     from reports.export.animation import write_gif
-    from reports.source import telling_damage
 
-    with ProgressMessages(saying.silent) as telling, telling_damage(folder):
+    with ProgressMessages(saying.silent) as telling:
         telling.now("drawing the frames")
         written = str(write_gif(folder, out, model))
     saying.say([written], written)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 from jinja2 import UndefinedError
 
@@ -16,11 +16,12 @@ from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
 from harness.model.run import SCHEMA_VERSION
-from harness.records.base import REWRITE, validated
+from harness.records.base import REWRITE, Record, part, validated
 from harness.records.kinds import CLASSES, class_of
 from harness.records.result_folder import KINDS, RECORD, as_written, owned
+from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.scene import SceneRecord
 
-T = TypeVar("T")
 RECORD_NAME: Final = RECORD
 DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
@@ -54,39 +55,23 @@ PARTS: Final[Mapping[str, Mapping[str, tuple[Any, str]]]] = {
 class RunSource:
     """The record of one run with the histories that it names; `mesh` is the statue's mesh file, None without one."""
 
-    folder: Path
-    record: Mapping[str, Any]
+    record: RunRecord
     histories: Mapping[str, History]
     mesh: Path | None
 
     @property
-    def scene(self) -> Mapping[str, Any]:
-        """The resolved scene as plain values."""
-        scene: Mapping[str, Any] = self.record["scene"]
-        return scene
+    def scene(self) -> SceneRecord:
+        """The resolved scene."""
+        return self.record.scene
 
     @property
-    def runs(self) -> Mapping[str, Any]:
+    def runs(self) -> Mapping[str, EngineRunRecord]:
         """All engines' answers by name."""
-        runs: Mapping[str, Any] = self.record["runs"]
-        return runs
+        return self.record.runs
 
 
-def read_record(folder: Path) -> dict[str, Any]:
-    """The record of a result folder; raises `InputError` when it is absent, broken or of another schema."""
-    return _read(folder)[0]
-
-
-def read_typed(folder: Path, kind: type[T]) -> T:
-    """The record of a result folder as a kind's class; raises `InputError` also where it is of another kind."""
-    record, text = _read(folder)
-    if record["kind"] not in CLASSES or class_of(record["kind"]) is not kind:
-        wanted = next(name for name in CLASSES if class_of(name) is kind)
-        raise InputError(Mistake(str(folder / RECORD_NAME), "kind", wanted, repr(record["kind"])))
-    return validated(kind, text, folder / RECORD_NAME)
-
-
-def _read(folder: Path) -> tuple[dict[str, Any], bytes]:
+def read_record(folder: Path) -> Record | dict[str, Any]:
+    """The record of a result folder; raises `InputError` when it is absent, damaged, or of another schema."""
     path = folder / RECORD_NAME
     if not path.is_file():
         advice = "run `rockcheck run SCENE --out DIR` first"
@@ -99,11 +84,18 @@ def _read(folder: Path) -> tuple[dict[str, Any], bytes]:
     if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
         got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
         raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
-    if record.get("kind") not in KINDS:
-        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(record.get("kind"))))
-    if record["kind"] not in CLASSES:
-        _check_parts(path, record)
-    return record, text
+    kind = record.get("kind")
+    if kind not in KINDS:
+        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
+    if kind in CLASSES:
+        return validated(class_of(kind), text, path)
+    _check_parts(path, record)
+    return record
+
+
+def kind_of(record: Record | Mapping[str, Any]) -> str:
+    """The kind of a record."""
+    return record.kind if isinstance(record, Record) else str(record["kind"])
 
 
 def _check_parts(path: Path, record: dict[str, Any]) -> None:
@@ -118,8 +110,14 @@ def _check_parts(path: Path, record: dict[str, Any]) -> None:
 
 
 @contextmanager
-def telling_damage(folder: Path, page: str = "") -> Iterator[None]:
-    """Turn what a page or picture meets where a part deep inside a record is absent or of another form into an `InputError`."""
+def telling_damage(folder: Path, record: Record | Mapping[str, Any], page: str = "") -> Iterator[None]:
+    """Turn what a page meets where a part of a record without a class is absent or of another form into an `InputError`.
+
+    A record that has a class was validated when it was read: what a page trips over there is its own fault, and is seen as one.
+    """
+    if isinstance(record, Record):
+        yield
+        return
     try:
         yield
     except InputError:
@@ -132,17 +130,21 @@ def telling_damage(folder: Path, page: str = "") -> Iterator[None]:
 
 
 def run_source(folder: Path) -> RunSource:
-    """The record of a run and its histories; raises `InputError` for a broken folder."""
+    """The record of a run and its histories; raises `InputError` for a damaged folder, or one of another kind."""
     record = read_record(folder)
-    if record["kind"] != "run":
-        raise InputError(Mistake(str(folder / RECORD_NAME), "kind", "run", repr(record["kind"])))
+    if not isinstance(record, RunRecord):
+        raise InputError(Mistake(str(folder / RECORD_NAME), "kind", "run", repr(kind_of(record))))
+    return source_of(folder, record)
+
+
+def source_of(folder: Path, record: RunRecord) -> RunSource:
+    """The record of a run with what lies beside it. Raises `InputError` where that is lost or was changed."""
     # Records of older versions do not say which histories they kept: what lies there is all.
-    kept = record.get("histories")
-    names = record["runs"] if kept is None else kept
+    names = record.runs if record.histories is None else record.histories
     paths = {name: folder / history_file(name) for name in names}
-    lost = [path for path in paths.values() if kept is not None and not path.is_file()]
+    lost = [path for path in paths.values() if record.histories is not None and not path.is_file()]
     mesh = folder / "statue.glb"
-    if record["scene"].get("statue", {}).get("mesh") is not None and not mesh.is_file():
+    if record.scene.statue.mesh is not None and not mesh.is_file():
         lost.append(mesh)
     if lost:
         raise InputError(
@@ -154,10 +156,15 @@ def run_source(folder: Path) -> RunSource:
         wanted = "the file that result.json lists"
         raise InputError([Mistake(str(path), "", wanted, "another content", REWRITE) for path in changed])
     histories = {name: _history(path, path.stat().st_mtime_ns) for name, path in paths.items() if path.is_file()}
-    return RunSource(folder, record, histories, mesh if mesh.is_file() else None)
+    return RunSource(record, histories, mesh if mesh.is_file() else None)
 
 
 @lru_cache(maxsize=8)
 def _history(path: Path, _changed_ns: int) -> History:
     """A history, read once for both pages of a run; its arrays are the callers' to read only."""
     return read_history(path)
+
+
+def scene_of(record: Mapping[str, Any]) -> SceneRecord:
+    """The scene of a record that was read as plain values."""
+    return part(SceneRecord, record["scene"], Path(RECORD_NAME))

@@ -11,11 +11,11 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.tables import MeshTable, StatueTable
-from harness.model.errors import InputError, Mistake, mistake_from
+from harness.model.errors import InputError, Mistake
 from harness.model.scene import Statue
 
 if TYPE_CHECKING:
-    from meshes import Solid
+    from meshes import MeshError, Solid
 
 SURVEYED: Final[Mapping[str, str]] = {
     "centroid_height_m": "centroid_height_m",
@@ -52,7 +52,12 @@ def statue_from_mesh(table: StatueTable, path: Path, notes: list[str]) -> Statue
         solid = _reconciled(solid, table, mesh, notes)
         return statue_of(_adjusted(solid, mesh, notes))
     except meshes.MeshError as error:
-        raise InputError(mistake_from(str(error), f"{path}: {file.name}", "statue.mesh")) from error
+        raise InputError(mesh_mistake(error, f"{path}: {file.name}", "statue.mesh")) from error
+
+
+def mesh_mistake(error: MeshError, where: str, key: str = "") -> Mistake:
+    """What is wrong with a mesh, as a mistake of its user's."""
+    return Mistake(where, key, error.wanted, error.got, error.advice)
 
 
 @lru_cache(maxsize=8)

@@ -28,14 +28,6 @@ class Mistake:
         return printable(f"{text} — {self.advice}" if self.advice else text)
 
 
-def mistake_from(sentence: str, where: str, key: str = "") -> Mistake:
-    """A sentence of another layer, "[PLACE: ]wanted A, got B[ — advice]", as a mistake at `where` and `key`."""
-    _, found, said = sentence.partition("wanted ")
-    wanted, _, rest = (said if found else sentence).partition(", got ")
-    got, _, advice = rest.partition(" — ")
-    return Mistake(where, key, wanted, got, advice)
-
-
 class InputError(ValueError):
     """The user's input is wrong; carries all mistakes found (the command prints them and exits with 2)."""
 

@@ -10,12 +10,13 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Final, TypeVar
+from typing import Annotated, Any, ClassVar, Final, TypeVar
 
-from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import ErrorDetails
 
-from harness.input.mistakes import got_of, wanted_of
+from harness.input.mistakes import Contradiction, got_of, wanted_of
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION, to_plain
 
@@ -31,6 +32,7 @@ TYPE_NAME: Final = re.compile(
 Json = JsonValue
 Table = Mapping[str, JsonValue]
 """An open table: what stands in it is an engine's or a user's own."""
+Positive = Annotated[float, Field(gt=0.0)]
 T = TypeVar("T")
 _ADAPTERS: Final[dict[type, TypeAdapter[Any]]] = {}
 
@@ -67,9 +69,8 @@ def validated(kind: type[T], text: str | bytes, where: Path) -> T:
     try:
         return _adapter(kind).validate_json(text)
     except ValidationError as error:
-        found = {_key(detail["loc"]): detail for detail in reversed(error.errors(include_url=False))}
-        mistakes = [Mistake(str(where), key, wanted_of(item), got_of(item), REWRITE) for key, item in found.items()]
-        raise InputError(mistakes[: -MOST_MISTAKES - 1 : -1]) from error
+        mistakes = dict.fromkeys(_mistake(detail, str(where)) for detail in error.errors(include_url=False))
+        raise InputError(list(mistakes)[:MOST_MISTAKES]) from error
 
 
 def part(kind: type[T], values: Any, where: Path) -> T:
@@ -98,5 +99,9 @@ def _adapter(kind: type[T]) -> TypeAdapter[T]:
     return _ADAPTERS[kind]
 
 
-def _key(location: tuple[int | str, ...]) -> str:
-    return ".".join(str(part) for part in location if isinstance(part, int) or not TYPE_NAME.fullmatch(part))
+def _mistake(detail: ErrorDetails, where: str) -> Mistake:
+    path = [str(part) for part in detail["loc"] if isinstance(part, int) or not TYPE_NAME.fullmatch(part)]
+    cause = detail.get("ctx", {}).get("error")
+    if isinstance(cause, Contradiction):
+        return Mistake(where, ".".join([*path, cause.key]), cause.wanted, cause.got, REWRITE)
+    return Mistake(where, ".".join(path), wanted_of(detail), got_of(detail), REWRITE)

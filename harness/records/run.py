@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Literal, NamedTuple, cast
 
+from harness.input.mistakes import Contradiction
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
 from harness.model.run import OMITTED, Pattern, Run
@@ -114,3 +115,9 @@ class RunRecord(Record):
     versions: Mapping[str, str]
     machine: Table
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
+
+    def __post_init__(self) -> None:
+        for key, names in (("histories", self.histories), ("horizons", self.horizons)):
+            unknown = [name for name in names or () if name not in self.runs]
+            if unknown:
+                raise Contradiction(key, "engines of `runs`", repr(unknown[0]))

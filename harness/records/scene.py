@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.input.mistakes import Contradiction
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene
-from harness.records.base import Table
+from harness.records.base import Positive, Table
 from harness.statics.push import Cause, peak_within_m_s2, push_of
 
 Array = NDArray[np.float64]
@@ -20,7 +22,6 @@ Point = tuple[float, float]
 Point3 = tuple[float, float, float]
 Axis = Literal["x", "y", "z"]
 
-AXES: Final[tuple[Axis, ...]] = ("x", "y", "z")
 MOTION_SAMPLES: Final = 4001
 """Most samples of the floor's motion kept for drawing; each is the value of largest size in its interval."""
 
@@ -37,18 +38,18 @@ class MeshSize:
 class StatueRecord:
     """The statue as `harness.model.scene.Statue`, with its slendernesses; `mesh` None for a block by its numbers."""
 
-    mass_kg: float
-    centroid_height_m: float
+    mass_kg: Positive
+    centroid_height_m: Positive
     corner_left_m: float
     corner_right_m: float
-    slenderness_left_rad: float
-    slenderness_right_rad: float
+    slenderness_left_rad: Positive
+    slenderness_right_rad: Positive
     inertia_kg_m2: float
     inertia_tensor_kg_m2: tuple[Point3, Point3, Point3]
-    height_m: float
-    depth_m: float
-    section_m: Sequence[Point]
-    footprint_m: Sequence[Point3]
+    height_m: Positive
+    depth_m: Positive
+    section_m: Annotated[Sequence[Point], Field(min_length=3)]
+    footprint_m: Annotated[Sequence[Point3], Field(min_length=3)]
     mesh: MeshSize | None
 
     def slenderness_rad(self, side: int) -> float:
@@ -71,8 +72,8 @@ class SceneRecord:
 
     title: str
     file: str | None
-    duration_s: float
-    gravity_m_s2: float
+    duration_s: Positive
+    gravity_m_s2: Positive
     model: Form
     statue: StatueRecord
     pedestal: Pedestal | None
@@ -131,6 +132,10 @@ class PushRecord:
     shares: Mapping[Cause, float | None]
     first: Cause
 
+    def __post_init__(self) -> None:
+        if self.first not in self.shares:
+            raise Contradiction("first", "one of `shares`", repr(self.first))
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionRecord:
@@ -153,22 +158,24 @@ class MotionRecord:
     push: PushRecord | None = field(default=None, metadata=OMITTED)
     level_m_s2: Sequence[Point] | None = field(default=None, metadata=OMITTED)
 
-    def accel_m_s2(self, axis: Axis) -> Sequence[float] | None:
-        """The acceleration along one axis, None where the floor is at rest along it."""
-        return {"x": self.x_m_s2, "y": self.y_m_s2, "z": self.z_m_s2}[axis]
+    def __post_init__(self) -> None:
+        for axis, values in self.accel_m_s2.items():
+            if len(values) != len(self.t_s):
+                raise Contradiction(f"{axis}_m_s2", f"{len(self.t_s)} values, as `t_s` has", f"{len(values)}")
+
+    @property
+    def accel_m_s2(self) -> dict[Axis, Sequence[float]]:
+        """The acceleration by the axes along which the floor moves."""
+        along: dict[Axis, Sequence[float] | None] = {"x": self.x_m_s2, "y": self.y_m_s2, "z": self.z_m_s2}
+        return {axis: values for axis, values in along.items() if values is not None}
 
     def peak_m_s2(self, axis: Axis) -> float:
-        """Its largest size."""
+        """The largest size along an axis."""
         return {"x": self.x_peak_m_s2, "y": self.y_peak_m_s2, "z": self.z_peak_m_s2}[axis] or 0.0
 
     def words(self, axis: Axis) -> str:
-        """What it is, in words."""
+        """What the floor does along an axis, in words."""
         return {"x": self.x_is, "y": self.y_is, "z": self.z_is}[axis] or ""
-
-    @property
-    def axes(self) -> tuple[Axis, ...]:
-        """The axes along which the floor moves."""
-        return tuple(axis for axis in AXES if self.accel_m_s2(axis) is not None)
 
 
 def motion_of(scene: Scene) -> MotionRecord:

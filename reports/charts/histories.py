@@ -7,7 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.history import History, Outcome
+from harness.model.history import History
+from harness.records.run import EngineRunRecord
+from harness.records.scene import MotionRecord
 from reports.charts.decimate import Array, kept_samples
 from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.charts.patterns import pattern_strip
@@ -47,21 +49,21 @@ def histories_figure(source: RunSource) -> Json:
     if "strip" in rows:
         data += pattern_strip(source, axes["strip"])
     if "floor" in rows:
-        data += _floor(source.record["motion"], float(source.scene["gravity_m_s2"]), axes["floor"])
+        data += _floor(source.record.motion, source.scene.gravity_m_s2, axes["floor"])
     layout = _layout(source, rows, axes, domains)
     return {"data": data, "layout": layout, "views": _views(source)}
 
 
 def _rows(source: RunSource) -> dict[str, float]:
     rows = {"rotation": 5.0}
-    with_patterns = [run for run in source.runs.values() if run["patterns"]]
+    with_patterns = [run for run in source.runs.values() if run.patterns]
     if with_patterns:
         rows["strip"] = 0.55 * len(with_patterns)
-    if source.scene["pedestal"] is not None:
+    if source.scene.pedestal is not None:
         rows["slip"] = 2.2
     if any(_leaves_the_plane(history) for history in source.histories.values()):
         rows["across"] = 1.8
-    if any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz"):
+    if source.record.motion.accel_m_s2:
         rows["floor"] = 1.7
     return rows
 
@@ -108,8 +110,8 @@ def _rotation(source: RunSource, name: str, history: History, names: list[str], 
         }
     )  # fmt: skip
     run = source.runs[name]
-    if Outcome(run["outcome"]).overturned and run["no_return_time_s"] is not None:
-        at = float(run["no_return_time_s"])
+    if run.outcome.overturned and run.no_return_time_s is not None:
+        at = run.no_return_time_s
         traces.append(
             {
                 "type": "scatter", "x": [at], "y": [float(np.interp(at, history.t_s, history.theta_rad))], "yaxis": axis,
@@ -120,11 +122,11 @@ def _rotation(source: RunSource, name: str, history: History, names: list[str], 
     return traces
 
 
-def _band(run: Mapping[str, Any], history: History) -> tuple[Json, Json] | None:
-    size = run["numerical_uncertainty_rad"]
-    if not size or run["reliable_until_s"] is None:
+def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
+    size = run.numerical_uncertainty_rad
+    if not size or run.reliable_until_s is None:
         return None
-    within = history.t_s <= float(run["reliable_until_s"])
+    within = history.t_s <= run.reliable_until_s
     if np.count_nonzero(within) < 2:
         return None
     t_s, theta = history.t_s[within], history.theta_rad[within]
@@ -145,23 +147,22 @@ def _lower(name: str, history: History, values: Array, words: str, names: list[s
     }  # fmt: skip
 
 
-def _floor(motion: Mapping[str, Any], gravity_m_s2: float, axis: str) -> list[Json]:
-    t_s = packed_array(motion["t_s"], "f4")
+def _floor(motion: MotionRecord, gravity_m_s2: float, axis: str) -> list[Json]:
+    t_s = packed_array(motion.t_s, "f4")
     return [
         {
-            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(motion[f"{name}_m_s2"]) / gravity_m_s2, "f4"),
+            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(accel) / gravity_m_s2, "f4"),
             "yaxis": axis, "mode": "lines", "name": f"floor {name}", "legend": "legend3",
-            "line": {"color": colour, "width": 1.0}, "hovertemplate": f"floor {name} %{{y:.3f}} g<extra></extra>",
+            "line": {"color": AXIS_COLOURS[name], "width": 1.0}, "hovertemplate": f"floor {name} %{{y:.3f}} g<extra></extra>",
         }
-        for name, colour in AXIS_COLOURS.items()
-        if f"{name}_m_s2" in motion
+        for name, accel in motion.accel_m_s2.items()
     ]  # fmt: skip
 
 
 def _views(source: RunSource) -> Json:
     """The two vertical views of the rotation: near the balance points, and whole."""
-    statue = source.scene["statue"]
-    low, high = -float(statue["slenderness_left_rad"]), float(statue["slenderness_right_rad"])
+    statue = source.scene.statue
+    low, high = -statue.slenderness_left_rad, statue.slenderness_right_rad
     least = min((float(item.theta_rad.min()) for item in source.histories.values()), default=0.0)
     most = max((float(item.theta_rad.max()) for item in source.histories.values()), default=0.0)
     whole = _padded(min(least, 0.0), max(most, 0.0))
@@ -169,7 +170,7 @@ def _views(source: RunSource) -> Json:
     # Let go beyond its balance points, a body that falls never comes near them.
     seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
     near = _padded(*near) if seen else whole
-    return {"whole": whole, "near": near, "duration_s": float(source.scene["duration_s"])}
+    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s}
 
 
 def _padded(low: float, high: float) -> list[float]:
@@ -190,7 +191,7 @@ def _layout(
     }
     layout: Json = {
         "xaxis": {
-            "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, float(source.scene["duration_s"])],
+            "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, source.scene.duration_s],
             "gridcolor": HAIRLINE, "zeroline": False, "showspikes": True, "spikemode": "across", "spikethickness": 1,
             "spikecolor": MUTED, "spikedash": "dot", "hoverformat": ".4f", "ticksuffix": "",
         },
@@ -216,8 +217,8 @@ def _layout(
 
 
 def _shapes(source: RunSource, axis: str) -> list[Json]:
-    statue, end = source.scene["statue"], float(source.scene["duration_s"])
-    levels = [float(statue["slenderness_right_rad"]), -float(statue["slenderness_left_rad"])]
+    statue, end = source.scene.statue, source.scene.duration_s
+    levels = [statue.slenderness_right_rad, -statue.slenderness_left_rad]
     shapes: list[Json] = [
         {
             "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": level, "y1": level, "layer": "below",
@@ -237,7 +238,7 @@ def _shapes(source: RunSource, axis: str) -> list[Json]:
 
 
 def _annotations(source: RunSource, axis: str) -> list[Json]:
-    statue, end = source.scene["statue"], float(source.scene["duration_s"])
+    statue, end = source.scene.statue, source.scene.duration_s
     small = {"size": 11, "color": MUTED}
     texts: list[Json] = [
         {
@@ -245,8 +246,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             "text": f"balances on the {side} edge", "font": small,
         }
         for level, side, anchor in (
-            (float(statue["slenderness_right_rad"]), "right", "top"),
-            (-float(statue["slenderness_left_rad"]), "left", "bottom"),
+            (statue.slenderness_right_rad, "right", "top"),
+            (-statue.slenderness_left_rad, "left", "bottom"),
         )
     ]  # fmt: skip
     until = horizon_s(source)

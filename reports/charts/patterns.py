@@ -20,7 +20,7 @@ MOST_STRETCHES: Final = 1500
 
 def pattern_strip(source: RunSource, axis: str) -> list[Json]:
     traces: list[Json] = []
-    shown = {name: drawn_stretches(run["patterns"]) for name, run in source.runs.items() if run["patterns"]}
+    shown = {name: drawn_stretches(run.patterns) for name, run in source.runs.items() if run.patterns}
     for pattern, words in PATTERN_NAMES.items():
         rows = [(name, start, end) for name, all_ in shown.items() for start, end, which in all_ if which == pattern]
         if not rows:

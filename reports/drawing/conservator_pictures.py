@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 from markupsafe import Markup
 
+from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts.static_svg_axes import nice_ticks
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import Array, section
@@ -31,17 +32,17 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
     """The statue at rest, at its farthest leans (rotation in rad, slip in m) as outlines, on its pedestal, before its wall."""
     scene, shape = source.scene, section(source.scene)
     outline = silhouette_m(scene, source.mesh)
-    pedestal, wall = scene["pedestal"], scene["wall"]
-    lift = 0.0 if pedestal is None else float(pedestal["height_m"])
+    pedestal, wall = scene.pedestal, scene.wall
+    lift = 0.0 if pedestal is None else pedestal.height_m
     leans = [shape.posed_m(outline, theta, slip)[0] for theta, slip in extremes]
     centre = 0.5 * (shape.corner_right_m - shape.corner_left_m)
     xs = [*outline[:, 0], *(x for lean in leans for x in lean[:, 0])]
-    half = 0.0 if pedestal is None else 0.5 * float(pedestal["width_m"])
-    stand = (centre + (0.0 if pedestal is None else float(pedestal["offset_m"])) - half, 2 * half)
+    half = 0.0 if pedestal is None else 0.5 * pedestal.width_m
+    stand = (centre + (0.0 if pedestal is None else pedestal.offset_m) - half, 2 * half)
     at_wall = None
     if wall is not None:
-        right = wall["side"] == "right"
-        at_wall = (shape.corner_right_m if right else -shape.corner_left_m) + (1 if right else -1) * wall["distance_m"]
+        right = wall.side == "right"
+        at_wall = (shape.corner_right_m if right else -shape.corner_left_m) + (1 if right else -1) * wall.distance_m
         xs.append(at_wall)
     low, high = min(*xs, stand[0]), max(*xs, stand[0] + stand[1])
     top = lift + max(float(outline[:, 1].max()), *(float(lean[:, 1].max()) for lean in leans), 0.0)
@@ -60,7 +61,7 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
     shapes += [Path(place(lean), SHAKING, 1.6, "5 4", closed=True) for lean in leans]
     if at_wall is not None and wall is not None:
         x = float(place(np.array([[at_wall, 0.0]]))[0, 0])
-        inwards = 0.0 if wall["side"] == "right" else -12.0
+        inwards = 0.0 if wall.side == "right" else -12.0
         shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, "wall", colour=INK)]
     return _picture([*shapes, *_top_shift(outline, leans, place)]).svg(title, "plain")
 
@@ -86,8 +87,8 @@ def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[Shape
 
 
 def push_svg(
-    scene: Mapping[str, Any],
-    motion: Mapping[str, Any],
+    scene: SceneRecord,
+    motion: MotionRecord | None,
     slips: Sequence[float],
     title: str,
     borne: Array | None = None,
@@ -99,7 +100,7 @@ def push_svg(
     A push leaves the statue at rest while the base holds centroid plus push times centroid height: the base over that height.
     """
     safe = bearing(scene)
-    shaking = _shaking(motion, float(scene["gravity_m_s2"]))
+    shaking = _shaking(motion, scene.gravity_m_s2)
     stood = np.zeros((0, 2)) if borne is None else borne
     reached = [float(np.abs(points).max(initial=0.0)) for points in (safe, shaking, stood)]
     most = max(*reached, *slips, 0.0)
@@ -134,11 +135,13 @@ def push_svg(
     return _picture(shapes).svg(title, "plain")
 
 
-def _shaking(motion: Mapping[str, Any], gravity_m_s2: float) -> Array:
+def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
     """The pushes (n, 2) of the shaking: against the floor's horizontal acceleration."""
-    if "level_m_s2" in motion:
-        return -np.asarray(motion["level_m_s2"], dtype=np.float64) / gravity_m_s2
-    columns = [np.asarray(motion.get(f"{axis}_m_s2", 0.0), dtype=np.float64) for axis in "xy"]
+    if motion is None:
+        return np.zeros((0, 2))
+    if motion.level_m_s2 is not None:
+        return -np.asarray(motion.level_m_s2, dtype=np.float64) / gravity_m_s2
+    columns = [np.asarray(0.0 if accel is None else accel) for accel in (motion.x_m_s2, motion.y_m_s2)]
     alone = np.column_stack(np.broadcast_arrays(*columns)) if any(item.ndim for item in columns) else np.zeros((0, 2))
     return -alone / gravity_m_s2
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]
 
@@ -57,11 +59,11 @@ class Section:
         return np.asarray((side * x).max(axis=1) - edge)
 
 
-def section(scene: Mapping[str, Any]) -> Section:
+def section(scene: SceneRecord) -> Section:
     """The section of a record's scene."""
-    statue = scene["statue"]
-    outline = np.asarray(statue["section_m"], dtype=np.float64)
-    return Section(outline, float(statue["corner_left_m"]), float(statue["corner_right_m"]))
+    statue = scene.statue
+    outline = np.asarray(statue.section_m, dtype=np.float64)
+    return Section(outline, statue.corner_left_m, statue.corner_right_m)
 
 
 def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, float]) -> Array:

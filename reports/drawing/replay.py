@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.model.history import History
 from harness.model.run import to_plain
+from harness.records.scene import MotionRecord
 from reports.charts.palette import look
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, section
@@ -29,8 +29,8 @@ POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pe
 def replay_payload(source: RunSource) -> str:
     """The replay's data, packed."""
     shape = section(source.scene)
-    statue, pedestal = source.scene["statue"], source.scene["pedestal"]
-    mesh = display_mesh(source.mesh, shape, float(statue["depth_m"]))
+    statue, pedestal = source.scene.statue, source.scene.pedestal
+    mesh = display_mesh(source.mesh, shape, statue.depth_m)
     end = max(float(item.t_s[-1]) for item in source.histories.values())
     step = max(FRAME_S, end / MOST_FRAMES)
     names = list(source.runs)
@@ -39,11 +39,11 @@ def replay_payload(source: RunSource) -> str:
         "end_s": end,
         "corner_left_m": shape.corner_left_m,
         "corner_right_m": shape.corner_right_m,
-        "height_m": float(statue["height_m"]),
-        "centroid_height_m": float(statue["centroid_height_m"]),
-        "depth_m": float(statue["depth_m"]),
-        "pedestal": None if pedestal is None else dict(pedestal),
-        "wall": source.scene["wall"],
+        "height_m": statue.height_m,
+        "centroid_height_m": statue.centroid_height_m,
+        "depth_m": statue.depth_m,
+        "pedestal": pedestal,
+        "wall": source.scene.wall,
         "mesh": {
             "positions": packed_array(mesh.vertices_m, "f4"),
             "normals": packed_array(np.round(127.0 * mesh.normals), "i1"),
@@ -56,7 +56,7 @@ def replay_payload(source: RunSource) -> str:
             {"name": name, "colour": look(name, names).colour, **_frames(history, step)}
             for name, history in source.histories.items()
         ],
-        "floor": _floor(source.record["motion"], float(source.scene["gravity_m_s2"]), step, end),
+        "floor": _floor(source.record.motion, source.scene.gravity_m_s2, step, end),
     }
     return pack_text(json.dumps(to_plain(payload), separators=(",", ":"), allow_nan=False))
 
@@ -71,13 +71,12 @@ def _frames(history: History, step_s: float) -> dict[str, Any]:
     return {"end_s": end, "frames": {name: packed_array(values, "f4") for name, values in used.items()}}
 
 
-def _floor(motion: Mapping[str, Any], gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, Any]:
+def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, Any]:
     """The floor's acceleration in g, for the arrow; absent directions are at rest."""
     t_s = np.arange(0.0, end_s + step_s, step_s)
     return {
-        axis: packed_array(np.interp(t_s, motion["t_s"], np.asarray(motion[f"{axis}_m_s2"]) / gravity_m_s2), "f4")
-        for axis in "xyz"
-        if f"{axis}_m_s2" in motion
+        axis: packed_array(np.interp(t_s, motion.t_s, np.asarray(accel) / gravity_m_s2), "f4")
+        for axis, accel in motion.accel_m_s2.items()
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,6 +11,7 @@ import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
+from harness.records.scene import SceneRecord, WallRecord
 from reports.drawing.kinematics import section
 from reports.drawing.silhouette import silhouette_m
 from reports.pages.assets import environment
@@ -21,18 +22,21 @@ HEIGHT: Final = 440.0
 MARGIN: Final = {"left": 74.0, "right": 74.0, "top": 26.0, "bottom": 84.0}
 
 
-def scene_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], mesh: Path | None = None) -> Markup:
-    """The picture of a record's scene, seen along y: x to the right, z up; `mesh` gives the statue's true outline."""
+def scene_svg(scene: SceneRecord, axes: Collection[str] = (), mesh: Path | None = None) -> Markup:
+    """The picture of a record's scene, seen along y: x to the right, z up.
+
+    The floor moves along `axes`; `mesh` gives the statue's true outline.
+    """
     template: Template = environment().get_template("scene.svg.j2")
     shape = section(scene)
     outline = silhouette_m(scene, mesh)
-    pedestal, wall = scene["pedestal"], scene["wall"]
-    lift = 0.0 if pedestal is None else float(pedestal["height_m"])
+    pedestal, wall = scene.pedestal, scene.wall
+    lift = 0.0 if pedestal is None else pedestal.height_m
     left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
     boxes = {}
     if pedestal is not None:
-        centre = 0.5 * (shape.corner_right_m - shape.corner_left_m) + float(pedestal["offset_m"])
-        half = 0.5 * float(pedestal["width_m"])
+        centre = 0.5 * (shape.corner_right_m - shape.corner_left_m) + pedestal.offset_m
+        half = 0.5 * pedestal.width_m
         boxes = {"left": centre - half, "right": centre + half}
         left, right = min(left, centre - half), max(right, centre + half)
     wall_x = _wall_x(wall, shape.corner_left_m, shape.corner_right_m)
@@ -50,8 +54,8 @@ def scene_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], mesh: Path | 
     def z(value: float) -> float:
         return round(HEIGHT - MARGIN["bottom"] - scale * value, 2)
 
-    statue = scene["statue"]
-    h, b_l, b_r = float(statue["centroid_height_m"]), shape.corner_left_m, shape.corner_right_m
+    statue = scene.statue
+    h, b_l, b_r = statue.centroid_height_m, shape.corner_left_m, shape.corner_right_m
     drawn = template.render(
         width=WIDTH,
         height=HEIGHT,
@@ -72,38 +76,38 @@ def scene_svg(scene: Mapping[str, Any], motion: Mapping[str, Any], mesh: Path | 
         length=length,
         alpha_left=unit(math.atan(b_l / h), "rad"),
         alpha_right=unit(math.atan(b_r / h), "rad"),
-        mass=given(float(statue["mass_kg"]), "kg"),
-        shaking="x_m_s2" in motion,
-        vertical="z_m_s2" in motion,
+        mass=given(statue.mass_kg, "kg"),
+        shaking="x" in axes,
+        vertical="z" in axes,
         description=describe(scene),
     )
     return Markup(drawn)
 
 
-def describe(scene: Mapping[str, Any]) -> str:
+def describe(scene: SceneRecord) -> str:
     """The picture in words, for those who cannot see it."""
-    statue, pedestal, wall = scene["statue"], scene["pedestal"], scene["wall"]
+    statue, pedestal, wall = scene.statue, scene.pedestal, scene.wall
     text = (
-        f"A statue of {given(statue['mass_kg'], 'kg')}, {length(statue['height_m'])} high, its centroid "
-        f"{length(statue['centroid_height_m'])} above its base, {length(statue['corner_left_m'])} from the left corner and "
-        f"{length(statue['corner_right_m'])} from the right corner"
+        f"A statue of {given(statue.mass_kg, 'kg')}, {length(statue.height_m)} high, its centroid "
+        f"{length(statue.centroid_height_m)} above its base, {length(statue.corner_left_m)} from the left corner and "
+        f"{length(statue.corner_right_m)} from the right corner"
     )
     if pedestal is None:
         text += ", stands on the floor"
     else:
         text += (
-            f", stands on a pedestal of {given(pedestal['mass_kg'], 'kg')}, {length(pedestal['width_m'])} wide and "
-            f"{length(pedestal['height_m'])} high"
+            f", stands on a pedestal of {given(pedestal.mass_kg, 'kg')}, {length(pedestal.width_m)} wide and "
+            f"{length(pedestal.height_m)} high"
         )
     if wall is not None:
-        text += f"; a wall stands {length(wall['distance_m'])} to the {wall['side']} of its base"
+        text += f"; a wall stands {length(wall.distance_m)} to the {wall.side} of its base"
     return text + "."
 
 
-def _wall_x(wall: Mapping[str, Any] | None, b_l: float, b_r: float) -> float | None:
+def _wall_x(wall: WallRecord | None, b_l: float, b_r: float) -> float | None:
     if wall is None:
         return None
-    return b_r + float(wall["distance_m"]) if wall["side"] == "right" else -b_l - float(wall["distance_m"])
+    return b_r + wall.distance_m if wall.side == "right" else -b_l - wall.distance_m
 
 
 def _path(outline: np.ndarray[Any, np.dtype[np.float64]], x: Any, z: Any, lift: float) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
@@ -10,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.records.scene import SceneRecord
 from reports.drawing.display_mesh import read_mesh
 
 Array = NDArray[np.float64]
@@ -18,10 +18,10 @@ SMOOTHED: Final = 1.0 / 800.0
 """Bends of the outline smaller than this share of the height are left out: less than a pixel in every picture."""
 
 
-def silhouette_m(scene: Mapping[str, Any], mesh: Path | None) -> Array:
+def silhouette_m(scene: SceneRecord, mesh: Path | None) -> Array:
     """The outline (k, 2) in (x, z), statue frame: the mesh's shadow along y, or the section of a statue without one."""
     if mesh is None:
-        return np.asarray(scene["statue"]["section_m"], dtype=np.float64)
+        return np.asarray(scene.statue.section_m, dtype=np.float64)
     return _shadow(mesh, mesh.stat().st_mtime_ns)
 
 

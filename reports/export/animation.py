@@ -64,8 +64,8 @@ class Stage:
     @property
     def lift_m(self) -> float:
         """Height of the support on which the statue stands."""
-        pedestal = self.source.scene["pedestal"]
-        return 0.0 if pedestal is None else float(pedestal["height_m"])
+        pedestal = self.source.scene.pedestal
+        return 0.0 if pedestal is None else pedestal.height_m
 
     @cached_property
     def scale(self) -> float:
@@ -117,7 +117,7 @@ def write_gif(folder: File, path: File | None = None, model: str | None = None) 
 
 def _stage(source: RunSource, solid: str) -> Stage:
     shape = section(source.scene)
-    mesh = display_mesh(source.mesh, shape, float(source.scene["statue"]["depth_m"]), most_faces=4000)
+    mesh = display_mesh(source.mesh, shape, source.scene.statue.depth_m, most_faces=4000)
     ghost = "analytic" if "analytic" in source.histories and solid != "analytic" else None
     return Stage(source, solid, ghost, shape, mesh.vertices_m, mesh.faces)
 
@@ -212,7 +212,7 @@ def _posed(stage: Stage, history: History, t_s: float) -> Array:
 def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> list[Shape]:
     """Visible faces of pedestal and statue from far to near in their shades."""
     groups = [(posed, stage.faces, GREYS - 1)]
-    pedestal = stage.source.scene["pedestal"]
+    pedestal = stage.source.scene.pedestal
     if pedestal is not None:
         groups.insert(0, (*_pedestal(stage, pedestal, history, t_s), GREYS // 2))
     shapes: list[Shape] = []
@@ -237,11 +237,11 @@ def _pedestal(stage: Stage, pedestal: Any, history: History, t_s: float) -> tupl
     slip, tilt, yaw, across = (
         _value(history, name, t_s) for name in ("slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
     )
-    w, d, h = 0.5 * pedestal["width_m"], 0.5 * pedestal["depth_m"], 0.5 * pedestal["height_m"]
+    w, d, h = 0.5 * pedestal.width_m, 0.5 * pedestal.depth_m, 0.5 * pedestal.height_m
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     c, s, cy, sy = math.cos(tilt), math.sin(tilt), math.cos(yaw), math.sin(yaw)
     turn = np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
-    centre = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + float(pedestal["offset_m"]) + slip
+    centre = 0.5 * (stage.shape.corner_right_m - stage.shape.corner_left_m) + pedestal.offset_m + slip
     vertices = (signs * [w, d, h]) @ turn.T + [centre, across, h * c + w * abs(s)]
     quads = [(0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5), (1, 5, 7, 3), (0, 2, 6, 4)]
     return vertices, np.array([tri for a, b, c, e in quads for tri in ((a, b, c), (a, c, e))], dtype=np.int64)

@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.model.errors import InputError, Mistake
+from harness.records.base import Record
 from harness.records.result_folder import check_marked
+from harness.records.run import RunRecord
 from reports.charts.histories import histories_figure
 from reports.charts.static_svg import picture
 from reports.charts.study_figures import panels_figure
 from reports.drawing.shapes import Picture, Text, moved
 from reports.export.paper import pixels_across, write_picture
-from reports.source import RunSource, read_record, run_source
+from reports.source import RunSource, kind_of, read_record, source_of, telling_damage
 
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
@@ -40,10 +42,11 @@ def write_figures(
     ]:
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
-    pictures = dict(_pictures(folder, pixels_across(WIDTHS_MM[width]), model))
+    record = read_record(folder)
+    with telling_damage(folder, record):
+        pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:
-        kind = read_record(folder)["kind"]
-        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {kind} without"))
+        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {kind_of(record)} without"))
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}
@@ -51,14 +54,15 @@ def write_figures(
     return [write_picture(drawn, path) for path, drawn in paths.items()]
 
 
-def _pictures(folder: Path, width_px: float, model: str | None) -> Iterator[tuple[str, Picture]]:
+def _pictures(
+    folder: Path, record: Record | Mapping[str, Any], width_px: float, model: str | None
+) -> Iterator[tuple[str, Picture]]:
     """The name and the picture of each figure of a record."""
-    record = read_record(folder)
-    if record["kind"] == "run":
-        source = run_source(folder)
+    if isinstance(record, RunRecord):
+        source = source_of(folder, record)
         if source.histories:
             yield "histories", histories_picture(source, width_px)
-    for group in _groups(record):
+    for group in [] if isinstance(record, Record) else _groups(record):
         chosen = _chosen(group, model)
         name = f"panels_{group[0]['restitution']:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
         yield name, panels_picture(group, chosen, width_px)

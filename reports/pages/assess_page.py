@@ -9,7 +9,6 @@ from harness.assess.assessment import percent, sentence
 from harness.model.scene import Uncertain
 from harness.records.assess import Assessment, AssessRecord, FragilityRecord, Index, NotAssessed, ProbabilityDifference
 from reports.charts.palette import HAIRLINE, INK, MUTED
-from reports.source import read_typed
 from reports.text.chance import tone
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
@@ -20,9 +19,8 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 """Factors written on the axis."""
 
 
-def context(folder: Path, _plain: object) -> dict[str, object]:
+def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
-    record = read_typed(folder, AssessRecord)
     return {
         "title": record.title,
         "verdict": assess_verdict(record),

@@ -12,12 +12,14 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.model.history import Outcome
+from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.scene import MotionRecord, SceneRecord
 from reports.drawing.conservator_pictures import order_svg, push_svg, reach_svg
 from reports.drawing.kinematics import Array, section
 from reports.drawing.silhouette import silhouette_m
-from reports.source import RunSource, run_source
+from reports.source import RunSource, source_of
 from reports.text.chance import first_line
-from reports.text.giving_way import compass, levels, order_words, support_of, weakest_words
+from reports.text.giving_way import Support, compass, levels, order_words, support_of, weakest_words
 from reports.text.numbers import count_word, digits, length, listed, percent, short
 from reports.text.numbers import heading as label_of
 from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, prediction_s
@@ -41,31 +43,37 @@ class Picture:
     words: Sequence[str]
 
 
-def context(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
+def context(folder: Path, record: RunRecord | Mapping[str, Any]) -> dict[str, object]:
     """Everything that the conservator's template shows."""
-    if record["kind"] == "run":
-        told = of_run(run_source(folder))
-    else:
-        from reports.pages.conservator_study import of_effects, of_study
+    if isinstance(record, RunRecord):
+        page = of_run(source_of(folder, record))
+        return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
+    from reports.pages.conservator_study import of_effects, of_study
 
-        told = of_study(record) if record["kind"] == "study" else of_effects(folder, record)
-    return told | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
+    page = of_study(record) if record["kind"] == "study" else of_effects(folder, record)
+    return page | {"title": record["title"], "limits": LIMITS, "versions": record["versions"]}
 
 
-def of_run(source: RunSource) -> dict[str, Any]:
+def of_run(source: RunSource) -> dict[str, object]:
     """Headline, points and pictures of one run."""
-    answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
-    headline, tone = first_line(source.record, *_headline(source, answered))
+    answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
+    headline, tone = first_line(source.record.assessment, *_headline(source, answered))
+    scene, motion = source.scene, source.record.motion
+    support = support_of(scene)
     return {
         "headline": headline,
         "tone": tone,
         "points": [*_who(source.runs, answered), *_lean(source), *_pedestal_slip(source, answered), *_trust(source)],
-        "pictures": [reach_picture(source), push_picture(source.record), order_picture(source.record)],
+        "pictures": [
+            reach_picture(source),
+            push_picture(scene, support, motion),
+            order_picture(scene, support, motion),
+        ],
     }
 
 
-def _headline(source: RunSource, answered: Mapping[str, Any]) -> tuple[str, str]:
-    ends = {end_words(run["outcome"]) for run in answered.values()}
+def _headline(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> tuple[str, str]:
+    ends = {end_words(run.outcome) for run in answered.values()}
     begins = _begins(source)
     if not ends:
         return "No model could compute what happens to the statue", "failed"
@@ -79,14 +87,14 @@ def _headline(source: RunSource, answered: Mapping[str, Any]) -> tuple[str, str]
 
 def _begins(source: RunSource) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
-    shaking = any(f"{axis}_m_s2" in source.record["motion"] for axis in "xyz")
-    lean, rate = (float(source.scene["initial"][key]) for key in ("theta_rad", "theta_rate_rad_s"))
-    if source.scene["initial"].get("pose") is not None:
+    start, shaking = source.scene.initial, bool(source.record.motion.accel_m_s2)
+    if start.pose is not None:
         return "Let go from its pose in space," if not shaking else "In this shaking, begun from a pose in space,"
-    start = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
+    lean, rate = start.theta_rad, start.theta_rate_rad_s
+    begun = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
     if shaking:
-        return f"In this shaking, begun {start}," if start else "In this shaking"
-    return f"Let go {start}, without any shaking," if start else "Left alone"
+        return f"In this shaking, begun {begun}," if begun else "In this shaking"
+    return f"Let go {begun}, without any shaking," if begun else "Left alone"
 
 
 def end_words(outcome: str) -> str:
@@ -103,12 +111,12 @@ def end_words(outcome: str) -> str:
     }.get(kind, "does something the model cannot follow")
 
 
-def _who(runs: Mapping[str, Any], answered: Mapping[str, Any]) -> list[str]:
+def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRecord]) -> list[str]:
     silent = [name for name in runs if name not in answered]
     none = [f"No answer came from {listed(silent)}."] if silent else []
     groups: dict[str, list[str]] = {}
     for name, run in answered.items():
-        groups.setdefault(end_words(run["outcome"]), []).append(name)
+        groups.setdefault(end_words(run.outcome), []).append(name)
     if len(answered) == 1:
         return [f"Only one computer model {'answered' if silent else 'was asked'} ({next(iter(answered))}).", *none]
     if len(groups) == 1:
@@ -118,30 +126,30 @@ def _who(runs: Mapping[str, Any], answered: Mapping[str, Any]) -> list[str]:
     return [*ends, *motion_given(answered), *none]
 
 
-def _sides(answered: Mapping[str, Any]) -> str:
+def _sides(answered: Mapping[str, EngineRunRecord]) -> str:
     """To which sides it falls, where the models differ in that alone."""
     sides: dict[str, list[str]] = {}
     for name, run in answered.items():
-        sides.setdefault(run["outcome"].removeprefix("overturned_"), []).append(name)
-    if len(sides) == 1 or not all(Outcome(run["outcome"]).overturned for run in answered.values()):
+        sides.setdefault(run.outcome.removeprefix("overturned_"), []).append(name)
+    if len(sides) == 1 or not all(run.outcome.overturned for run in answered.values()):
         return ""
     return "; only the side differs: " + "; ".join(f"{side} in {listed(names)}" for side, names in sides.items())
 
 
 def _standing(source: RunSource) -> list[str]:
-    return [name for name in source.histories if source.runs[name]["outcome"] == Outcome.STANDS]
+    return [name for name in source.histories if source.runs[name].outcome == Outcome.STANDS]
 
 
 def _lean(source: RunSource) -> list[str]:
     """The greatest lean of the models in which it stands, as a share of the lean from which it does not come back."""
-    statue, worst = source.scene["statue"], 0.0
+    statue, worst = source.scene.statue, 0.0
     degrees = 0.0
     for name in _standing(source):
         theta = source.histories[name].theta_rad
-        for side, key in ((1.0, "slenderness_right_rad"), (-1.0, "slenderness_left_rad")):
+        for side in (1, -1):
             peak = float((side * theta).max())
-            if peak / float(statue[key]) > worst:
-                worst, degrees = peak / float(statue[key]), math.degrees(peak)
+            if peak / statue.slenderness_rad(side) > worst:
+                worst, degrees = peak / statue.slenderness_rad(side), math.degrees(peak)
     if not _standing(source):
         return []
     where = "" if len(_standing(source)) == len(source.runs) else f"In {listed(_standing(source))}: "
@@ -154,17 +162,17 @@ def _lean(source: RunSource) -> list[str]:
     ]
 
 
-def _pedestal_slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
-    if source.scene["pedestal"] is None or not answered:
+def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
+    if source.scene.pedestal is None or not answered:
         return []
-    most = max(float(run["peak_slip_m"]) for run in answered.values())
+    most = max(run.peak_slip_m for run in answered.values())
     return (
         [f"Its pedestal slides on the floor by up to {length(most)}."] if most > 1e-4 else ["Its pedestal stays put."]
     )
 
 
 def _trust(source: RunSource) -> list[str]:
-    end_s = float(source.scene["duration_s"])
+    end_s = source.scene.duration_s
     until, predictable_s = horizon_s(source), prediction_s(source)
     typical = "Read the distances on this page as typical, not as exact."
     if predictable_s is not None and predictable_s < end_s:
@@ -206,26 +214,24 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
         words.append(f"Beyond its outline at rest it needs {each}: keep that space free.")
     elif _standing(source):
         words.append(f"In {listed(_standing(source))} it does not move visibly.")
-    wall = source.scene["wall"]
+    wall = source.scene.wall
     if wall is not None and _standing(source):
-        sign = 1.0 if wall["side"] == "right" else -1.0
+        sign = 1.0 if wall.side == "right" else -1.0
         rest = _farthest(outline, shape, (0.0, 0.0), sign)
         edge = shape.corner_right_m if sign > 0 else shape.corner_left_m
-        gap = float(wall["distance_m"]) + edge - rest
+        gap = wall.distance_m + edge - rest
         left = gap - _beyond(outline, shape, extremes, sign)
         words.append(
             f"At rest {length(gap)} are free between it and the wall; at its farthest lean "
             + (f"{length(left)} remain." if left > 0 else "nothing remains: it would strike the wall.")
         )
-    fell = [name for name, run in source.runs.items() if Outcome(run["outcome"]).overturned]
+    fell = [name for name, run in source.runs.items() if run.outcome.overturned]
     if fell:
         words.append(f"In {listed(fell)} it falls. No distance to a wall protects it then.")
     others = [name for name, run in source.runs.items() if name not in (*fell, *_standing(source))]
     for name in others:
-        failed = Outcome(source.runs[name]["outcome"]).failed
-        words.append(
-            f"{name} gave no answer." if failed else f"In {name} it {end_words(source.runs[name]['outcome'])}."
-        )
+        failed = source.runs[name].outcome.failed
+        words.append(f"{name} gave no answer." if failed else f"In {name} it {end_words(source.runs[name].outcome)}.")
     last = _no_return(source, fell) if not extremes else []
     if last:
         words.append(
@@ -236,9 +242,9 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
 
 def _no_return(source: RunSource, fell: Sequence[str]) -> list[tuple[float, float]]:
     """The leans from which the statue does not come back, to the sides to which it falls in these models."""
-    statue, ends = source.scene["statue"], {source.runs[name]["outcome"] for name in fell}
-    right = [float(statue["slenderness_right_rad"])] if Outcome.OVERTURNED_RIGHT in ends else []
-    left = [-float(statue["slenderness_left_rad"])] if Outcome.OVERTURNED_LEFT in ends else []
+    statue, ends = source.scene.statue, {source.runs[name].outcome for name in fell}
+    right = [statue.slenderness_right_rad] if Outcome.OVERTURNED_RIGHT in ends else []
+    left = [-statue.slenderness_left_rad] if Outcome.OVERTURNED_LEFT in ends else []
     return [(lean, 0.0) for lean in right + left]
 
 
@@ -252,10 +258,14 @@ def _beyond(outline: Array, shape: Any, poses: Sequence[tuple[float, float]], si
     return max([0.0, *(_farthest(outline, shape, pose, sign) - rest for pose in poses)])
 
 
-def push_picture(record: Mapping[str, Any], borne: Mapping[float, float] | None = None) -> Picture:
+def push_picture(
+    scene: SceneRecord,
+    support: Support,
+    motion: MotionRecord | None = None,
+    borne: Mapping[float, float] | None = None,
+) -> Picture:
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
     heading = "Which push does it bear, by direction?"
-    scene, motion, support = record["scene"], record.get("motion", {}), support_of(record)
     words = [
         "Seen from above, the statue in the middle. Inside the green area a steady sideways push does not make it tip.",
         f"{weakest_words(scene)} Tipping is not yet falling: it may rock and come to rest again.",
@@ -287,17 +297,17 @@ def push_picture(record: Mapping[str, Any], borne: Mapping[float, float] | None 
             "The blue line is the strongest shaking, by direction, up to which it stood in every case tried; least "
             f"towards the {compass(worst)}, {percent(borne[worst])} of the weight."
         )
-    if any(f"{axis}_m_s2" in motion for axis in "xy"):
-        rising = " (its up-and-down part left out)" if "z_m_s2" in motion else ""
+    axes = motion.accel_m_s2.keys() if motion is not None else set()
+    if axes & {"x", "y"}:
+        rising = " (its up-and-down part left out)" if "z" in axes else ""
         words.append(f"The pink line is the push of this shaking from moment to moment{rising}.")
     return Picture(heading, push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", points), words)
 
 
-def order_picture(record: Mapping[str, Any]) -> Picture:
+def order_picture(scene: SceneRecord, support: Support, motion: MotionRecord | None = None) -> Picture:
     """What gives way first, and so what the pedestal does for the statue."""
-    scene, motion, support = record["scene"], record.get("motion", {}), support_of(record)
-    push = motion.get("push")
+    push = None if motion is None else motion.push
     heading = "What does the pedestal change?" if support.pedestal == (True,) and push else "What gives way first?"
-    words = order_words(scene, support, push, rising="z_m_s2" in motion)
-    drawn = order_svg(levels(scene, support), push["peak"] if push else None, f"{heading} {' '.join(words)}")
+    words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None)
+    drawn = order_svg(levels(scene, support), None if push is None else push.peak, f"{heading} {' '.join(words)}")
     return Picture(heading, drawn, words)

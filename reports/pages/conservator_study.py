@@ -10,8 +10,8 @@ from typing import Any, Final
 from harness.model.history import Outcome
 from reports.charts.static_svg import still
 from reports.pages.conservator import Picture, end_words, order_picture, push_picture, reach_picture
-from reports.source import run_source
-from reports.text.giving_way import compass
+from reports.source import run_source, scene_of
+from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
 from reports.text.numbers import count_word, heading, listed, percent, short
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import Condition, agreement, conditions, family, tone
@@ -147,7 +147,7 @@ def _by_direction(record: Mapping[str, Any], found: Sequence[Condition]) -> dict
     strength = _strength(found)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
-    own = float((((record["scene"]["toml"] or {}).get("statue") or {}).get("mesh") or {}).get("azimuth_deg", 0.0))
+    own = scan_turn_deg(scene_of(record))
     borne = {}
     for angle in {float(item.varied[turn]) for item in found}:
         safe = _borne([item for item in found if float(item.varied[turn]) == angle], strength)
@@ -170,12 +170,13 @@ def _agree(models: Sequence[str], found: Sequence[Condition]) -> list[str]:
 
 def _pictures(record: Mapping[str, Any], models: Sequence[str], found: Sequence[Condition]) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
-    push = push_picture(record, _by_direction(record, found))
+    scene, support = scene_of(record), study_support(record)
+    push = push_picture(scene, support, borne=_by_direction(record, found))
     effect = pedestal_effect(record, models, found)
     if effect is None:
-        return [push, order_picture(record)]
+        return [push, order_picture(scene, support)]
     if not effect.charts:
-        order = order_picture(record)
+        order = order_picture(scene, support)
         return [push, Picture(order.heading, order.drawing, [*order.words, effect.sentence])]
     saved, moved = (still(_plainly(figure), WIDTH) for _, _, figure in effect.charts)
     far = f"No top moves farther than its point in any situation in which the statue stands ({effect.model})."
@@ -202,7 +203,9 @@ def of_effects(folder: Path, record: Mapping[str, Any]) -> dict[str, Any]:
         azimuth = float(row["azimuth_deg"])
         borne[azimuth] = min(borne.get(azimuth, float("inf")), float(row["stands_at_g"]))
     weak, strong = (choose(borne, key=lambda key: borne[key]) for choose in (min, max))
-    pictures = [push_picture(record, borne), order_picture(record)]
+    scene = scene_of(record)
+    support = support_of(scene)
+    pictures = [push_picture(scene, support, borne=borne), order_picture(scene, support)]
     if record["replay"]:
         pictures.insert(
             0, reach_picture(run_source(folder / record["replay"]["folder"]), "One case, replayed in the full report")

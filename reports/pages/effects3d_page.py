@@ -20,7 +20,7 @@ from reports.charts.palette import look
 from reports.drawing.effects_figures import BASELINE, changes, curves, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import replay_values
-from reports.source import run_source
+from reports.source import run_source, scene_of
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
 
@@ -52,7 +52,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
             {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
             for name in engines
         ],
-        "picture": scene_svg(record["scene"], {}),
+        "picture": scene_svg(scene_of(record)),
         "scene_title": record["scene"]["title"],
         "rose": rose(record),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],

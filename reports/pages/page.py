@@ -10,10 +10,13 @@ from typing import Any, Final
 from harness.model.errors import InputError, Mistake
 from harness.model.run import write_text
 from harness.model.terminal import printable
+from harness.records.base import Record
 from reports.charts.library import chart_library
 from reports.pages.assets import environment, source_text
-from reports.source import read_record, telling_damage
+from reports.source import kind_of, read_record, telling_damage
 
+Content = Record | dict[str, Any]
+"""A record as its class, or as plain values where its kind has none."""
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
 CONSERVATOR_KINDS: Final = ("run", "study", "effects3d")
@@ -41,7 +44,7 @@ def write_report(folder: Path) -> Path:
     mistakes: list[Mistake] = []
     for name, build in _pages(record).items():
         try:
-            with telling_damage(folder, name):
+            with telling_damage(folder, record, name):
                 text = build(folder, record)
         except InputError as error:
             mistakes += error.mistakes
@@ -52,24 +55,25 @@ def write_report(folder: Path) -> Path:
     return folder / REPORT_NAME
 
 
-def _pages(record: Mapping[str, Any]) -> dict[str, Callable[[Path, dict[str, Any]], str]]:
+def _pages(record: Content) -> dict[str, Callable[[Path, Content], str]]:
     """What builds each page of a record, by file name."""
-    plain = {CONSERVATOR_NAME: _conservator} if record["kind"] in CONSERVATOR_KINDS else {}
+    plain = {CONSERVATOR_NAME: _conservator} if kind_of(record) in CONSERVATOR_KINDS else {}
     return {REPORT_NAME: _report, **plain}
 
 
-def _report(folder: Path, record: dict[str, Any]) -> str:
-    values = import_module(PAGES[record["kind"]]).context(folder, record)
+def _report(folder: Path, record: Content) -> str:
+    kind = kind_of(record)
+    values = import_module(PAGES[kind]).context(folder, record)
     machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
-    return _render(f"{record['kind']}.html.j2", values | machinery)
+    return _render(f"{kind}.html.j2", values | machinery)
 
 
-def _conservator(folder: Path, record: dict[str, Any]) -> str:
+def _conservator(folder: Path, record: Any) -> str:
     from reports.pages.conservator import context
 
     return _render("conservator.html.j2", context(folder, record))
 
 
-def _render(template: str, values: Mapping[str, Any]) -> str:
+def _render(template: str, values: Mapping[str, object]) -> str:
     title = printable(str(values["title"]))
     return environment().get_template(template).render(values, title=title, css=source_text("page.css"))

@@ -14,6 +14,7 @@ from reports.charts.map_figures import map_axes, map_figures
 from reports.charts.study_figures import fragility_figure, panel_data, rose_figure
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
+from reports.source import scene_of
 from reports.text.numbers import heading, label, listed, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
@@ -48,7 +49,7 @@ def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
         "title": record["title"],
         "verdict": study_verdict(record, models, found),
         "chips": [],
-        "picture": scene_svg(record["scene"], {}),
+        "picture": scene_svg(scene_of(record)),
         "scene_title": record["scene"]["title"],
         "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record["vary"].items()],
         "models": models,

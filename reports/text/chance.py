@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.assess.assessment import sentence
 from harness.records.assess import Assessment
-from harness.records.base import part
 
 SAFE: Final = 0.05
 """Green only where the probability of falling is at most this, and"""
@@ -26,15 +24,14 @@ def tone(item: Assessment) -> str:
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
-def first_line(record: Mapping[str, Any], headline: str, colour: str) -> tuple[str, str]:
+def first_line(answers: Mapping[str, Assessment] | None, headline: str, colour: str) -> tuple[str, str]:
     """A run's headline and colour with the probability before them, where the record has one.
 
     The worse of both colours: a probability makes no run's green greener.
     """
-    answers = [part(Assessment, item, Path("result.json")) for item in (record.get("assessment") or {}).values()]
     if not answers:
         return headline, colour
-    item = max(answers, key=lambda each: each.high)
+    item = max(answers.values(), key=lambda each: each.high)
     nominal = headline[0].lower() + headline[1:]
     worse = max(colour, tone(item), key=SEVERITY.index)
     return f"The statue {sentence(item)}. As given, once: {nominal}", worse

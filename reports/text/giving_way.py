@@ -9,9 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.scene import Pedestal
+from harness.records.scene import PushRecord, SceneRecord
 from harness.statics.push import CAUSES, tipping_of_pedestal
 from reports.drawing.kinematics import Array
+from reports.source import scene_of
 from reports.text.numbers import listed, percent, short
 
 Span = tuple[float, float]
@@ -58,17 +59,21 @@ class Support:
         return sorted(found)
 
 
-def support_of(record: Mapping[str, Any]) -> Support:
-    """What the statue stands on in a record of any kind."""
+def support_of(scene: SceneRecord) -> Support:
+    """What the statue stands on in one scene."""
+    friction = scene.contact
+    floor = None if scene.pedestal is None else (friction.floor_static, friction.floor_static)
+    return Support((scene.pedestal is not None,), floor, (friction.statue, friction.statue))
+
+
+def study_support(record: Mapping[str, Any]) -> Support:
+    """What the statue stands on over all cases of a study, from its record's `supports`."""
     known = record.get("supports")
-    if known is not None:
-        floor = known["floor_static"]
-        keys = tuple(known["statue_keys"])
-        return Support(tuple(known["pedestal"]), None if floor is None else tuple(floor), tuple(known["statue"]), keys)
-    scene = record["scene"]
-    contact, stone = scene["contact"], scene["pedestal"] is not None
-    floor, statue = float(contact["floor_static"]), float(contact["statue"])
-    return Support((stone,), (floor, floor) if stone else None, (statue, statue))
+    if known is None:
+        return support_of(scene_of(record))
+    floor = known["floor_static"]
+    keys = tuple(known["statue_keys"])
+    return Support(tuple(known["pedestal"]), None if floor is None else tuple(floor), tuple(known["statue"]), keys)
 
 
 @dataclass(frozen=True)
@@ -85,11 +90,11 @@ def compass(azimuth_deg: float) -> str:
     return DIRECTIONS[round(azimuth_deg / 45.0) % 8]
 
 
-def bearing(scene: Mapping[str, Any]) -> Array:
+def bearing(scene: SceneRecord) -> Array:
     """The corners (k, 2) of the pushes borne without tipping, as shares of the weight."""
-    statue = scene["statue"]
-    foot = np.asarray(statue["footprint_m"], dtype=np.float64)[:, :2]
-    return np.asarray(foot / float(statue["centroid_height_m"]))
+    statue = scene.statue
+    foot = np.asarray(statue.footprint_m, dtype=np.float64)[:, :2]
+    return np.asarray(foot / statue.centroid_height_m)
 
 
 def weakest_pushes(safe: Array) -> tuple[float, list[float]]:
@@ -104,7 +109,7 @@ def weakest_pushes(safe: Array) -> tuple[float, list[float]]:
     return float(distances.min()), [math.degrees(math.atan2(*outward[k][::-1])) for k in order]
 
 
-def weakest_words(scene: Mapping[str, Any]) -> str:
+def weakest_words(scene: SceneRecord) -> str:
     """Towards which sides the statue tips first, and from which push on; told in the scan's own axes too where it was turned."""
     least, azimuths = weakest_pushes(bearing(scene))
     names = list(dict.fromkeys(map(compass, azimuths)))
@@ -121,16 +126,18 @@ def weakest_words(scene: Mapping[str, Any]) -> str:
     )
 
 
-def scan_turn_deg(scene: Mapping[str, Any]) -> float:
+def scan_turn_deg(scene: SceneRecord) -> float:
     """By how much the scene turns the scan about the vertical, counter-clockwise from above; 0 for a statue by numbers."""
-    mesh = ((scene["toml"] or {}).get("statue") or {}).get("mesh") or {}
-    return float(mesh.get("azimuth_deg", 0.0)) % 360.0
+    statue = scene.toml.get("statue")
+    mesh = statue.get("mesh") if isinstance(statue, dict) else None
+    turn = mesh.get("azimuth_deg") if isinstance(mesh, dict) else None
+    return float(turn) % 360.0 if isinstance(turn, int | float) else 0.0
 
 
-def levels(scene: Mapping[str, Any], support: Support) -> list[Level]:
+def levels(scene: SceneRecord, support: Support) -> list[Level]:
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
-    statue, h = scene["statue"], float(scene["statue"]["centroid_height_m"])
-    left, right = float(statue["corner_left_m"]) / h, float(statue["corner_right_m"]) / h
+    statue, h = scene.statue, scene.statue.centroid_height_m
+    left, right = statue.corner_left_m / h, statue.corner_right_m / h
     found = [
         Level("the statue tips to the left", left, "statue_tips"),
         Level("the statue tips to the right", right, "statue_tips"),
@@ -151,15 +158,13 @@ def levels(scene: Mapping[str, Any], support: Support) -> list[Level]:
     return sorted(found, key=lambda level: level.push)
 
 
-def pedestal_tips(scene: Mapping[str, Any], support: Support) -> dict[str, float]:
+def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
     """The pushes from which the pedestal tips with the statue on it, by side; none without a pedestal."""
-    statue, stone = scene["statue"], scene["pedestal"]
+    statue, stone = scene.statue, scene.pedestal
     if stone is None or True not in support.pedestal:
         return {}
-    centre = 0.5 * (float(statue["corner_right_m"]) - float(statue["corner_left_m"]))
-    pushes = tipping_of_pedestal(
-        float(statue["mass_kg"]), float(statue["centroid_height_m"]), centre, Pedestal(**stone)
-    )
+    centre = 0.5 * (statue.corner_right_m - statue.corner_left_m)
+    pushes = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, centre, stone)
     names = {(0, 1): "right", (0, -1): "left", (1, 1): "back", (1, -1): "front"}
     return {names[side]: push for side, push in pushes.items()}
 
@@ -170,9 +175,7 @@ def _end(friction: float, span: Span | None) -> str:
     return " (least tried)" if friction == span[0] else " (greatest tried)"
 
 
-def order_words(
-    scene: Mapping[str, Any], support: Support, push: Mapping[str, Any] | None, *, rising: bool = False
-) -> list[str]:
+def order_words(scene: SceneRecord, support: Support, push: PushRecord | None, *, rising: bool = False) -> list[str]:
     """What the order of giving way means, by situation where it differs; `push` is what a motion asks (`harness.statics.push`).
 
     `rising`: the shaking has an up-and-down part.
@@ -217,13 +220,13 @@ def _meaning(tips: Sequence[float], stone: float, floor: float | None, statue: f
     return "The statue tips before its pedestal slides: a pedestal that holds fast gives no protection."
 
 
-def _push_words(push: Mapping[str, Any], support: Support, rising: bool) -> str:
+def _push_words(push: PushRecord, support: Support, rising: bool) -> str:
     """How strong the shaking is beside what gives way first under it."""
-    said = f"This shaking pushes with up to {percent(push['peak'], 3)} of the weight"
-    share, words = push["shares"][push["first"]], CAUSES[push["first"]]
+    said = f"This shaking pushes with up to {percent(push.peak, 3)} of the weight"
+    share, words = push.shares[push.first], CAUSES[push.first]
     counted = " (its up-and-down part counted in)" if rising else ""
     if share is None:
-        without = push["first"] == "pedestal_slides" and support.floor is not None and support.floor[0] == 0.0
+        without = push.first == "pedestal_slides" and support.floor is not None and support.floor[0] == 0.0
         why = "which has no friction there" if without else "for at moments the floor drops as fast as things fall"
         return f"{said}; under any push {words}, {why}."
     times = f"{short(share, 3)} times" if share >= 1.0 else f"{percent(share, 3)} of"

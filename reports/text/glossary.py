@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any, Final
 
+from harness.records.scores import AfterHorizon, Scores
 from reports.text.numbers import digits, label, plain, split_unit
 
 SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
@@ -43,9 +45,12 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
 }
 """Words of each score and what it means, in the order of the table."""
 SCORES_LEFT_OUT: Final = frozenset(
-    {"a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"}
+    {
+        *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
+        *("numerical_uncertainty", "evidence", "iso", "warnings"),
+    }
 )
-"""Keys whose content stands elsewhere on the page."""
+"""Keys whose content stands elsewhere on the page, or in the record alone."""
 
 VALIDITY_WORDS: Final[Mapping[str, str]] = {
     "peak_over_slenderness": "largest rotation over the balance point's",
@@ -103,15 +108,15 @@ BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rockin
 """Motion patterns of a statue without a pedestal."""
 
 
-def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, list[str]]]:
+def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]:
     """The table of scores: words, meaning, one cell per pair; each with its numerical uncertainty where it is stated."""
-    known: dict[str, None] = dict.fromkeys(SCORE_WORDS)
-    for item in scores.values():
-        known |= dict.fromkeys(key for key, value in item.items() if not isinstance(value, Mapping))
+    known = dict.fromkeys([*SCORE_WORDS, *(each.name for each in fields(Scores))])
     rows = []
     for key in known:
-        values = [item.get(key) for item in scores.values()]
-        if key in SCORES_LEFT_OUT or all(value is None or value == [] for value in values):
+        if key in SCORES_LEFT_OUT:
+            continue
+        values = [getattr(item, key) for item in scores.values()]
+        if all(value is None or value == [] for value in values):
             continue
         words, meaning = SCORE_WORDS.get(key, (label(key), ""))
         cells = [_score(item, key) for item in scores.values()]
@@ -120,10 +125,10 @@ def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, 
     return rows
 
 
-def _score(scores: Mapping[str, Any], key: str) -> str:
-    value, uncertainty = scores.get(key), (scores.get("numerical_uncertainty") or {}).get(key)
-    if isinstance(value, Mapping):
-        return str(value.get("sentence", ""))
+def _score(scores: Scores, key: str) -> str:
+    value, uncertainty = getattr(scores, key), scores.numerical_uncertainty.get(key)
+    if isinstance(value, AfterHorizon):
+        return value.sentence
     text = plain(value)
     return text if uncertainty is None or value is None else f"{text} ± {digits(float(uncertainty), 2)}"
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.model.history import History
+from harness.model.interventions import Intervention
+from harness.records.base import Table
+from harness.records.run import EngineRunRecord
+from harness.statics.plan import Step
 from reports.source import RunSource
 from reports.text.glossary import REASON_WORDS, SKIP_WORDS, validity_rows
 from reports.text.numbers import digits, listed, short
@@ -25,39 +29,42 @@ def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
     """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
     found: dict[str, Sequence[tuple[str, str]]] = {}
     for name, run in source.runs.items():
-        if not run["validity"]:
+        if not run.validity:
             continue
         before = before_fall(run, source.histories.get(name))
-        found[name] = [*validity_rows(run["validity"], before, run["no_return_time_s"]), *interventions_row(run)]
+        rows = validity_rows(run.validity, before, run.no_return_time_s)
+        found[name] = [*rows, *interventions_row(run.interventions, run.validity)]
     return found
 
 
-def interventions_row(run: Mapping[str, Any]) -> list[tuple[str, str]]:
+def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
     """What was written to the engine's bodies on the way, in one line; none for an engine as it comes."""
-    written: Mapping[str, Mapping[str, Any]] = run.get("interventions") or {}
     if not written:
         return []
-    total = {key: sum(item[key] for item in written.values()) for key in next(iter(written.values()))}
-    kinds = listed(f"{kind.replace('_', ' ')} {item['count'] or item['steps_again']}" for kind, item in written.items())
-    lost = run["validity"].get("lost_in_impacts_j")
-    beside = "" if lost is None else f", where impacts lost {digits(lost, 2)} J"
+    every = written.values()
+    kinds = listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
+    lost = validity.get("lost_in_impacts_j")
+    beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
     told = (
-        f"{kinds} times: in all {digits(total['moved_m'], 2)} m, {digits(total['velocity_m_s'], 2)} m/s, "
-        f"{digits(total['rate_rad_s'], 2)} rad/s; {digits(total['given_j'], 2)} J given and {digits(total['taken_j'], 2)} J taken"
-        f"{beside}; {total['steps_again']} steps solved again"
+        f"{kinds} times: in all {digits(sum(item.moved_m for item in every), 2)} m, "
+        f"{digits(sum(item.velocity_m_s for item in every), 2)} m/s, "
+        f"{digits(sum(item.rate_rad_s for item in every), 2)} rad/s; "
+        f"{digits(sum(item.given_j for item in every), 2)} J given and "
+        f"{digits(sum(item.taken_j for item in every), 2)} J taken"
+        f"{beside}; {sum(item.steps_again for item in every)} steps solved again"
     )
     return [("written to its bodies", told)]
 
 
-def before_fall(run: Mapping[str, Any], history: History | None) -> dict[str, float]:
+def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:
     """Largest values, until the balance point is passed for good, of the limits that a fallen statue's history follows."""
-    until = run["no_return_time_s"]
+    until = run.no_return_time_s
     if history is None or until is None:
         return {}
     upright = history.t_s <= until
     found = {}
     for key, column in FOLLOWED.items():
-        if key in run["validity"] and column in history.extra and upright.any():
+        if key in run.validity and column in history.extra and upright.any():
             values = np.asarray(history.extra[column])
             start = float(values[0]) if key == "yaw_rad" else 0.0
             found[key] = float(np.max(np.abs(values[upright] - start)))
@@ -66,10 +73,10 @@ def before_fall(run: Mapping[str, Any], history: History | None) -> dict[str, fl
 
 def fall_sentence(source: RunSource) -> str:
     """What to make of the limits of models whose statue overturns; nothing when none does."""
-    fallen = {name: run for name, run in source.runs.items() if run["no_return_time_s"] is not None}
-    if not fallen:
+    falls = {name: run.no_return_time_s for name, run in source.runs.items() if run.no_return_time_s is not None}
+    if not falls:
         return ""
-    times = listed(f"{short(run['no_return_time_s'], 3)} s ({name})" for name, run in fallen.items())
+    times = listed(f"{short(time_s, 3)} s ({name})" for name, time_s in falls.items())
     return (
         f"The outcome is decided once the statue passes its balance point for good, at {times}. The runs go on until the body "
         "lies, or falls past its support's edge: forces, energy gained, turn, slip, flight and penetration may be those of that "
@@ -78,24 +85,24 @@ def fall_sentence(source: RunSource) -> str:
     )
 
 
-def plan_rows(plan: Iterable[Mapping[str, Any]]) -> list[tuple[bool, str, str, str]]:
+def plan_rows(plan: Iterable[Step]) -> list[tuple[bool, str, str, str]]:
     """The plan in words: whether it was left out, what, for which engines (those of one reason together), and why."""
     together: dict[tuple[bool, str, str], list[str]] = {}
     for step in plan:
-        words = SKIP_WORDS.get(step["skip"], step["skip"].replace("_", " "))
-        reason = REASON_WORDS.get(step["reason"], step["reason"])
-        together.setdefault((step["applies"], words, reason), []).append(step["engine"])
+        words = SKIP_WORDS.get(step.skip, step.skip.replace("_", " "))
+        reason = REASON_WORDS.get(step.reason, step.reason)
+        together.setdefault((step.applies, words, reason), []).append(step.engine)
     return [
         (applies, words, "" if "*" in engines else listed(engines), reason)
         for (applies, words, reason), engines in together.items()
     ]
 
 
-def skipped_rows(runs: Mapping[str, Any]) -> list[tuple[str, str]]:
+def skipped_rows(runs: Mapping[str, EngineRunRecord]) -> list[tuple[str, str]]:
     """What each engine says it left out, by engine, with the skip's name in words."""
     rows = []
     for name, run in runs.items():
-        for text in run["skipped"]:
+        for text in run.skipped:
             skip, colon, rest = text.partition(": ")
             rows.append((name, f"{SKIP_WORDS[skip]}: {rest}" if colon and skip in SKIP_WORDS else text))
     return rows

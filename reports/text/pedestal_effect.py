@@ -12,6 +12,7 @@ from harness.model.history import Outcome
 from reports.charts.palette import HAIRLINE, MUTED
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
+from reports.source import scene_of
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
 
@@ -40,7 +41,7 @@ def pedestal_effect(
     pace = next((key for key in keys if key.endswith("frequency_hz")), None)
     if len({item.varied["pedestal"] for item in found if "pedestal" in keys}) < 2:
         return None
-    shape = section(record["scene"])
+    shape = section(scene_of(record))
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
         return PedestalEffect(model, _saved_in_words(found, model), [])
@@ -120,9 +121,9 @@ def _reach_by_setting(reach: Mapping[tuple[float, str], float], title: str, reco
         "yaxis": {"title": {"text": "top moves by  [m]"}, "rangemode": "tozero", "gridcolor": HAIRLINE},
         "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
-    wall = record["scene"]["wall"]
+    wall = scene_of(record).wall
     if wall is not None:
-        at = float(wall["distance_m"])
+        at = wall.distance_m
         layout |= {"shapes": [_level("y", at, WALL_COLOUR)], "annotations": [_note("y", at, "wall")]}
     return {"data": data, "layout": layout}
 

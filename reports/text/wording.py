@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.records.scores import Verdict as Difference
+from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
 from reports.text.chance import first_line
@@ -35,18 +36,18 @@ class Verdict:
 def run_verdict(source: RunSource) -> Verdict:
     """The verdict on one scene: how probable a fall is, where the record says so, and what the models say of it as given."""
     nominal = _nominal(source)
-    headline, colour = first_line(source.record, nominal.headline, nominal.tone)
+    headline, colour = first_line(source.record.assessment, nominal.headline, nominal.tone)
     return Verdict(headline, colour, nominal.points)
 
 
 def _nominal(source: RunSource) -> Verdict:
-    answered = {name: run for name, run in source.runs.items() if not Outcome(run["outcome"]).failed}
-    silent = [f"{name} gave no answer: {source.runs[name]['message']}" for name in source.runs if name not in answered]
+    answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
+    silent = [f"{name} gave no answer: {source.runs[name].message}" for name in source.runs if name not in answered]
     if not answered:
         return Verdict("No model could compute this scene", "failed", silent)
     groups: dict[str, list[str]] = {}
     for name, run in answered.items():
-        groups.setdefault(run["outcome"], []).append(name)
+        groups.setdefault(run.outcome, []).append(name)
     points = [
         *motion_given(answered),
         *_outcome_times(answered),
@@ -58,13 +59,12 @@ def _nominal(source: RunSource) -> Verdict:
     headline = _headline(groups, len(answered), len(source.runs))
     headline += ", given unlike motions" if motion_given(answered) else ""
     agree = len({_class(outcome) for outcome in groups}) == 1
-    robust = (Difference.MODEL, Difference.PLANE)
-    apart = [scores for scores in source.record["scores"].values() if scores.get("verdict") in robust]
+    apart = [scores for scores in source.record.scores.values() if scores.verdict in ROBUST]
     if agree and apart:
         return Verdict(f"{headline}; their motions differ", "differ", points)
     if len(answered) == 1:
         # One model alone agrees with nobody: the colour is that of what it says.
-        return Verdict(headline, tone(family(run["outcome"]) for run in answered.values()), points)
+        return Verdict(headline, tone(family(run.outcome) for run in answered.values()), points)
     return Verdict(headline, "agree" if agree else "differ", points)
 
 
@@ -95,9 +95,9 @@ def _headline(groups: Mapping[str, list[str]], count: int, asked: int) -> str:
     return "The models disagree: " + "; ".join(parts)
 
 
-def motion_given(answered: Mapping[str, Any]) -> list[str]:
+def motion_given(answered: Mapping[str, EngineRunRecord]) -> list[str]:
     """Who was given which axes of the floor's motion, where that is not the same for all."""
-    axes = {name: run["motion_axes"] for name, run in answered.items() if run.get("motion_axes") is not None}
+    axes = {name: run.motion_axes for name, run in answered.items() if run.motion_axes is not None}
     every = {axis for given in axes.values() for axis in given}
     lacking = {name: sorted(every - set(given)) for name, given in axes.items() if every - set(given)}
     return [
@@ -107,16 +107,16 @@ def motion_given(answered: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _outcome_times(answered: Mapping[str, Any]) -> list[str]:
-    times = {name: run["no_return_time_s"] for name, run in answered.items() if run["no_return_time_s"] is not None}
+def _outcome_times(answered: Mapping[str, EngineRunRecord]) -> list[str]:
+    times = {name: run.no_return_time_s for name, run in answered.items() if run.no_return_time_s is not None}
     if not times:
         return []
     each = listed(f"{unit(value, 's')} ({name})" for name, value in times.items())
     return [f"The statue passes its balance point for the last time at {each}."]
 
 
-def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
-    standing = [name for name in answered if answered[name]["outcome"] == Outcome.STANDS and name in source.histories]
+def _lean(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
+    standing = [name for name in answered if answered[name].outcome == Outcome.STANDS and name in source.histories]
     found = []
     for name in standing:
         theta = source.histories[name].theta_rad
@@ -134,7 +134,7 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
         each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
         return [f"Largest lean: {each}."]
     side = sides.pop()
-    balance = source.scene["statue"]["slenderness_right_rad" if side > 0 else "slenderness_left_rad"]
+    balance = source.scene.statue.slenderness_rad(side)
     peaks = [peak for peak, _, _ in found]
     share = spread([100.0 * peak / balance for peak in peaks], "%", 2)
     by = "" if len(found) == len(answered) else f" ({', '.join(name for _, _, name in found)})"
@@ -146,26 +146,26 @@ def _lean(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
 
 def _reach(source: RunSource) -> list[str]:
     shape = section(source.scene)
-    wall = source.scene["wall"]
+    wall = source.scene.wall
     sentences = []
     tops = {
         name: float(np.abs(shape.top_displacement_m(item.theta_rad, item.slip_m)).max())
         for name, item in source.histories.items()
-        if source.runs[name]["outcome"] == Outcome.STANDS
+        if source.runs[name].outcome == Outcome.STANDS
     }
     if tops and max(tops.values()) > 1e-5:
         name = max(tops, key=lambda item: tops[item])
         where = "" if len(tops) == len(source.histories) else ", where it stands,"
         sentences.append(f"The top of the statue{where} moves at most {length(tops[name])} ({name}).")
     if wall is not None:
-        touching = [name for name, run in source.runs.items() if run["outcome"] == Outcome.TOUCHES_WALL]
-        where = f"the wall on the {wall['side']}, {length(wall['distance_m'])} from the base"
+        touching = [name for name, run in source.runs.items() if run.outcome == Outcome.TOUCHES_WALL]
+        where = f"the wall on the {wall.side}, {length(wall.distance_m)} from the base"
         if touching:
             sentences.append(f"The statue touches {where}, in {listed(touching)}.")
         elif source.histories:
-            side = 1 if wall["side"] == "right" else -1
+            side = 1 if wall.side == "right" else -1
             left = min(
-                float(wall["distance_m"]) - float(shape.overhang_m(item.theta_rad, item.slip_m, side).max())
+                wall.distance_m - float(shape.overhang_m(item.theta_rad, item.slip_m, side).max())
                 for item in source.histories.values()
             )
             sentences.append(
@@ -176,36 +176,35 @@ def _reach(source: RunSource) -> list[str]:
     return sentences
 
 
-def _slip(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
-    if source.scene["pedestal"] is None:
+def _slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
+    if source.scene.pedestal is None:
         return []
-    peaks = [run["peak_slip_m"] for run in answered.values()]
+    peaks = [run.peak_slip_m for run in answered.values()]
     if max(peaks) < 1e-6:
         return ["The pedestal does not slide."]
     low, high = length(min(peaks)), length(max(peaks))
     return [f"The pedestal slides by at most {low if low == high else f'{low} to {high}, depending on the model'}."]
 
 
-def _scores(record: Mapping[str, Any]) -> list[str]:
+def _scores(record: RunRecord) -> list[str]:
     return [
-        str(scores["verdict_sentence"])
-        if pair.partition("_vs_")[0] in scores["verdict_sentence"]
-        else f"{pair.replace('_vs_', ' against ')}: {scores['verdict_sentence']}"
-        for pair, scores in record["scores"].items()
-        if scores.get("verdict_sentence")
+        scores.verdict_sentence
+        if pair.partition("_vs_")[0] in scores.verdict_sentence
+        else f"{pair.replace('_vs_', ' against ')}: {scores.verdict_sentence}"
+        for pair, scores in record.scores.items()
     ]
 
 
-def _trust(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
-    known = {name: run for name, run in answered.items() if run["numerical_uncertainty_rad"] is not None}
+def _trust(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
+    known = {name: run for name, run in answered.items() if run.numerical_uncertainty_rad is not None}
     if not known:
         return []
-    each = listed(f"±{unit(run['numerical_uncertainty_rad'], 'rad', 2)} ({name})" for name, run in known.items())
+    each = listed(f"±{unit(run.numerical_uncertainty_rad, 'rad', 2)} ({name})" for name, run in known.items())
     sentences = [f"Numerical error of the rotations: {each}."]
-    duration_s = source.scene["duration_s"]
+    duration_s = source.scene.duration_s
     until, predictable_s = horizon_s(source), prediction_s(source)
     if until is not None and until < duration_s:
-        names = listed(name for name, run in known.items() if run["reliable_until_s"] == until)
+        names = listed(name for name, run in known.items() if run.reliable_until_s == until)
         sentences.append(
             f"After {unit(until, 's')} the histories are not to be compared instant by instant: from there the numerical error "
             f"of {names} is not bounded."
@@ -220,14 +219,14 @@ def _trust(source: RunSource, answered: Mapping[str, Any]) -> list[str]:
 
 def prediction_s(source: RunSource) -> float | None:
     """The measured horizon of prediction: from then on nobody can follow the motion; None where none was measured."""
-    return min((float(found["intrinsic_s"]) for found in source.record.get("horizons", {}).values()), default=None)
+    return min((each.intrinsic_s for each in (source.record.horizons or {}).values()), default=None)
 
 
 def horizon_s(source: RunSource) -> float | None:
     """Up to when every model's history is reliable: the least `reliable_until_s`; None when no model states one."""
     times = [
-        float(run["reliable_until_s"])
+        run.reliable_until_s
         for run in source.runs.values()
-        if run["reliable_until_s"] is not None and run["reliable_until_s"] < run["end_s"]
+        if run.reliable_until_s is not None and run.reliable_until_s < run.end_s
     ]
     return min(times) if times else None

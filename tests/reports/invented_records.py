@@ -47,7 +47,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
             row["predicted"][name] = outcome.value
             row["probability"][name] = float(outcome.overturned)
         curve = fragility.fit(pgv, [o.overturned for o in said]).as_dict(grid)
-        models[name] = _model(name, said, fell, curve, measured.as_dict())
+        models[name] = _model(name, said, fell, curve, record.to_plain(measured))
     bare = [
         Case(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)
         for v, f in zip(pgv, fell, strict=True)

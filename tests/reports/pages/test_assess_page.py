@@ -10,7 +10,7 @@ import pytest
 from harness.assess.assessment import assess
 from harness.model.run import write_json
 from harness.records.assess import Assessment, ProbabilityDifference
-from harness.records.base import as_file, plain
+from harness.records.base import as_file
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import first_line, tone
@@ -58,10 +58,10 @@ def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
 def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
-    record = {"assessment": {"analytic": plain(answer(p, 0.0, high))}}
+    record = {"analytic": answer(p, 0.0, high)}
     headline, tone_of_page = first_line(record, "All three models agree on the outcome: the statue stands", "agree")
     assert tone_of_page == colour
     assert headline.startswith("The statue falls in ")
     assert headline.endswith("As given, once: all three models agree on the outcome: the statue stands")
     assert first_line(record, "The models disagree", "failed")[1] == "failed"
-    assert first_line({}, "The statue stands", "agree") == ("The statue stands", "agree")
+    assert first_line(None, "The statue stands", "agree") == ("The statue stands", "agree")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,15 +40,15 @@ def spoken(told: dict[str, Any]) -> str:
 
 
 def test_what_gives_way_first_is_ordered(tmp_path: Path) -> None:
-    record = run_source(write_invented(tmp_path)).record
-    found = levels(record["scene"], support_of(record))
+    scene = run_source(write_invented(tmp_path)).scene
+    found = levels(scene, support_of(scene))
     # Both as one body about the pedestal's right edge, 0.3 m from its own centroid and 0.1548 m from the statue's.
     together = (250.0 * 0.3 + 707.0 * (0.3 - 0.14515)) / (250.0 * 0.1 + 707.0 * 0.974)
     assert [level.push for level in found] == pytest.approx([0.0682 / 0.774, 0.2, together, 0.3585 / 0.774])
     assert [level.cause for level in found] == ["statue_tips", "pedestal_slides", "pedestal_tips", "statue_tips"]
-    bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).record
-    assert {level.cause for level in levels(bare["scene"], support_of(bare))} == {"statue_tips"}
-    assert "nothing slides before it tips" in " ".join(order_words(bare["scene"], support_of(bare), None))
+    bare = run_source(write_invented(tmp_path / "bare", pedestal=False)).scene
+    assert {level.cause for level in levels(bare, support_of(bare))} == {"statue_tips"}
+    assert "nothing slides before it tips" in " ".join(order_words(bare, support_of(bare), None))
 
 
 @pytest.mark.parametrize(
@@ -77,9 +78,10 @@ def test_a_statue_on_the_floor_may_slide_before_it_tips(tmp_path: Path) -> None:
 
 
 def test_a_slender_pedestal_tips_first(tmp_path: Path) -> None:
-    record = run_source(write_invented(tmp_path)).record
-    scene = {**record["scene"], "pedestal": {**record["scene"]["pedestal"], "height_m": 3.0}}
-    support = support_of(record)
+    own = run_source(write_invented(tmp_path)).scene
+    assert own.pedestal is not None
+    scene = replace(own, pedestal=replace(own.pedestal, height_m=3.0))
+    support = support_of(scene)
     assert levels(scene, support)[0].words == "the pedestal tips to the right"
     assert "The pedestal itself tips, with the statue on it" in " ".join(order_words(scene, support, None))
 
@@ -97,7 +99,7 @@ def test_the_push_borne_holds_the_centroid_over_the_base(tmp_path: Path) -> None
     """In every direction, a push short of the area's edge keeps the force within the base, one beyond does not."""
     scene = run_source(write_invented(tmp_path)).scene
     safe = bearing(scene)
-    h, foot = 0.774, np.asarray(scene["statue"]["footprint_m"])[:, :2]
+    h, foot = 0.774, np.asarray(scene.statue.footprint_m)[:, :2]
     low, high = foot.min(axis=0), foot.max(axis=0)
     for angle in np.linspace(0.0, 2.0 * np.pi, 17):
         towards = np.array([np.cos(angle), np.sin(angle)])
@@ -124,7 +126,7 @@ def test_the_weakest_side_is_told_in_the_scans_own_axes_where_the_scene_turned_i
     assert "weakest towards the right: there" in weakest_words(scene)
     assert "scan" not in weakest_words(scene)
     # Turned by 90 degrees counter-clockwise, the scan's own direction of -90 degrees came to lie to the right.
-    turned = {**scene, "toml": {"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}}}
+    turned = replace(scene, toml={"statue": {"mesh": {"file": "a.ply", "azimuth_deg": 90.0}}})
     text = weakest_words(turned)
     assert "turned the scan by 90°" in text
     assert "towards 270°, counted counter-clockwise from its first level axis" in text
@@ -137,7 +139,7 @@ def test_sides_that_are_equally_weak_are_all_named(tmp_path: Path) -> None:
     angles = np.radians(np.arange(0.0, 360.0, 15.0))
     circle = (half * np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])).tolist()
     for feet, words in ((square, "front, right, back and left"), (circle, "as weak towards every side")):
-        assert words in weakest_words({**scene, "statue": {**scene["statue"], "footprint_m": feet}})
+        assert words in weakest_words(replace(scene, statue=replace(scene.statue, footprint_m=feet)))
 
 
 def test_the_free_space_is_that_of_standing_runs_and_falls_are_said(tmp_path: Path) -> None:

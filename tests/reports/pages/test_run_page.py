@@ -14,6 +14,8 @@ import pytest
 
 from harness.model.errors import InputError
 from harness.model.run import write_json
+from harness.records.base import plain
+from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict as Difference
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
@@ -75,14 +77,14 @@ def test_names_from_the_record_are_text_and_not_markup(html: str) -> None:
 
 def test_every_model_warning_note_and_skip_is_there(folder: Path, html: str) -> None:
     shown = without_data(html)
-    record = read_record(folder)
-    for name, run in record["runs"].items():
+    record = run_source(folder).record
+    for name, run in record.runs.items():
         assert name in shown
-        for text in (*run["warnings"], *run["skipped"]):
+        for text in (*run.warnings, *run.skipped):
             assert text in shown
-    for text in (*record["notes"], *(step["reason"] for step in record["plan"])):
+    for text in (*record.notes, *(step.reason for step in record.plan)):
         assert text in shown
-    for version in record["versions"].values():
+    for version in record.versions.values():
         assert version in shown
 
 
@@ -97,7 +99,7 @@ def test_the_curves_are_the_recorded_histories(folder: Path, html: str) -> None:
 
 def test_the_horizon_is_shaded_from_the_least_reliable_time(folder: Path, html: str) -> None:
     shapes = [item for item in figure_of(html)["layout"]["shapes"] if item["type"] == "rect"]
-    least = min(run["reliable_until_s"] for run in read_record(folder)["runs"].values())
+    least = min(run.reliable_until_s for run in run_source(folder).runs.values())
     assert [item["x0"] for item in shapes] == [least]
 
 
@@ -141,7 +143,7 @@ def test_models_that_agree_and_differ_are_said_so(tmp_path: Path) -> None:
 
 def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
-    record = read_record(folder)
+    record = plain(read_record(folder))
     record["scores"]["analytic_vs_pybullet"]["verdict"] = Difference.MODEL
     write_json(folder / "result.json", record)
     verdict = run_verdict(run_source(folder))
@@ -149,9 +151,22 @@ def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) 
     assert verdict.headline.endswith("the statue stands; their motions differ")
 
 
+HORIZON = HorizonRecord(
+    tolerance_rad=0.01,
+    duration_s=10.0,
+    perturbations=[1e-9],
+    until_s=[5.0],
+    growth_per_s=None,
+    outcomes=[],
+    failed=0,
+    intrinsic_s=5.0,
+    sentence="",
+)
+
+
 def changed(folder: Path, **runs: dict[str, Any]) -> Any:
     """The source of a record with keys of its runs changed."""
-    record = read_record(folder)
+    record = plain(read_record(folder))
     for name, changes in runs.items():
         record["runs"][name] |= changes
     write_json(folder / "result.json", record)
@@ -191,8 +206,8 @@ def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
     assert "the numerical error of pybullet is not bounded" in text
     assert "horizon" not in text
     assert "nobody can follow" not in " ".join(of_run(source)["points"])
-    record = read_record(folder)
-    write_json(folder / "result.json", record | {"horizons": {"analytic": {"intrinsic_s": 5.0}}})
+    record = plain(read_record(folder))
+    write_json(folder / "result.json", record | {"horizons": {"analytic": plain(HORIZON)}})
     source = run_source(folder)
     assert "The horizon of prediction is 5" in " ".join(run_verdict(source).points)
     assert "from second 5" in " ".join(of_run(source)["points"])
@@ -214,7 +229,7 @@ def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
 
 def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
-    record = read_record(folder)
+    record = plain(read_record(folder))
     failed = dict(record["runs"]["pybullet"], outcome="unavailable", outcome_sentence="not here", message="no wheels")
     record["runs"]["pybullet"] = failed | {"numerical_uncertainty_rad": None, "reliable_until_s": None}
     record["histories"].remove("pybullet")
@@ -251,7 +266,7 @@ def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) ->
     folder = write_invented(tmp_path)
     for path in folder.glob("history_*.csv"):
         path.unlink()
-    write_json(folder / "result.json", read_record(folder) | {"histories": []})
+    write_json(folder / "result.json", plain(read_record(folder)) | {"histories": []})
     html = without_data(write_report(folder).read_text(encoding="utf-8"))
     assert "All three models agree on the outcome" in html
     assert 'id="histories"' not in html

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.model.history import History, Outcome
+from harness.model.interventions import Intervention
+from harness.records.run import EngineRunRecord
+from harness.statics.plan import Step
 from reports.source import run_source
 from reports.text.limits import before_fall, fall_sentence, interventions_row, limit_rows, plan_rows, skipped_rows
 from tests.reports.invented_run import invented_history, invented_run, write_invented
@@ -18,21 +20,22 @@ VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touc
 
 
 @pytest.fixture
-def fallen() -> tuple[dict[str, Any], History]:
+def fallen() -> tuple[EngineRunRecord, History]:
     """A run that falls; its turn and slip grow in the fall alone, and are small before."""
     history = invented_history(0.0, falls=True)
-    run = invented_run("pybullet", history, Outcome.OVERTURNED_RIGHT, 1e-3).as_dict() | {"validity": VALIDITY}
-    late = history.t_s > run["no_return_time_s"]
+    run = EngineRunRecord.of(invented_run("pybullet", history, Outcome.OVERTURNED_RIGHT, 1e-3))
+    run = replace(run, validity=VALIDITY)
+    late = history.t_s > run.no_return_time_s
     extra = {"yaw_rad": 1.0 + np.where(late, 0.9, 0.003), "statue_slip_m": np.where(late, 0.02, -0.001)}
     extra["yaw_rad"][0] = 1.0
     return run, replace(history, extra=extra)
 
 
-def test_before_the_fall_stands_what_the_history_says(fallen: tuple[dict[str, Any], History]) -> None:
+def test_before_the_fall_stands_what_the_history_says(fallen: tuple[EngineRunRecord, History]) -> None:
     run, history = fallen
     assert before_fall(run, history) == pytest.approx({"yaw_rad": 0.003, "statue_slip_m": 0.001})
     assert before_fall(run, None) == {}
-    assert before_fall(run | {"no_return_time_s": None}, history) == {}
+    assert before_fall(replace(run, no_return_time_s=None), history) == {}
 
 
 def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
@@ -45,23 +48,19 @@ def test_only_models_that_fall_are_spoken_of(tmp_path: Path) -> None:
     assert "with the fall" not in str(limit_rows(falls)["pybullet"]), "its history follows none of its limits"
 
 
-def test_a_fall_is_told_beside_what_was_before(fallen: tuple[dict[str, Any], History], tmp_path: Path) -> None:
+def test_a_fall_is_told_beside_what_was_before(fallen: tuple[EngineRunRecord, History], tmp_path: Path) -> None:
     run, history = fallen
     source = run_source(write_invented(tmp_path))
-    rows = dict(
-        limit_rows(replace(source, record={"runs": {"pybullet": run}}, histories={"pybullet": history}))["pybullet"]
-    )
-    until = run["no_return_time_s"]
+    fall = replace(source, record=replace(source.record, runs={"pybullet": run}), histories={"pybullet": history})
+    rows = dict(limit_rows(fall)["pybullet"])
+    until = run.no_return_time_s
     assert rows["turn about the vertical"] == f"0.0030 rad until {until:.3f} s; with the fall 0.9000 rad"
     assert rows["energy gained"] == "9.600 J"
 
 
 def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
-    plan = [
-        {"skip": "no_history", "engine": name, "applies": False, "reason": "histories are asked"}
-        for name in ("analytic", "pymunk")
-    ]
-    plan.append({"skip": "base_only", "engine": "pybullet", "applies": True, "reason": "nothing else can touch"})
+    plan = [Step("no_history", name, False, "histories are asked") for name in ("analytic", "pymunk")]
+    plan.append(Step("base_only", "pybullet", True, "nothing else can touch"))
     assert plan_rows(plan) == [
         (False, "the histories", "analytic and pymunk", "this page shows the whole histories"),
         (True, "contact of parts other than the base", "pybullet", "nothing else can touch"),
@@ -69,23 +68,23 @@ def test_engines_of_one_reason_stand_together_in_plain_words() -> None:
 
 
 def test_a_skips_name_becomes_words_and_other_sentences_stay() -> None:
-    runs = {"pybullet": {"skipped": ["base_only: why", "at rest: not integrated"]}}
-    assert skipped_rows(runs) == [
+    run = EngineRunRecord.of(invented_run("pybullet", invented_history(0.0), Outcome.STANDS, 1e-3))
+    skipped = replace(run, skipped=["base_only: why", "at rest: not integrated"])
+    assert skipped_rows({"pybullet": skipped}) == [
         ("pybullet", "contact of parts other than the base: why"),
         ("pybullet", "at rest: not integrated"),
     ]
 
 
 def test_what_was_written_to_bodies_is_one_line() -> None:
-    nothing = {"count": 0, "moved_m": 0.0, "velocity_m_s": 0.0, "rate_rad_s": 0.0, "given_j": 0.0, "taken_j": 0.0}
     written = {
-        "turn_on": nothing | {"count": 4, "velocity_m_s": 0.25, "given_j": 2.0, "steps_again": 0},
-        "friction_release": nothing | {"steps_again": 3},
+        "turn_on": Intervention(count=4, velocity_m_s=0.25, given_j=2.0),
+        "friction_release": Intervention(steps_again=3),
     }
-    ((words, told),) = interventions_row({"interventions": written, "validity": {"lost_in_impacts_j": 13.0}})
+    ((words, told),) = interventions_row(written, {"lost_in_impacts_j": 13.0})
     assert words == "written to its bodies"
     assert told == (
         "turn on 4 and friction release 3 times: in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
         "where impacts lost 13 J; 3 steps solved again"
     )
-    assert interventions_row({"interventions": {}, "validity": {}}) == []
+    assert interventions_row({}, {}) == []
