@@ -4,13 +4,12 @@ elsewhere."""
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from harness.command import Known, Surroundings
 from harness.input import paths
 from harness.input.mesh_statue import mesh_mistake
-from harness.input.new_scene import scene_text
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
@@ -20,20 +19,6 @@ if TYPE_CHECKING:
 
 MARBLE_KG_M3 = 2700.0
 """Density assumed for a statue of which nothing is said, and said so: marble."""
-
-
-@dataclass(frozen=True)
-class Known:
-    """What the user says of a scan on the command line; None is found, assumed or refused, and said so."""
-
-    unit: str | None = None
-    height_m: float | None = None
-    up: str | None = None
-    density_kg_m3: float | None = None
-    mass_kg: float | None = None
-    max_faces: int = 50_000
-    contact_tolerance_m: float = 1e-3
-    cut_below_m: float | None = None
 
 
 def inspect(file: Path, known: Known) -> Inspection:
@@ -78,12 +63,13 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     return found, account
 
 
-def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str | None = None) -> Path:
+def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings | None = None) -> Path:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
     from harness.input.motions.readers import read_record
+    from harness.input.new_scene import Told, scene_text
     from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
@@ -92,15 +78,18 @@ def new(scan: Path, motion: Path, out: Path, known: Known, unit_of_motion: str |
         raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
     if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
-    shaking = read_record(motion, unit=unit_of_motion)
+    around = around or Surroundings()
+    told = Told(
+        known.density_kg_m3, known.mass_kg, around.pedestal_keys(), around.friction, around.scale, around.motion_unit
+    )
+    shaking = read_record(motion, unit=told.motion_unit)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
     found, account = prepare(scan, mesh, known)
     try:
-        text = scene_text(found, scan, mesh, shaking, motion, known.density_kg_m3, known.mass_kg, unit_of_motion)
-        record.write_text(out, text)
+        record.write_text(out, scene_text(found, scan, mesh, shaking, motion, told))
         load_scene(out)
     except Exception:
         for written in (out, mesh, account):

@@ -7,6 +7,7 @@ where others could write into it, nothing is kept.
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import stat
 import tempfile
@@ -23,7 +24,7 @@ KEPT: Final = 64
 """Files kept, the last used ones: some 100 KB each."""
 
 
-def folder() -> Path | None:
+def folder(room: str = "meshes") -> Path | None:
     """Where files are kept, made where it is not there yet; None when nobody's home is known or the folder is not its own user's.
 
     Parts that someone else put there would change results unseen: it and the folder around it are no links, and only their
@@ -32,13 +33,13 @@ def folder() -> Path | None:
     given = os.environ.get("XDG_CACHE_HOME")
     try:
         home = (Path(given) if given else Path.home() / ".cache") / "rockcheck"
-        for path in (home, home / "meshes"):
+        for path in (home, home / room):
             path.mkdir(mode=0o700, parents=True, exist_ok=True)
             if not _private(path.lstat()):
                 return None
     except (OSError, RuntimeError):
         return None
-    return home / "meshes"
+    return home / room
 
 
 def _private(seen: os.stat_result) -> bool:
@@ -63,19 +64,26 @@ def load(key: str) -> dict[str, NDArray[Any]] | None:
 
 
 def store(key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Keep arrays under a key: written beside and then renamed, so that no other process sees half a file."""
+    """Keep arrays under a key, and only the last used files."""
     home = folder()
     if home is None:
         return
+    content = io.BytesIO()
+    np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
+    put(home / f"{key}.npz", content.getvalue())
+    _prune(home)
+
+
+def put(file: Path, content: bytes) -> None:
+    """Write a file of a safe folder: beside and then renamed, so that no other process sees half of it."""
     with contextlib.suppress(OSError):  # a full or read-only disk: computed again the next time
-        handle, name = tempfile.mkstemp(prefix="new-", suffix=".part", dir=home)
+        handle, name = tempfile.mkstemp(prefix="new-", suffix=".part", dir=file.parent)
         try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-            os.replace(name, home / f"{key}.npz")
+            with os.fdopen(handle, "wb") as fresh:
+                fresh.write(content)
+            os.replace(name, file)
         finally:
             Path(name).unlink(missing_ok=True)
-        _prune(home)
 
 
 def _prune(home: Path) -> None:

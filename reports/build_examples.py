@@ -13,7 +13,8 @@ from harness import study_cli
 from harness.campaign.runner import Crash, LocalPool
 from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
-from harness.cli import guarded, summary
+from harness.cli import summary
+from harness.command import guarded
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
 from harness.model.run import Run

@@ -12,7 +12,7 @@ import typer
 
 from harness import cli as harness_cli
 from harness.campaign.progress import ProgressMessages
-from harness.cli import Accuracy, Engines, Json, NoSkip, Overrides, Quiet, Step, say
+from harness.command import FAILED, OK, Asked, Saying, SceneFile, Target, command, guarded
 from harness.model.terminal import printable
 from reports import cli_input
 
@@ -21,38 +21,56 @@ READERS: Final = ("engineer", "conservator")
 
 app = typer.Typer(
     name="rockcheck",
-    help="How far can an analytic rocking model be trusted? One scene, several models, one report.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")]
+Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what was begun in this folder.")]
 
 
-@app.command(
-    epilog="Examples:  `rockcheck run scenes/paestum_floor.toml`  ·  "
-    "`rockcheck run scenes/paestum_floor.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4`"
-)
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"rockcheck {version('rockcheck')}")
+        raise typer.Exit
+
+
+@app.callback()
+def top(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say the version and end.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """How far can an analytic rocking model be trusted? One scene, several models, one report."""
+
+
+@command(
+    app, None, "rockcheck run scenes/paestum_floor.toml",
+    "rockcheck run scenes/paestum_floor.toml -e analytic -e pymunk --set motion.x.frequency_hz=2 --accuracy 1e-4",
+)  # fmt: skip
 def run(
-    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)],
-    engine: Engines = None,
-    overrides: Overrides = None,
-    accuracy: Accuracy = None,
-    dt: Step = None,
+    scene: SceneFile,
+    asked: Asked,
+    target: Target,
+    saying: Saying,
     out: Out = None,
     explain: Annotated[bool, typer.Option("--explain", help="Say what would be skipped and why; run nothing.")] = False,
-    no_skip: NoSkip = None,
+    no_skip: Annotated[
+        list[str] | None,
+        typer.Option("--no-skip", metavar="NAME", help="Switch one skip off (see --explain), or `all`."),
+    ] = None,
     no_witness: Annotated[
         bool, typer.Option("--no-witness", help="Leave out the engines as they come, which confirm each run or not.")
     ] = False,
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
@@ -65,47 +83,33 @@ def run(
     if explain:
         from harness.input.scene_file import load_scene
 
-        check_target(accuracy, dt)
-        told = harness_cli.explain(load_scene(scene, overrides or ()), engine, no_skip, as_json=as_json)
-        if not quiet or as_json:
-            typer.echo(told)
+        check_target(target.accuracy, target.dt)
+        saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    result = harness_cli.compute(
-        scene,
-        engine,
-        overrides,
-        accuracy,
-        dt,
-        no_skip,
-        quiet=quiet or as_json,
-        out=folder,
-        assess=not no_assess,
-        witness=not no_witness,
-    )
+    more = {"assess": not no_assess, "witness": not no_witness}
+    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
     write_result(result, folder)
-    _say(plain(result.record()), harness_cli.summary(result), folder, as_json, quiet)
+    _say(plain(result.record()), harness_cli.summary(result), folder, saying)
     # An engine that nobody named and that has no wheels here is said, and no failure.
-    failed = result.failed_but(() if engine else tuple(result.runs))
-    raise typer.Exit(harness_cli.FAILED if failed else harness_cli.OK)
+    failed = result.failed_but(() if asked.engine else tuple(result.runs))
+    raise typer.Exit(FAILED if failed else OK)
 
 
-@app.command(
-    epilog="Examples:  `rockcheck assess scenes/paestum_pedestal.toml`  ·  "
-    "`rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1`"
-)
+@command(
+    app, None, "rockcheck assess scenes/paestum_pedestal.toml",
+    "rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1",
+)  # fmt: skip
 def assess(
-    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML).", show_default=False)],
-    engine: Engines = None,
-    overrides: Overrides = None,
+    scene: SceneFile,
+    asked: Asked,
+    saying: Saying,
     draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 20_000,
-    seed: Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)] = 0,
+    seed: Seed = 0,
     half_width: Annotated[
         float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
     ] = 0.05,
     most_runs: Annotated[int, typer.Option("--most-runs", help="Most runs of each contact engine.", min=30)] = 400,
     out: Out = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
     from dataclasses import replace
@@ -118,12 +122,12 @@ def assess(
 
     folder = out or OUT / f"{named_after(scene)}-assess"
     check_folder(folder, ("assess",))
-    loaded = load_scene(scene, overrides or ())
+    loaded = load_scene(scene, asked.overrides or ())
     check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
-    with ProgressMessages(quiet or as_json) as telling:
+    with ProgressMessages(saying.silent) as telling:
         found = assessment.assess(
             loaded,
-            engine,
+            asked.engine,
             draws=draws,
             seed=seed,
             half_width=half_width,
@@ -132,14 +136,15 @@ def assess(
         )
     with replacing(folder, lambda files: replace(found, files=files), "assess"):
         pass
-    _say(plain(found), assessment.summary(found), folder, as_json, quiet)
+    _say(plain(found), assessment.summary(found), folder, saying)
 
 
-@app.command(epilog="Example:  `rockcheck study scenes/paestum_table2.toml --jobs 2`")
+@command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
 def study(
     study_file: Annotated[Path, typer.Argument(metavar="STUDY", help="A study file (TOML).", show_default=False)],
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a study begun in this folder.")] = False,
+    saying: Saying,
+    jobs: Jobs = None,
+    resume: Resume = False,
     dask: Annotated[
         str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
     ] = None,
@@ -148,8 +153,6 @@ def study(
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
     out: Out = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
@@ -158,19 +161,20 @@ def study(
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
     found, summary = study_cli.run(
-        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=quiet or as_json
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent
     )
     usage = found.get("usage")
     lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
-    _say(found, "\n".join(lines), folder, as_json, quiet)
-    raise typer.Exit(harness_cli.FAILED if summary.failed else harness_cli.OK)
+    _say(found, "\n".join(lines), folder, saying)
+    raise typer.Exit(FAILED if summary.failed else OK)
 
 
-@app.command(epilog="Example:  `rockcheck validate tests.csv -e analytic -e pymunk@dt=5e-4 --samples 20`")
+@command(app, None, "rockcheck validate tests.csv -e analytic -e pymunk@dt=5e-4 --samples 20")
 def validate(
     experiments: Annotated[
         Path, typer.Argument(metavar="EXPERIMENTS", help="A table (CSV) of measured tests.", show_default=False)
     ],
+    saying: Saying,
     engine: Annotated[
         list[str] | None,
         typer.Option(
@@ -181,16 +185,14 @@ def validate(
     fit_share: Annotated[
         str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
     ] = "fit",
-    seed: Annotated[int, typer.Option("--seed", help="Seed of the perturbations.")] = 0,
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a validation begun in this folder.")] = False,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    resume: Resume = False,
     body: Annotated[
         Path | None,
         typer.Option("--body", metavar="SCENE", help="Whose statue is thrown, for a table of measured tosses."),
     ] = None,
     out: Out = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
     from harness.records.result_folder import check_folder, named_after
@@ -202,7 +204,7 @@ def validate(
     thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
     if thrown is not None:
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
-        _say(measured, "", folder, as_json, quiet)
+        _say(measured, "", folder, saying)
         return
     found = run_validation(
         experiments,
@@ -213,9 +215,9 @@ def validate(
         seed=seed,
         jobs=jobs,
         resume=resume,
-        quiet=quiet or as_json,
+        quiet=saying.silent,
     )
-    _say(found, "", folder, as_json, quiet)
+    _say(found, "", folder, saying)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
@@ -227,40 +229,35 @@ Parts = Annotated[
 ]
 
 
-@app.command(epilog="Examples:  `rockcheck bench --out out/bench`  ·  `rockcheck bench --parts precision,skips`")
-def bench(
-    quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
-) -> None:
+@command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
+def bench(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
     from harness.bench.bench_run import run as measure
 
     folder = out or OUT / "bench"
-    with ProgressMessages(quiet or as_json) as telling:
+    with ProgressMessages(saying.silent) as telling:
         found = measure(folder, quick, telling.engine, _names(parts))
-    _say(found, "\n".join(found["sentences"]), folder, as_json, quiet)
+    _say(found, "\n".join(found["sentences"]), folder, saying)
 
 
-@app.command(epilog="Examples:  `rockcheck stress --out out/stress`  ·  `rockcheck stress --parts fuzz`")
-def stress(
-    quick: Quick = False, parts: Parts = None, out: Out = None, as_json: Json = False, quiet: Quiet = False
-) -> None:
+@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
+def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
     from harness.bench.stress.stress_run import run, sentences
     from harness.records.base import as_file
 
     folder = out or OUT / "stress"
-    with ProgressMessages(quiet or as_json) as telling:
+    with ProgressMessages(saying.silent) as telling:
         found = run(folder, quick, telling.engine, _names(parts))
-    _say(as_file(found), "\n".join(sentences(found)), folder, as_json, quiet)
-    raise typer.Exit(harness_cli.OK if found.holds else harness_cli.FAILED)
+    _say(as_file(found), "\n".join(sentences(found)), folder, saying)
+    raise typer.Exit(OK if found.holds else FAILED)
 
 
-@app.command(epilog="Examples:  `rockcheck report out/maria`  ·  `rockcheck report out/maria --for conservator`")
+@command(app, None, "rockcheck report out/maria", "rockcheck report out/maria --for conservator")
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
+    folder: cli_input.Folder,
+    saying: Saying,
     reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
     from harness.model.errors import InputError, Mistake
@@ -273,7 +270,7 @@ def report(
         page = folder / CONSERVATOR_NAME
         if not page.is_file():
             raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
-    say({"report": str(page)}, f"report: {page}", as_json, quiet)
+    saying.say({"report": str(page)}, f"report: {page}")
 
 
 def _names(parts: str | None) -> list[str] | None:
@@ -281,20 +278,20 @@ def _names(parts: str | None) -> list[str] | None:
     return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
 
 
-def _say(found: Mapping[str, Any], text: str, folder: Path, as_json: bool, quiet: bool) -> None:
+def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> None:
     """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
     from harness.model.errors import InputError
     from reports.pages.page import write_report
 
-    if text or as_json:
-        say(found, text, as_json, quiet)
+    if text or saying.as_json:
+        saying.say(found, text)
     try:
         page = write_report(folder)
     except InputError as error:
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)
-        raise typer.Exit(harness_cli.FAILED) from error
-    if not as_json and not quiet:
+        raise typer.Exit(FAILED) from error
+    if not saying.silent:
         typer.echo(printable(f"report: {page}"))
 
 
@@ -307,4 +304,4 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):
         # The name of a file may be no text: what cannot be printed is printed as escapes.
         sys.stdout.reconfigure(errors="backslashreplace")
-    sys.exit(harness_cli.guarded(app))
+    sys.exit(guarded(app))

@@ -8,23 +8,13 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.cli import Json, Quiet, say
-from harness.model.terminal import json_text, printable
+from harness.command import Known, Saying, Surroundings, command
+from harness.model.terminal import printable
 
 OUT: Final = Path("out")
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
-Unit = Annotated[str | None, typer.Option("--unit", help="The scan's unit of length: m, dm, cm, mm, in, ft.")]
-Height = Annotated[float | None, typer.Option("--height", metavar="M", help="The statue's known height, to scale by.")]
-Up = Annotated[str | None, typer.Option("--up", help="The scan's vertical axis: x, y, z, -x, -y, -z. Default: found.")]
-Density = Annotated[float | None, typer.Option("--density", metavar="KG_M3", help="Density. Default: marble, 2700.")]
-Mass = Annotated[float | None, typer.Option("--mass", metavar="KG", help="Weighed mass, instead of a density.")]
-Faces = Annotated[int, typer.Option("--max-faces", help="Faces to keep, the base untouched.")]
-Cut = Annotated[
-    float | None,
-    typer.Option("--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."),
-]
-Tolerance = Annotated[float, typer.Option("--contact-tolerance", metavar="M", help="How near to the floor touches it.")]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
 
 mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
 motion = typer.Typer(no_args_is_help=True, help="Inspect motions.")
@@ -34,107 +24,65 @@ def add_commands(app: typer.Typer) -> None:
     """Mount the commands on the application."""
     app.add_typer(mesh, name="mesh")
     app.add_typer(motion, name="motion")
-    app.command("new", epilog="Example:  `rockcheck new statue.obj --motion quake.AT2 --height 1.62`")(new)
-    app.command("figures", epilog="Example:  `rockcheck figures out/paestum_floor --format pdf --width column`")(
-        figures
-    )
-    app.command("gif", epilog="Example:  `rockcheck gif out/paestum_floor`")(gif)
+    command(app, "new", "rockcheck new statue.obj --motion quake.AT2 --height 1.62")(new)
+    command(app, "figures", "rockcheck figures out/paestum_floor --format pdf --width column")(figures)
+    command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
 
 
-def _known(
-    unit: str | None,
-    height: float | None,
-    up: str | None,
-    density: float | None,
-    mass: float | None,
-    max_faces: int = 50_000,
-    tolerance: float = 1e-3,
-    cut_below: float | None = None,
-) -> Any:
-    from harness.mesh_cli import Known
-
-    return Known(unit, height, up, density, mass, max_faces, tolerance, cut_below)
-
-
-@mesh.command("inspect", epilog="Example:  `rockcheck mesh inspect statue.obj --unit mm`")
-def mesh_inspect(
-    scan: Scan,
-    unit: Unit = None,
-    height: Height = None,
-    up: Up = None,
-    density: Density = None,
-    mass: Mass = None,
-    max_faces: Faces = 50_000,
-    tolerance: Tolerance = 1e-3,
-    cut_below: Cut = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> None:
+@command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm")
+def mesh_inspect(scan: Scan, known: Known, saying: Saying) -> None:
     """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
     from harness.mesh_cli import inspect
 
-    found = inspect(scan, _known(unit, height, up, density, mass, max_faces, tolerance, cut_below))
-    say(found.as_dict(), str(found), as_json, quiet)
+    found = inspect(scan, known)
+    saying.say(found.as_dict(), str(found))
 
 
-@mesh.command("prepare", epilog="Example:  `rockcheck mesh prepare statue.obj --unit mm --out statue.ply`")
+@command(mesh, "prepare", "rockcheck mesh prepare statue.obj --unit mm --out statue.ply")
 def mesh_prepare(
     scan: Scan,
+    known: Known,
+    saying: Saying,
     out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
-    unit: Unit = None,
-    height: Height = None,
-    up: Up = None,
-    density: Density = None,
-    mass: Mass = None,
-    max_faces: Faces = 50_000,
-    tolerance: Tolerance = 1e-3,
-    cut_below: Cut = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
     from harness.mesh_cli import prepare
 
-    found, account = prepare(scan, out, _known(unit, height, up, density, mass, max_faces, tolerance, cut_below))
-    say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}", as_json, quiet)
+    found, account = prepare(scan, out, known)
+    saying.say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}")
 
 
 def new(
     scan: Scan,
     motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
+    known: Known,
+    around: Surroundings,
+    saying: Saying,
     out: Annotated[
         Path | None, typer.Option("--out", help="The scene to write. Default: SCAN's name with .toml.")
     ] = None,
-    unit: Unit = None,
-    height: Height = None,
-    up: Up = None,
-    density: Density = None,
-    mass: Mass = None,
-    motion_unit: Annotated[
-        str | None,
-        typer.Option("--motion-unit", help="The record's unit, where its file does not say: m/s2, cm/s2, g."),
-    ] = None,
-    cut_below: Cut = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
     from harness.mesh_cli import new as write_scene
 
-    target = out or Path(f"{scan.stem}.toml")
-    known = _known(unit, height, up, density, mass, cut_below=cut_below)
-    written = write_scene(scan, motion_file, target, known, motion_unit)
-    say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}", as_json, quiet)
+    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around)
+    saying.say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}")
 
 
-@motion.command(
+@command(
+    motion,
     "inspect",
-    epilog="Examples:  `rockcheck motion inspect quake.V2`  ·  `rockcheck motion inspect scenes/maria.toml --axis z`  ·  "
-    "`rockcheck motion inspect any.txt --skip-lines 4 --dt 0.01 --columns 1:N,2:E --unit gal`",
+    "rockcheck motion inspect quake.V2",
+    "rockcheck motion inspect scenes/maria.toml --axis z",
+    "rockcheck motion inspect any.txt --skip-lines 4 --dt 0.01 --columns 1:N,2:E --unit gal",
 )
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
-    unit: Annotated[str | None, typer.Option("--unit", help="A record's unit, where the file does not say.")] = None,
+    saying: Saying,
+    unit: Annotated[
+        str | None,
+        typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
+    ] = None,
     dt: Annotated[
         float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
     ] = None,
@@ -152,16 +100,15 @@ def motion_inspect(
     ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.input.motions.layout import Layout
     from harness.model.run import write_json
     from harness.records.base import plain
     from harness.records.inspection import InspectionRecord
-    from harness.records.result_folder import check_folder, check_listed, listing, named_after, writing
-    from reports.export.motion_figure import figure
+    from harness.records.result_folder import check_folder, check_listed, listing, named_after
+    from reports.export.motion_figure import motion_picture
+    from reports.export.paper import write_picture
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
     picture, account = folder / "motion.png", folder / "motion.json"
@@ -169,20 +116,14 @@ def motion_inspect(
     check_listed(picture, account)
     found = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
     folder.mkdir(parents=True, exist_ok=True)
-    with writing(picture) as fresh:
-        figure(found).savefig(fresh, dpi=150)
+    write_picture(motion_picture(found), picture, dpi=150)
     write_json(account, plain(InspectionRecord.of(found, listing([picture], pages=False))))
-    if as_json:
-        typer.echo(json_text(plain(InspectionRecord.of(found))))
-    elif not quiet:
-        typer.echo(printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said)))
-        rows = [[printable(cell) for cell in row] for row in found.table()]
-        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-        for row in rows:
-            typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
-        for text in found.warnings:
-            typer.echo(printable(f"warning: {text}"))
-        typer.echo(printable(f"picture: {folder / 'motion.png'}"))
+    rows = [[printable(cell) for cell in row] for row in found.table()]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = [printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))]
+    lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += [printable(f"warning: {text}") for text in found.warnings]
+    saying.say(plain(InspectionRecord.of(found)), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
 def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
@@ -211,33 +152,31 @@ def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
 
 
 def figures(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)],
+    folder: Folder,
+    saying: Saying,
     formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
     width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
     model: Annotated[
         str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
     ] = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Write the figures of a result for print."""
     from reports.export.figures import FORMATS, write_figures
 
     written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
-    say(written, "\n".join(written), as_json, quiet)
+    saying.say(written, "\n".join(written))
 
 
 def gif(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
+    saying: Saying,
     out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
     model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Write the replay of a run as an animated picture for slides."""
     from reports.export.animation import write_gif
 
-    with ProgressMessages(quiet or as_json) as telling:
+    with ProgressMessages(saying.silent) as telling:
         telling.now("drawing the frames")
         written = str(write_gif(folder, out, model))
-    say([written], written, as_json, quiet)
+    saying.say([written], written)

@@ -25,6 +25,9 @@ CONTRAST: Final = 4.5
 STILL_PX: Final = 0.06
 """Places in a still picture are written to 0.1 px."""
 
+DRAWN_SHARE: Final = 5e-3
+"""A peak is placed among 2400 drawn of 10 000 samples, its place written to 0.1 px of some 100 px from the start."""
+
 LIBRARY_SHARE: Final = 1.0 / 3.0
 """Reading a script takes a browser a time in proportion to its length: a third of the wheel's library, a third of its time."""
 
@@ -42,3 +45,9 @@ LEAN_TOLD: Final = 0.051
 
 LEAST_MOVES: Final = 2e-3
 """The least amplitude that moves a statue is rounded up in its fourth digit, 1e-3 of 1.000; twice that below it it rests."""
+
+CALLS_TO_A_STEP: Final = 12
+"""From the command to a step: command, scene, all engines, one engine, its accuracy, one run; an engine's own parts as many."""
+
+CALLS_TO_A_VERIFYING_STEP: Final = 14
+"""A run that only asks how a slightly stronger motion would move the statue passes two calls more."""

@@ -112,10 +112,14 @@ class _Climb:
         runs = [each for _, each in self.whole]
         needed = self.agreements
         if _agreed(self.spreads, self.target, needed, self.engine.agreements == needed):
-            return self._responds_little(run.end_s)
-        if _fallen(runs, self.spreads, needed):
-            return self._responds_little(run.no_return_time_s or 0.0)
-        return _hopeless(self.spreads, run.end_s, self.refinement_levels[-1].dt_s, self.target)
+            until_s = run.end_s
+        elif _fallen(runs, self.spreads, needed):
+            until_s = run.no_return_time_s or 0.0
+        else:
+            return _hopeless(self.spreads, run.end_s, self.refinement_levels[-1].dt_s, self.target)
+        # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
+        found = self._response(until_s)
+        return found is None or found.whole or found.until_s >= until_s or self.answers >= RESPONSES
 
     @property
     def agreements(self) -> int:
@@ -127,11 +131,6 @@ class _Climb:
         """Whether a run leaves what its events are located for, other than in a fall."""
         left_s = plain_from_s(run)
         return left_s < math.inf and left_s < (run.no_return_time_s or math.inf)
-
-    def _responds_little(self, until_s: float) -> bool:
-        """Whether a slightly stronger motion moves less than the target until then, or finer steps would change little."""
-        found = self._response(until_s)
-        return found is None or found.whole or found.until_s >= until_s or self.answers >= RESPONSES
 
     def _response(self, until_s: float) -> Spread | None:
         """What a stronger motion changes in the coarser of the last two runs; None where it cannot be asked."""

@@ -40,7 +40,23 @@ def simulate_with(
     engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions
 ) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
-    run = _computed(engine, scene, accuracy_rad, dt_s, want)
+    reason, start = engine.missing(), time.perf_counter()
+    try:
+        if reason is not None:
+            run = failed(engine.name, Outcome.UNAVAILABLE, reason)
+        elif scene.initial.pose is not None and not engine.capabilities.posed_start:
+            reason = (
+                f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
+            )
+            run = failed(engine.name, Outcome.CRASHED, reason)
+        elif dt_s is not None and not engine.capabilities.certifies:
+            run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+        else:
+            from harness.accuracy.refinement import run_to_accuracy
+
+            run = run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
+    except EngineFailure as error:
+        run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
     return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))
 
 
@@ -52,24 +68,6 @@ def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
         raise InputError(Mistake("--accuracy", "", "a rotation between 1e-9 and 0.1 rad", f"{accuracy_rad!r}"))
     if dt_s is not None and not FINEST_DT_S <= dt_s <= 0.1:
         raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
-
-
-def _computed(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
-    reason = engine.missing()
-    if reason is not None:
-        return failed(engine.name, Outcome.UNAVAILABLE, reason)
-    if scene.initial.pose is not None and not engine.capabilities.posed_start:
-        reason = f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
-        return failed(engine.name, Outcome.CRASHED, reason)
-    start = time.perf_counter()
-    try:
-        if dt_s is not None and not engine.capabilities.certifies:
-            return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
-        from harness.accuracy.refinement import run_to_accuracy
-
-        return run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
-    except EngineFailure as error:
-        return failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
 
 
 def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from harness.model.terminal import printable
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 SILENT_S: Final = 10.0
 """Off a terminal, where nothing can turn, a line comes at least this often."""
@@ -20,14 +24,8 @@ class ProgressMessages:
     """Says what is at work: a spinner with the time spent on a terminal, lines elsewhere, nothing when quiet."""
 
     def __init__(self, quiet: bool, silent_s: float = SILENT_S) -> None:
-        from rich.console import Console
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-        self._console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
-        columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-        self._progress = Progress(*columns, console=self._console, transient=True)
-        self._task = self._progress.add_task("reading", total=None)
-        self._lines = not quiet and not self._console.is_terminal
+        self._lines = not quiet and not sys.stderr.isatty()
+        self._bar = None if quiet or self._lines else _spinner()
         self._silent_s = silent_s
         self.left: Callable[[], str] = lambda: ""
         """What a reminder says of the time that is left."""
@@ -38,14 +36,14 @@ class ProgressMessages:
     def __enter__(self) -> ProgressMessages:
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
-        elif self._console.is_terminal:
-            self._progress.start()
+        elif self._bar is not None:
+            self._bar.start()
         return self
 
     def __exit__(self, *details: Any) -> None:
         self._done.set()
-        if not self._lines and self._console.is_terminal:
-            self._progress.stop()
+        if self._bar is not None:
+            self._bar.stop()
 
     def engine(self, name: str) -> None:
         """Tell that an engine has started."""
@@ -55,8 +53,9 @@ class ProgressMessages:
         """Tell what is at work from now on."""
         words = printable(words)
         self._now = (words, time.monotonic())
-        self._progress.update(self._task, description=words)
-        if self._lines:
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description=words)
+        elif self._lines:
             self.say(words)
 
     def later(self, words: str) -> None:
@@ -66,13 +65,27 @@ class ProgressMessages:
     def say(self, words: str) -> None:
         """Tell this once."""
         self._said = time.monotonic()
-        self._console.print(words, highlight=False)
+        if self._bar is not None:
+            self._bar.console.print(words, highlight=False)
+        elif self._lines:
+            print(words, file=sys.stderr, flush=True)
 
     def _remind(self) -> None:
         while not self._done.wait(max(0.01, self._said + self._silent_s - time.monotonic())):
             if time.monotonic() - self._said >= self._silent_s:
                 words, since = self._now
                 self.say(f"{words}: {time.monotonic() - since:.0f} s so far{self.left()}")
+
+
+def _spinner() -> Progress:
+    """A spinner with the time spent; what draws it takes a twentieth of a second to import, and only a terminal needs it."""
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+    bar = Progress(*columns, console=Console(stderr=True, markup=False, emoji=False), transient=True)
+    bar.add_task("reading", total=None)
+    return bar
 
 
 @contextmanager

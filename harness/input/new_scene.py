@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,20 +18,50 @@ if TYPE_CHECKING:
 
 QUIET_AFTER_S = 5.0
 """Time left after the record for the statue to come to rest."""
+STONE_ON_STONE = 0.6
+"""Friction assumed where nothing is said: stone on stone, dry."""
+
+Part = tuple[Sequence[str], Mapping[str, Any]]
+"""Comments, and the keys that stand under them."""
 
 
-def scene_text(
-    found: Inspection,
-    scan: Path,
-    mesh: Path,
-    shaking: RecordFile,
-    motion: Path,
-    density_kg_m3: float | None,
-    mass_kg: float | None,
-    unit_of_motion: str | None,
-) -> str:
+@dataclass(frozen=True)
+class Told:
+    """What a user says beside scan and record; None is assumed, and said so."""
+
+    density_kg_m3: float | None = None
+    mass_kg: float | None = None
+    pedestal: Mapping[str, float] | None = None
+    friction: float | None = None
+    scale: float | None = None
+    motion_unit: str | None = None
+
+
+def scene_text(found: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, told: Told) -> str:
     """A commented scene (TOML): the weakest direction towards +x, the strongest horizontal channel along x, the
     others kept."""
+    import tomli_w
+
+    channels = _by_axis(shaking)
+    end = max(float(channel.t_s[-1] - channel.t_s[0]) for channel in channels.values())
+    top = {"title": f"{scan.stem} under {motion.stem}", "duration_s": float(np.ceil(end + QUIET_AFTER_S))}
+    parts: list[Part] = [
+        (
+            [
+                f"{scan.stem} under {motion.name}: a first scene, to be read and corrected.",
+                "Lines marked ASSUMED are choices made for you.",
+                f"The record lasts {end:.4g} s; {QUIET_AFTER_S:g} s more let the statue come to rest.",
+            ],
+            top,
+        ),
+        _statue(found, scan, mesh, told),
+        *_support(told),
+        *_motion(channels, shaking, motion, mesh.parent, told),
+    ]
+    return "\n".join("".join(f"# {line}\n" for line in comments) + tomli_w.dumps(keys) for comments, keys in parts)
+
+
+def _statue(found: Inspection, scan: Path, mesh: Path, told: Told) -> Part:
     from meshes import footprint as base
 
     solid = found.solid
@@ -38,50 +69,34 @@ def scene_text(
         raise ValueError("a scene needs a statue that stands")
     weakest = base.weakest_azimuth_deg(solid.footprint_m)
     slender = float(np.rad2deg(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
-    channels = _by_axis(shaking)
-    end = max(float(channel.t_s[-1] - channel.t_s[0]) for channel in channels.values())
-    said = (
-        f"{density_kg_m3:g} kg/m³, as given" if density_kg_m3 else f"from the weighed {mass_kg:g} kg" if mass_kg else ""
-    )
-    density = said or f"ASSUMED: marble, {solid.density_kg_m3:g} kg/m³; give --density or --mass for another"
-    lines = [
-        f"# {scan.stem} under {motion.name}: a first scene, to be read and corrected.",
-        "# Lines marked ASSUMED are choices made for you.",
-        f"title = {json.dumps(f'{scan.stem} under {motion.stem}', ensure_ascii=False)}",
-        f"duration_s = {np.ceil(end + QUIET_AFTER_S):.1f}  # the record's {end:.4g} s and {QUIET_AFTER_S:g} s to"
-        f" come to rest",
-        "",
-        "[statue]",
-        f"# Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
-        *(f"#   {change}" for change in found.prepared.account.changes),
-        f"# {solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
+    density = f"ASSUMED: marble, {solid.density_kg_m3:g} kg/m³; give --density or --mass for another"
+    if told.density_kg_m3 is not None:
+        density = f"{told.density_kg_m3:g} kg/m³, as given"
+    placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2)}
+    keys: dict[str, Any] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
+    if told.mass_kg is not None:
+        density, keys = f"from the weighed {told.mass_kg:g} kg", {"mass_kg": told.mass_kg, "mesh": placing}
+    comments = [
+        f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
+        *(f"  {change}" for change in found.prepared.account.changes),
+        f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",
-        f"# ASSUMED: turned so that its weakest direction ({slender:.1f}°) lies along +x: the least favourable"
-        f" placing.",
+        f"ASSUMED: turned so that its weakest direction ({slender:.1f}°) lies along +x: the least favourable placing.",
     ]
-    if mass_kg is not None:
-        lines.append(f"mass_kg = {mass_kg!r}")
-    given = "" if mass_kg is not None else f", density_kg_m3 = {solid.density_kg_m3!r}"
-    lines += [
-        f'mesh = {{ file = {json.dumps(mesh.name)}, unit = "m", up = "z", azimuth_deg = {-weakest:.2f}{given} }}',
-        "",
-        "[contact]",
-        "# ASSUMED: stone on stone, dry; the analytic model takes the statue not to slip and reports what friction"
-        " that needed.",
-        "statue = 0.6",
-    ]
-    unused = [channel.name for channel in shaking.channels if channel not in channels.values()]
-    if unused:
-        lines += [
-            "",
-            f"# LEFT OUT of {motion.name}: {', '.join(unused)}; give a channel as [motion.z] if it is the vertical one.",
-        ]
-    unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
-    if len(shaking.channels) > 1 and unknown:
-        lines += ["", f"# ASSUMED: level, for the file does not say where they point: {', '.join(unknown)}."]
-    for axis, channel in channels.items():
-        lines += ["", *_motion_lines(axis, channel, shaking, motion, mesh.parent, unit_of_motion)]
-    return "\n".join(lines) + "\n"
+    return comments, {"statue": keys}
+
+
+def _support(told: Told) -> Iterator[Part]:
+    """What the statue stands on, and the friction there."""
+    said = "As given." if told.friction is not None else "ASSUMED: stone on stone, dry."
+    statue = f"{said} The analytic model takes the statue not to slip and reports what friction that needed."
+    mu = STONE_ON_STONE if told.friction is None else told.friction
+    contact = {"statue": mu}
+    if told.pedestal is not None:
+        yield ["As given."], {"pedestal": dict(told.pedestal)}
+        statue += " ASSUMED: the pedestal on the floor has the same, at rest and sliding."
+        contact |= {"floor_static": mu, "floor_kinetic": mu}
+    yield [statue], {"contact": contact}
 
 
 def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
@@ -97,24 +112,35 @@ def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
     return found
 
 
-def _motion_lines(
-    axis: str, channel: Channel, shaking: RecordFile, motion: Path, folder: Path, unit_of_motion: str | None
-) -> list[str]:
-    """One component of the floor's motion."""
+def _motion(
+    channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, told: Told
+) -> Iterator[Part]:
+    """The components of the floor's motion, and which channels of the record make them."""
+    comments = []
+    unused = [channel.name for channel in shaking.channels if channel not in channels.values()]
+    if unused:
+        comments.append(
+            f"LEFT OUT of {motion.name}: {', '.join(unused)}; give a channel as [motion.z] if it is the vertical one."
+        )
+    unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
+    if len(shaking.channels) > 1 and unknown:
+        comments.append(f"ASSUMED: level, for the file does not say where they point: {', '.join(unknown)}.")
+    if told.scale is not None:
+        yield [*comments, "As given: every component is this many times the record."], {"motion": {"scale": told.scale}}
+        comments = []
     why = {
         "x": "ASSUMED: the strongest horizontal channel in the rocking plane",
-        "y": "the other horizontal channel across it (3D engines only)",
-        "z": "the vertical channel",
-    }[axis]
-    peak = float(np.abs(channel.accel_m_s2).max())
-    lines = [
-        f"[motion.{axis}]  # {why}; peak {peak:.3g} m/s²",
-        'kind = "record"',
-        f"file = {json.dumps(os.path.relpath(motion.resolve(), folder.resolve()), ensure_ascii=False)}",
-        f"column = {json.dumps(channel.name)}",
-    ]
-    if unit_of_motion is not None:
-        lines.append(f"unit = {json.dumps(unit_of_motion)}")
-    if any(said.startswith(f"{channel.name}{DRIFTS}") for said in shaking.warnings):
-        lines.append('# baseline = "linear"  # integrated, the record drifts: take the first # away to take that off')
-    return lines
+        "y": "The other horizontal channel across it (3D engines only)",
+        "z": "The vertical channel",
+    }
+    for axis, channel in channels.items():
+        file = os.path.relpath(motion.resolve(), folder.resolve())
+        keys = {"kind": "record", "file": file, "column": channel.name}
+        if told.motion_unit is not None:
+            keys["unit"] = told.motion_unit
+        peak = float(np.abs(channel.accel_m_s2).max())
+        yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
+        comments = []
+        if any(said.startswith(f"{channel.name}{DRIFTS}") for said in shaking.warnings):
+            # A key to be uncommented stands after the others of its table.
+            yield ['baseline = "linear"  # integrated, the record drifts: take the first # away to take that off'], {}

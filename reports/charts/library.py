@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from pathlib import Path
 from typing import Final, NamedTuple
 
 from reports.pages.assets import CHART_KINDS, pack_text, package_folder
+from reports.pages.made_once import made_once
 
 _NAME: Final = r"[\w$]+"
 _LAST: Final = re.compile(
@@ -37,13 +39,18 @@ class Bundle(NamedTuple):
 
 @cache
 def chart_library() -> str:
-    """The reduced library as a script that sets `window.Plotly`, packed."""
-    return pack_text(reduced(whole_library()))
+    """The reduced library as a script that sets `window.Plotly`, packed; to reduce it takes half a second, so it is kept."""
+    state = [_bundle().read_bytes(), Path(__file__).read_bytes(), repr(sorted(CHART_KINDS)).encode()]
+    return made_once("chart-library", b"".join(state), lambda: pack_text(reduced(whole_library())))
 
 
 def whole_library() -> str:
     """The wheel's bundle with every kind of chart."""
-    return (package_folder("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+    return _bundle().read_text(encoding="utf-8")
+
+
+def _bundle() -> Path:
+    return package_folder("plotly") / "package_data" / "plotly.min.js"
 
 
 def reduced(text: str) -> str:

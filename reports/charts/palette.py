@@ -51,3 +51,11 @@ def faint(colour: str, opacity: float) -> str:
     """A `#rrggbb` colour with an opacity, as CSS and plotly write it."""
     red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return f"rgba({red},{green},{blue},{opacity})"
+
+
+def solid(colour: str) -> tuple[str, float]:
+    """A colour of a figure as `#rrggbb` and its opacity: what `faint` wrote, taken apart again."""
+    if not colour.startswith("rgba("):
+        return colour, 1.0
+    red, green, blue, opacity = colour.removeprefix("rgba(").removesuffix(")").split(",")
+    return f"#{int(red):02x}{int(green):02x}{int(blue):02x}", float(opacity)

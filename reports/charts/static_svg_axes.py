@@ -17,9 +17,9 @@ Json = Mapping[str, Any]
 Array = NDArray[np.float64]
 
 MARGIN: Final = {"left": 66.0, "right": 22.0, "top": 40.0, "bottom": 48.0}
-LETTER: Final = 6.6
+LETTER: Final = 7.2
 """Width of a letter of the pictures' type in pixels, on average."""
-STEPS: Final = (1.0, 2.0, 5.0, 10.0)
+STEPS: Final = (1.0, 2.0, 5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +60,14 @@ class Axis:
 
 
 def nice_ticks(low: float, high: float, most: int) -> list[float]:
-    """Round values within [low, high], at most `most` (≥ 2) where that many round ones exist."""
-    rough = (high - low) / most
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(power * factor for factor in STEPS if power * factor >= rough * (1.0 - 1e-9))
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    """Round values within [low, high] at equal steps, two at least: as many as make no more than `most` (≥ 2) intervals."""
+    power = 10.0 ** (math.floor(math.log10((high - low) / most)) - 1)
+    ends = []
+    for step in (power * factor * 10.0**k for k in range(4) for factor in STEPS):
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        if last > first:
+            ends.append((max(last - first - most, 0), first - last, first, last, step))
+    _, _, first, last, step = min(ends)
     return [round(k * step, 12) for k in range(first, last + 1)]
 
 
@@ -77,7 +80,10 @@ def numbers(values: Any) -> Any:
 
 
 def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
-    """All axes of a figure by their plotly names (`x`, `y`, `y2`…), laid out in a picture of that size."""
+    """All axes of a figure by their plotly names (`x`, `y`, `y2`…), laid out in a picture of that size.
+
+    A layout's `still` may give the room at `top` and `bottom` in pixels, of a still picture alone.
+    """
     layout = figure["layout"]
     names = {letter + str(trace.get(f"{letter}axis", letter))[1:] for trace in figure["data"] for letter in "xy"}
     specs = {name: layout.get(f"{name[0]}axis{name[1:]}", {}) for name in sorted(names)}
@@ -86,8 +92,8 @@ def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
     for name, found in values.items():
         if name.startswith("y") and found and isinstance(found[0], str):
             left = max(left, 24.0 + LETTER * max(len(text) for text in found))
-    bottom = float(layout.get("margin_bottom", MARGIN["bottom"]))
-    inner = {"x": (left, width - MARGIN["right"]), "y": (height - bottom, MARGIN["top"])}
+    room = {"bottom": layout.get("margin_bottom", MARGIN["bottom"]), "top": MARGIN["top"]} | layout.get("still", {})
+    inner = {"x": (left, width - MARGIN["right"]), "y": (height - float(room["bottom"]), float(room["top"]))}
     made = {}
     for name, spec in specs.items():
         start, end = inner[name[0]]

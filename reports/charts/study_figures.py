@@ -22,6 +22,12 @@ PEDESTAL_COLOUR: Final = "#D55E00"
 SLIP_COLOUR: Final = "#009E73"
 SHOWN_RAD: Final = 0.50
 """The paper's figures show rotations up to this value."""
+PANEL_CURVES: Final = (
+    ("floor", "theta_rad", 1.0, FLOOR_COLOUR, "θ, on the floor (rad)"),
+    ("pedestal", "theta_rad", 1.0, PEDESTAL_COLOUR, "θ, on the pedestal (rad)"),
+    ("pedestal", "slip_m", 0.1, SLIP_COLOUR, "slip of the pedestal (m ÷ 10)"),
+)
+"""What a panel shows of a condition: setting, curve, factor, colour, words."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
 
@@ -46,6 +52,44 @@ def panel_data(panels: Sequence[Panel]) -> Json:
         "colours": {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR, "slip": SLIP_COLOUR},
         "shown_rad": SHOWN_RAD,
     }
+
+
+def panels_figure(group: Sequence[Mapping[str, Any]], model: str) -> Json:
+    """One model's panels of one restitution, arranged as in the paper's figures 7 to 9: amplitudes across, frequencies down."""
+    amplitudes = sorted({panel["amplitude_g"] for panel in group})
+    frequencies = sorted({panel["frequency_hz"] for panel in group})
+    wide, high = 1.0 / len(amplitudes), 1.0 / len(frequencies)
+    data: list[Json] = []
+    notes: list[Json] = []
+    layout: Json = {"height": 92 + 118 * len(frequencies), "showlegend": True}
+    for number, panel in enumerate(group):
+        x, y = (f"{letter}{number + 1 if number else ''}" for letter in "xy")
+        column, row = amplitudes.index(panel["amplitude_g"]), frequencies.index(panel["frequency_hz"])
+        left, top = column * wide, 1.0 - row * high
+        lowest = row == len(frequencies) - 1
+        layout[x.replace("x", "xaxis")] = {
+            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5,
+            "title": {"text": "time  [s]" if lowest else ""},
+        }  # fmt: skip
+        layout[y.replace("y", "yaxis")] = {
+            "domain": [top - 0.62 * high, top], "anchor": x, "range": [-SHOWN_RAD, SHOWN_RAD], "nticks": 5,
+            "title": {"text": "" if column else "θ  [rad]"},
+        }  # fmt: skip
+        curves = panel["curves"].get(model, {})
+        for setting, name, scale, colour, words in PANEL_CURVES:
+            if setting in curves:
+                data.append({
+                    "type": "scatter", "mode": "lines", "x": curves[setting]["t_s"], "xaxis": x, "yaxis": y, "name": words,
+                    "y": (scale * np.asarray(curves[setting][name])).tolist(), "line": {"color": colour, "width": 1.4},
+                    "showlegend": words not in {trace["name"] for trace in data},
+                })  # fmt: skip
+        if curves:
+            words = f"{panel['amplitude_g']:g} g, {panel['frequency_hz']:g} Hz"
+            notes.append({
+                "xref": f"{x} domain", "x": 0, "yref": f"{y} domain", "y": 1, "yanchor": "bottom", "xanchor": "left",
+                "text": words,
+            })  # fmt: skip
+    return {"data": data, "layout": layout | {"annotations": notes}}
 
 
 def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str) -> Json | None:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from harness.records.scene import MotionRecord, SceneRecord
-from reports.charts.palette import faint
 from reports.charts.static_svg_axes import nice_ticks
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import Array, section
+from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
 from reports.drawing.silhouette import silhouette_m
 from reports.source import RunSource
 from reports.text.giving_way import Level, bearing
@@ -25,22 +25,7 @@ MOST_RINGS: Final = 4
 """As many circles as a reader can tell apart by their numbers."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
-
-
-def _svg(parts: Sequence[str], title: str, height: float = SIDE) -> Markup:
-    return Markup(
-        f'<svg class="plain" viewBox="0 0 {SIDE} {height:g}" role="img" aria-label="{escape(title)}" '
-        f'xmlns="http://www.w3.org/2000/svg">{"".join(parts)}</svg>'
-    )
-
-
-def _text(x: float, y: float, text: str, anchor: str = "middle", colour: str = "#1c2430") -> str:
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{escape(text)}</text>'
-
-
-def _path(points: Array, style: str, *, closed: bool = True) -> str:
-    drawn = "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist())
-    return f'<path d="M{drawn}{"Z" if closed else ""}" {style}/>'
+INK: Final = "#1c2430"
 
 
 def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title: str) -> Markup:
@@ -53,13 +38,13 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
     centre = 0.5 * (shape.corner_right_m - shape.corner_left_m)
     xs = [*outline[:, 0], *(x for lean in leans for x in lean[:, 0])]
     half = 0.0 if pedestal is None else 0.5 * pedestal.width_m
-    box = (centre + (0.0 if pedestal is None else pedestal.offset_m) - half, 2 * half)
+    stand = (centre + (0.0 if pedestal is None else pedestal.offset_m) - half, 2 * half)
     at_wall = None
     if wall is not None:
         right = wall.side == "right"
         at_wall = (shape.corner_right_m if right else -shape.corner_left_m) + (1 if right else -1) * wall.distance_m
         xs.append(at_wall)
-    low, high = min(*xs, box[0]), max(*xs, box[0] + box[1])
+    low, high = min(*xs, stand[0]), max(*xs, stand[0] + stand[1])
     top = lift + max(float(outline[:, 1].max()), *(float(lean[:, 1].max()) for lean in leans), 0.0)
     scale = min((SIDE - 2 * MARGIN) / (high - low), (SIDE - 2 * MARGIN) / top)
 
@@ -68,34 +53,37 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
         return np.column_stack([x, SIDE - MARGIN - scale * (lift + points[:, 1])])
 
     ground = SIDE - MARGIN
-    parts = [f'<path d="M14 {ground}H{SIDE - 14}" stroke="#1c2430" stroke-width="2"/>']
+    shapes: list[Shape] = [line([(14, ground), (SIDE - 14, ground)], INK, 2.0)]
     if pedestal is not None:
-        corner = place(np.array([[box[0], 0.0]]))[0]
-        size = f'width="{scale * box[1]:.1f}" height="{scale * lift:.1f}"'
-        parts.append(f'<rect x="{corner[0]:.1f}" y="{corner[1]:.1f}" {size} fill="#c3c8cf" stroke="#59636f"/>')
-    parts.append(_path(place(outline), 'fill="#dfd8cb" stroke="#6d6353" stroke-width="1.5"'))
-    for lean in leans:
-        parts.append(_path(place(lean), f'fill="none" stroke="{SHAKING}" stroke-width="1.6" stroke-dasharray="5 4"'))
+        x, y = place(np.array([[stand[0], 0.0]]))[0].tolist()
+        shapes.append(box(x, y, scale * stand[1], scale * lift, "#c3c8cf", stroke="#59636f"))
+    shapes.append(area(place(outline), "#dfd8cb", "#6d6353", 1.5))
+    shapes += [Path(place(lean), SHAKING, 1.6, "5 4", closed=True) for lean in leans]
     if at_wall is not None and wall is not None:
         x = float(place(np.array([[at_wall, 0.0]]))[0, 0])
         inwards = 0.0 if wall.side == "right" else -12.0
-        parts.append(f'<rect x="{x + inwards:.1f}" y="20" width="12" height="{ground - 20}" fill="#8a94a3"/>')
-        parts.append(_text(x, 14, "wall"))
-    return _svg([*parts, *_top_shift(outline, leans, place)], title)
+        shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, "wall", colour=INK)]
+    return _picture([*shapes, *_top_shift(outline, leans, place)]).svg(title, "plain")
 
 
-def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[str]:
+def _picture(shapes: Sequence[Shape], height: float = SIDE) -> Picture:
+    return Picture(SIDE, height, shapes, type_px=15.0)
+
+
+def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[Shape]:
     """How far the outline's highest point moves to each side, written above it."""
     peak = int(np.argmax(outline[:, 1]))
     rest = place(outline[peak : peak + 1])[0]
-    parts = [f'<path d="M{rest[0]:.1f} {rest[1]:.1f}V24" stroke="#8a94a3" stroke-dasharray="2 3"/>']
+    shapes: list[Shape] = [line([rest, (rest[0], 24)], "#8a94a3", dash="2 3")]
     for lean in leans:
         moved = float(lean[peak, 0] - outline[peak, 0])
         x = float(place(lean[peak : peak + 1])[0, 0])
-        parts.append(f'<path d="M{rest[0]:.1f} 30H{x:.1f}" stroke="{SHAKING}" stroke-width="3"/>')
         anchor, beside = ("start", 6) if moved > 0 else ("end", -6)
-        parts.append(_text(x + beside, 34, length(abs(moved)), anchor, SHAKING))
-    return parts
+        shapes += [
+            line([(rest[0], 30), (x, 30)], SHAKING, 3.0),
+            Text(x + beside, 34, length(abs(moved)), anchor, SHAKING),
+        ]
+    return shapes
 
 
 def push_svg(
@@ -123,33 +111,28 @@ def push_svg(
         return np.column_stack([middle + scale * pushes[:, 0], middle - scale * pushes[:, 1]])
 
     rings = nice_ticks(0.0, most, MOST_RINGS)[1:]
-    parts = [
-        f'<circle cx="{middle}" cy="{middle}" r="{scale * ring:.1f}" fill="none" stroke="#d5dbe3"/>' for ring in rings
-    ]
-    parts += [f'<path d="M{MARGIN} {middle}H{SIDE - MARGIN}M{middle} {MARGIN}V{SIDE - MARGIN}" stroke="#d5dbe3"/>']
-    parts.append(_path(place(safe), f'fill="{faint(SAFE, 0.22)}" stroke="{SAFE}" stroke-width="2"'))
-    for slip in slips:
-        circle = f'cx="{middle}" cy="{middle}" r="{scale * slip:.1f}" fill="none" stroke="{PEDESTAL_COLOUR}"'
-        parts.append(f'<circle {circle} stroke-width="2" stroke-dasharray="7 4"/>')
+    shapes: list[Shape] = [Disc(middle, middle, scale * ring, stroke="#d5dbe3") for ring in rings]
+    for end in ((SIDE - MARGIN, middle), (middle, SIDE - MARGIN)):
+        shapes.append(line([(SIDE - end[0], SIDE - end[1]), end], "#d5dbe3"))
+    shapes += [area(place(safe), SAFE, opacity=0.22), Path(place(safe), SAFE, 2.0, closed=True)]
+    shapes += [Disc(middle, middle, scale * slip, "", PEDESTAL_COLOUR, 2.0, "7 4") for slip in slips]
     if len(stood):
-        parts.append(_path(place(stood), f'fill="none" stroke="{FLOOR_COLOUR}" stroke-width="2.5"'))
-        parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{FLOOR_COLOUR}"/>' for x, y in place(stood).tolist()]
+        shapes.append(Path(place(stood), FLOOR_COLOUR, 2.5, closed=True))
+        shapes += [Disc(x, y, 4.0, FLOOR_COLOUR) for x, y in place(stood).tolist()]
     if len(shaking):
-        style = f'fill="none" stroke="{SHAKING}" stroke-width="1.2" stroke-linejoin="round"'
-        parts.append(_path(place(shaking), style, closed=False))
+        shapes.append(line(place(shaking), SHAKING, 1.2))
     diagonal = middle - 0.7071 * scale * np.array(rings)
-    parts += [
-        _text(float(at), float(at) + 4, percent(ring), colour="#566070")
+    shapes += [
+        Text(float(at), float(at) + 4, percent(ring), colour="#566070")
         for at, ring in zip(diagonal, rings, strict=True)
     ]
-    for x, y, words in (
-        (SIDE - 4, middle - 6, "right"),
-        (4, middle - 6, "left"),
-        (middle, 16, "back"),
-        (middle, SIDE - 8, "front"),
-    ):
-        parts.append(_text(x, y, words, {"right": "end", "left": "start"}.get(words, "middle")))
-    return _svg(parts, title)
+    shapes += [
+        Text(SIDE - 4, middle - 6, "right", "end", INK),
+        Text(4, middle - 6, "left", "start", INK),
+        Text(middle, 16, "back", colour=INK),
+        Text(middle, SIDE - 8, "front", colour=INK),
+    ]
+    return _picture(shapes).svg(title, "plain")
 
 
 def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
@@ -168,18 +151,15 @@ def order_svg(levels: Sequence[Level], peak: float | None, title: str) -> Markup
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
     height = 64 + row * len(levels)
-    parts = []
+    shapes: list[Shape] = []
     for k, level in enumerate(levels):
         y, size = 52 + row * k, wide * level.push / most
         colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
-        parts.append(_text(10, y, level.words, "start"))
-        parts.append(f'<rect x="10" y="{y + 8:.1f}" width="{size:.1f}" height="26" fill="{colour}"/>')
-        parts.append(_text(16 + size, y + 26, percent(level.push), "start"))
+        shapes += [Text(10, y, level.words, "start", INK), box(10, y + 8, size, 26, colour)]
+        shapes.append(Text(16 + size, y + 26, percent(level.push), "start", INK))
     if peak is not None:
         x = 10 + wide * peak / most
-        parts.append(
-            f'<path d="M{x:.1f} 24V{height - 8:.1f}" stroke="{SHAKING}" stroke-width="2" stroke-dasharray="6 4"/>'
-        )
+        shapes.append(line([(x, 24), (x, height - 8)], SHAKING, 2.0, "6 4"))
         anchor = "end" if x > SIDE / 2 else "start"
-        parts.append(_text(x, 18, f"this shaking: {percent(peak, 3)}", anchor, SHAKING))
-    return _svg(parts, title, height)
+        shapes.append(Text(x, 18, f"this shaking: {percent(peak, 3)}", anchor, SHAKING))
+    return _picture(shapes, height).svg(title, "plain")

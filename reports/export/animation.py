@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path as File
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -15,15 +15,20 @@ from numpy.typing import NDArray
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.records.result_folder import MARK, check_marked, writing
-from reports.charts.palette import look
+from reports.charts.histories import histories_figure
+from reports.charts.palette import HAIRLINE, INK, MUTED, look
+from reports.charts.static_svg import picture
+from reports.charts.static_svg_axes import Axis, axes
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, Section, posed_in_space_m, section
 from reports.drawing.replay import default_model
+from reports.drawing.shapes import Path, Shape, Text, area, box, line, moved
 from reports.drawing.silhouette import silhouette_m
 from reports.source import RunSource, run_source
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+    from PIL.ImageDraw import ImageDraw
 
 Array = NDArray[np.float64]
 
@@ -31,14 +36,18 @@ FRAMES_PER_S: Final = 20
 LONGEST_S: Final = 12.0
 """Longer motions are shown around their largest rotation: a slide is not looked at for a minute."""
 SIZE: Final = (640, 560)
-CHART: Final = 120
+CHART: Final = 130
 GREYS: Final = 64
+DARK, BRIGHT = np.array([92, 84, 72]), np.array([244, 238, 226])
+STONES: Final = ["#{:02x}{:02x}{:02x}".format(*(DARK + (BRIGHT - DARK) * k // (GREYS - 1))) for k in range(GREYS)]
+"""Colours of the stone from its shadow to its light."""
+LIGHT, PAPER, STONE, PINK = "#eceff2", "#fcfcfa", "#acb2bb", "#c2185b"
 VIEW: Final = (0.42, 0.16)
 """Azimuth and elevation of the view in rad."""
+PLACES: Final = {"start": "ls", "middle": "ms", "end": "rs"}
+"""Where a text stands at its place on its base line, in the words of pixels."""
 SUN: Final = np.array([-0.55, -0.55, 0.63])
 FLOOR: Final = np.array([[-0.62, -0.4, 0.0], [0.62, -0.4, 0.0], [0.62, 0.5, 0.0], [-0.62, 0.5, 0.0]])
-LIGHT, PAPER, STONE, LINE, PINK = range(GREYS, GREYS + 5)
-FIRST_MODEL: Final = GREYS + 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +84,7 @@ class Stage:
         return np.column_stack([left, SIZE[1] - CHART - 34 - self.scale * up]), depth
 
 
-def write_gif(folder: Path, path: Path | None = None, model: str | None = None) -> Path:
+def write_gif(folder: File, path: File | None = None, model: str | None = None) -> File:
     """Write the replay of a run's folder as a GIF (default `replay.gif` in it), in real time at 20 frames per second.
 
     Raises `InputError` for a folder without a run, without histories, or for a model that it does not hold.
@@ -90,8 +99,8 @@ def write_gif(folder: Path, path: Path | None = None, model: str | None = None) 
     stage = _stage(source, model or default_model(source))
     start, end = _window(source.histories[stage.solid])
     times = np.arange(start, end + 0.5 / FRAMES_PER_S, 1.0 / FRAMES_PER_S)
-    chart = _chart(stage, start, end)
-    frames = [_frame(stage, float(t), chart, start, end) for t in times]
+    chart, along = _chart(stage, start, end)
+    frames = [_frame(stage, float(t), chart, float(along.px(t)[0])) for t in times]
     with writing(target) as fresh:
         frames[0].save(
             fresh,
@@ -122,79 +131,62 @@ def _window(history: History) -> tuple[float, float]:
     return start, start + LONGEST_S
 
 
-def _colours(stage: Stage) -> list[int]:
-    low, high = np.array([92, 84, 72]), np.array([244, 238, 226])
-    greys = [(low + (high - low) * k / (GREYS - 1)).astype(int).tolist() for k in range(GREYS)]
-    fixed = [[236, 239, 242], [252, 252, 250], [172, 178, 187], [60, 68, 80], [194, 24, 91]]
+def _chart(stage: Stage, start_s: float, end_s: float) -> tuple[Image, Axis]:
+    """The background of every frame: the page's chart of all rotations under an empty floor; its time axis."""
+    from PIL import Image, ImageColor, ImageDraw
+
+    whole = histories_figure(stage.source)
+    layout = {
+        "height": CHART, "showlegend": True, "still": {"top": 24.0, "bottom": 22.0}, "xaxis": {"range": [start_s, end_s]},
+        "yaxis": {"range": whole["views"]["near"], "nticks": 3},
+    }  # fmt: skip
+    rotations = [trace for trace in whole["data"] if trace["yaxis"] == "y" and trace.get("name")]
+    figure = {"data": rotations, "layout": layout}
+    drawn = picture(figure, SIZE[0])
+    if drawn is None:
+        raise LookupError("the chart of rotations has no still picture")
     names = list(stage.source.runs)
-    own = [[int(look(name, names).colour[i : i + 2], 16) for i in (1, 3, 5)] for name in names]
-    return [value for colour in greys + fixed + own for value in colour]
-
-
-def _blank(stage: Stage) -> Image:
-    from PIL import Image
-
-    image = Image.new("P", SIZE, LIGHT)
-    image.putpalette(_colours(stage))
-    return image
-
-
-def _model_colour(stage: Stage, name: str) -> int:
-    return FIRST_MODEL + list(stage.source.runs).index(name)
-
-
-def _chart(stage: Stage, start_s: float, end_s: float) -> Image:
-    """The background of every frame: the histories of all models under an empty floor."""
-    from PIL import ImageDraw
-
-    image = _blank(stage)
+    own = [look(name, names).colour for name in names]
+    image = Image.new("P", SIZE)
+    # All colours beforehand, so that every frame shares them.
+    shades = (LIGHT, *STONES, PAPER, STONE, PINK, INK, MUTED, HAIRLINE, *own)
+    image.putpalette([part for shade in shades for part in ImageColor.getrgb(shade)])
     draw = ImageDraw.Draw(image)
     top = SIZE[1] - CHART
-    draw.rectangle((0, top, SIZE[0], SIZE[1]), fill=PAPER)
-    draw.line((0, top, SIZE[0], top), fill=STONE)
-    low, high = _shown_rad(stage)
-    per_rad = (CHART - 34) / (high - low)
-    middle = SIZE[1] - 8 + low * per_rad
-    draw.line((0, middle, SIZE[0], middle), fill=STONE)
-    for name, history in stage.source.histories.items():
-        t = np.linspace(start_s, min(end_s, float(history.t_s[-1])), 1200)
-        theta = np.clip(history.at(t), low, high)
-        points = np.column_stack([(t - start_s) / (end_s - start_s) * SIZE[0], middle - per_rad * theta])
-        draw.line([tuple(point) for point in points.tolist()], fill=_model_colour(stage, name), width=2)
-    for k, name in enumerate(stage.source.histories):
-        draw.text((8 + 90 * k, top + 4), name, fill=_model_colour(stage, name))
-    return image
+    _paint(draw, [box(0, top, SIZE[0], CHART, PAPER), *moved(drawn.shapes, 0.0, top)])
+    return image, axes(figure, SIZE[0], CHART)["x"]
 
 
-def _shown_rad(stage: Stage) -> tuple[float, float]:
-    """Least and largest rotation of the chart: those of the histories, cut a little beyond the balance points."""
-    statue = stage.source.scene.statue
-    least = min(float(item.theta_rad.min()) for item in stage.source.histories.values())
-    most = max(float(item.theta_rad.max()) for item in stage.source.histories.values())
-    low = max(least, -1.2 * statue.slenderness_left_rad)
-    high = min(most, 1.2 * statue.slenderness_right_rad)
-    return min(low, -1e-3), max(high, 1e-3)
+def _paint(draw: ImageDraw, shapes: Iterable[Shape]) -> None:
+    """Draw shapes as pixels of full colours."""
+    for shape in shapes:
+        if isinstance(shape, Text):
+            draw.text(
+                (shape.x, shape.y), shape.text.replace("−", "-"), fill=shape.colour or INK, anchor=PLACES[shape.anchor]
+            )
+        elif isinstance(shape, Path):
+            points = [tuple(point) for point in shape.points_px.tolist()]
+            if shape.fill or shape.closed:
+                draw.polygon(points, fill=shape.fill or None, outline=shape.stroke or None)
+            else:
+                draw.line(points, fill=shape.stroke, width=max(1, round(shape.width)))
 
 
-def _frame(stage: Stage, t_s: float, chart: Image, start_s: float, end_s: float) -> Image:
+def _frame(stage: Stage, t_s: float, chart: Image, x_px: float) -> Image:
     from PIL import ImageDraw
 
     image = chart.copy()
-    draw = ImageDraw.Draw(image)
     solid = stage.source.histories[stage.solid]
     theta = _at(solid, t_s)[0]
     floor = stage.pixels(1.1 * stage.vertices_m[:, 2].max() * FLOOR)[0]
-    draw.polygon([tuple(point) for point in floor.tolist()], fill=PAPER, outline=STONE)
-    faces, shades = _faces(stage, _posed(stage, solid, t_s), solid, t_s)
-    for polygon, shade in zip(faces, shades, strict=True):
-        draw.polygon([tuple(point) for point in polygon.tolist()], fill=shade)
-    if stage.ghost is not None:
-        outline = _outline(stage, *_at(stage.source.histories[stage.ghost], t_s))
-        draw.polygon(outline, outline=_model_colour(stage, stage.ghost))
-    x = (t_s - start_s) / (end_s - start_s) * SIZE[0]
-    draw.line((x, SIZE[1] - CHART, x, SIZE[1]), fill=PINK, width=2)
+    shapes: list[Shape] = [area(floor, PAPER, STONE), *_faces(stage, _posed(stage, solid, t_s), solid, t_s)]
     label = f"{t_s:5.2f} s   {stage.solid}: {theta:+.3f} rad"
-    draw.text((8, 8), label if stage.ghost is None else f"{label}   outline: {stage.ghost}", fill=LINE)
+    if stage.ghost is not None:
+        colour = look(stage.ghost, list(stage.source.runs)).colour
+        shapes.append(area(_outline(stage, *_at(stage.source.histories[stage.ghost], t_s)), "", colour))
+        label += f"   outline: {stage.ghost}"
+    shapes += [line([(x_px, SIZE[1] - CHART), (x_px, SIZE[1])], PINK, 2.0), Text(8.0, 18.0, label, "start")]
+    _paint(ImageDraw.Draw(image), shapes)
     return image
 
 
@@ -217,14 +209,13 @@ def _posed(stage: Stage, history: History, t_s: float) -> Array:
     return posed
 
 
-def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> tuple[Sequence[Array], Sequence[int]]:
-    """Visible faces of pedestal and statue from far to near with their shades."""
+def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> list[Shape]:
+    """Visible faces of pedestal and statue from far to near in their shades."""
     groups = [(posed, stage.faces, GREYS - 1)]
     pedestal = stage.source.scene.pedestal
     if pedestal is not None:
-        groups.insert(0, (*_box(stage, pedestal, history, t_s), GREYS // 2))
-    polygons: list[Array] = []
-    shades: list[int] = []
+        groups.insert(0, (*_pedestal(stage, pedestal, history, t_s), GREYS // 2))
+    shapes: list[Shape] = []
     for vertices, faces, bright in groups:
         pixels, depth = stage.pixels(vertices)
         corners = vertices[faces]
@@ -237,12 +228,11 @@ def _faces(stage: Stage, posed: Array, history: History, t_s: float) -> tuple[Se
         order = np.argsort(-depth[faces].mean(axis=1))
         order = order[turned_here[order]]
         shade = np.round(bright * (0.35 + 0.65 * np.clip(normal @ SUN, 0.0, 1.0))).astype(int)
-        polygons += list(flat[order])
-        shades += shade[order].tolist()
-    return polygons, shades
+        shapes += [area(points, STONES[k]) for points, k in zip(flat[order], shade[order], strict=True)]
+    return shapes
 
 
-def _box(stage: Stage, pedestal: Any, history: History, t_s: float) -> tuple[Array, NDArray[np.int64]]:
+def _pedestal(stage: Stage, pedestal: Any, history: History, t_s: float) -> tuple[Array, NDArray[np.int64]]:
     """The pedestal at a time: slid, and tilted, turned and shifted across where the engine recorded that."""
     slip, tilt, yaw, across = (
         _value(history, name, t_s) for name in ("slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
@@ -263,8 +253,7 @@ def _value(history: History, name: str, t_s: float) -> float:
     return 0.0 if values is None else float(np.interp(min(t_s, float(history.t_s[-1])), history.t_s, values))
 
 
-def _outline(stage: Stage, theta: float, slip: float) -> list[tuple[float, float]]:
-    """The ghost's silhouette in the plane of its base's middle."""
+def _outline(stage: Stage, theta: float, slip: float) -> Array:
+    """The ghost's silhouette in the plane of its base's middle, in pixels."""
     posed = stage.shape.posed_m(silhouette_m(stage.source.scene, stage.source.mesh), theta, slip)[0]
-    points = np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m])
-    return [(float(x), float(y)) for x, y in stage.pixels(points)[0]]
+    return stage.pixels(np.column_stack([posed[:, 0], np.zeros(len(posed)), posed[:, 1] + stage.lift_m]))[0]

@@ -3,46 +3,57 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Final
+from typing import Any, Final
 
 import numpy as np
 
 from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
 from harness.input.motions.measures import arias_share
 from harness.input.motions.series import displacement_m, velocity_m_s
-from reports.text.numbers import drawn_text
+from harness.model.terminal import printable
+from reports.charts.decimate import kept_samples
+from reports.charts.palette import MUTED
+from reports.charts.static_svg import picture
+from reports.drawing.shapes import Picture, Shape, Text, moved
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+Json = dict[str, Any]
 
+WIDTH_MM: Final = 279.4
+"""A sheet's width: eleven inches, on which three histories and two charts beside them can be read."""
+ACROSS: Final = (770, 517)
+"""Width in pixels of the histories, and of the charts beside them."""
+HEADS_PX: Final = 64
+HEIGHTS: Final = (800, 480, 320)
+"""Height in pixels of the histories, the spectrum, the build-up."""
+TICKS_S: Final = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 _COLOURS: Final = ("#0b3c5d", "#c8553d", "#5a8f5a", "#8a6d3b", "#6b5b95", "#444444")
 _MOST_POINTS: Final = 4000
 _BAND_COLOUR: Final = "#dddddd"
-_HEAD_ROOM: Final = 1.22
-"""Of the spectrum's axis, for its legend."""
+_HEAD_ROOM: Final = 1.1
+"""Of the spectrum's axis."""
 _LEAST_G: Final = 1e-3
 _ORIGIN_WIDTH: Final = 170
 
 
-def figure(inspection: Inspection) -> Figure:
-    """A matplotlib figure (11 × 7.5 inches) of an inspection; save it with `savefig` in any format."""
-    from matplotlib.figure import Figure
-
-    drawing = Figure(figsize=(11.0, 7.5))
-    left = drawing.add_gridspec(3, 1, left=0.085, right=0.575, top=0.9, bottom=0.075, hspace=0.14)
-    right = drawing.add_gridspec(
-        2, 1, height_ratios=(1.8, 1.0), left=0.655, right=0.985, top=0.9, bottom=0.075, hspace=0.24
-    )
-    histories = [drawing.add_subplot(left[row, 0]) for row in range(3)]
-    _histories(histories, inspection)
-    drawing.align_ylabels(histories)
-    _spectrum(drawing.add_subplot(right[0, 0]), inspection)
-    _build_up(drawing.add_subplot(right[1, 0]), inspection)
+def motion_picture(inspection: Inspection) -> Picture:
+    """The picture of an inspection, a sheet wide."""
     title, origin = _title(inspection)
-    drawing.text(0.02, 0.965, drawn_text(title), fontsize=12, weight="bold")
-    drawing.text(0.02, 0.93, drawn_text(origin), fontsize=9, color="#444444")
-    return drawing
+    shapes: list[Shape] = [
+        Text(26.0, 28.0, title, "start", size_px=19.0),
+        Text(26.0, 50.0, origin, "start", MUTED, 14.0),
+    ]
+    top = float(HEADS_PX)
+    for figure, across, left in (
+        (histories_figure(inspection), ACROSS[0], 0.0),
+        (spectrum_figure(inspection), ACROSS[1], ACROSS[0]),
+        (build_up_figure(inspection), ACROSS[1], ACROSS[0]),
+    ):
+        drawn = picture(figure, across, _MOST_POINTS)
+        if drawn is None:
+            raise LookupError("a motion's chart has no still picture")
+        shapes += moved(drawn.shapes, left, top)
+        top = top + drawn.height if left else HEADS_PX
+    return Picture(sum(ACROSS), HEADS_PX + HEIGHTS[0], shapes)
 
 
 def _title(inspection: Inspection) -> tuple[str, str]:
@@ -51,88 +62,83 @@ def _title(inspection: Inspection) -> tuple[str, str]:
     said = [" ".join(part.split()) for part in facts if part]
     if not said:
         said = list(inspection.traces[0].series.done[-2:])
-    return inspection.title, textwrap.shorten(" · ".join(said), _ORIGIN_WIDTH, placeholder=" …")
+    return printable(inspection.title), textwrap.shorten(printable(" · ".join(said)), _ORIGIN_WIDTH, placeholder=" …")
 
 
-def _histories(axes: list[Axes], inspection: Inspection) -> None:
-    labels = ("acceleration (g)", "velocity (m/s)", "displacement (m)")
+def _trace(x: Any, y: Any, colour: str, name: str = "", **more: Any) -> Json:
+    """One curve; of more points than are drawn those that keep its peaks."""
+    kept = kept_samples(np.asarray(y), _MOST_POINTS)
+    style = {"color": colour, "width": more.pop("width", 1.3), "dash": more.pop("dash", "solid")}
+    return {
+        "type": "scatter", "mode": "lines", "x": np.asarray(x)[kept], "y": np.asarray(y)[kept], "line": style,
+        "name": name, **more,
+    }  # fmt: skip
+
+
+def histories_figure(inspection: Inspection) -> Json:
+    """Acceleration, velocity and displacement of every trace, one below the other."""
+    data: list[Json] = []
     for i, trace in enumerate(inspection.traces):
-        series = trace.series
-        kept = _outline(series.accel_m_s2)
-        for axis, values in zip(
-            axes, (in_g(series.accel_m_s2), velocity_m_s(series), displacement_m(series)), strict=True
-        ):
-            axis.plot(
-                series.t_s[kept], values[kept], color=_COLOURS[i % len(_COLOURS)], lw=0.8, label=drawn_text(trace.name)
-            )
-    for axis, label in zip(axes, labels, strict=True):
-        axis.set_ylabel(label)
-        axis.axhline(0.0, color="#999999", lw=0.5, zorder=0)
-        axis.margins(x=0.0)
-        axis.grid(alpha=0.25)
-    for axis in axes[:-1]:
-        axis.tick_params(labelbottom=False)
-    axes[-1].set_xlabel("time (s)")
-    peaks = [f"{t.name}: PGA {t.measures.pga_g:.3f} g, PGV {t.measures.pgv_m_s:.3f} m/s" for t in inspection.traces]
-    handles, _ = axes[0].get_legend_handles_labels()
-    axes[0].legend(handles, peaks, fontsize=8, loc="upper right", framealpha=0.85)
+        series, measures, colour = trace.series, trace.measures, _COLOURS[i % len(_COLOURS)]
+        words = f"{trace.name}: PGA {measures.pga_g:.3f} g, PGV {measures.pgv_m_s:.3f} m/s"
+        data += [
+            _trace(series.t_s, in_g(series.accel_m_s2), colour, words, yaxis="y"),
+            _trace(series.t_s, velocity_m_s(series), colour, yaxis="y2"),
+            _trace(series.t_s, displacement_m(series), colour, yaxis="y3"),
+        ]
+    end = max(float(trace.series.t_s[-1]) for trace in inspection.traces)
+    rows = {"yaxis": "acceleration (g)", "yaxis2": "velocity (m/s)", "yaxis3": "displacement (m)"}
+    layout: Json = {
+        "height": HEIGHTS[0],
+        "xaxis": {"title": {"text": "time (s)"}, "range": [0.0, end]},
+        "showlegend": True,
+    }
+    layout |= {
+        name: {"title": {"text": words}, "domain": [0.68 - 0.34 * row, 1.0 - 0.34 * row], "nticks": 6}
+        for row, (name, words) in enumerate(rows.items())
+    }
+    return {"data": data, "layout": layout | {"still": {"top": 54.0}}}
 
 
-def _outline(
-    accel: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
-    """Samples that draw the same picture: all, or each bin's least and greatest, so that no peak is lost."""
-    if accel.size <= _MOST_POINTS:
-        return np.arange(accel.size)
-    width = -(-2 * accel.size // _MOST_POINTS)
-    whole = accel.size // width * width
-    bins = accel[:whole].reshape(-1, width)
-    start = np.arange(0, whole, width)
-    ends = np.array([0, accel.size - 1])
-    return np.unique(np.concatenate([start + bins.argmin(1), start + bins.argmax(1), ends]))
-
-
-def _spectrum(axis: Axes, inspection: Inspection) -> None:
-    target = inspection.target
+def spectrum_figure(inspection: Inspection) -> Json:
+    """Pseudo-acceleration by period of every trace, and of the target with its band of ± 10 %."""
+    target, data = inspection.target, []
+    most = max([_LEAST_G, *(float(in_g(trace.spectrum_m_s2).max()) for trace in inspection.traces)])
     if target is not None:
         wanted = in_g(target.accel_m_s2(PERIODS_S))
-        axis.fill_between(PERIODS_S, 0.9 * wanted, 1.1 * wanted, color=_BAND_COLOUR, label="target ± 10 %", zorder=1)
-        axis.plot(PERIODS_S, wanted, color="black", lw=1.4, ls="--", label=drawn_text(target.name), zorder=3)
-    for i, trace in enumerate(inspection.traces):
-        axis.plot(
-            PERIODS_S,
-            in_g(trace.spectrum_m_s2),
-            color=_COLOURS[i % len(_COLOURS)],
-            lw=1.1,
-            label=drawn_text(trace.name),
-        )
-    axis.set_xscale("log")
-    axis.set_xlim(PERIODS_S[0], PERIODS_S[-1])
-    axis.set_ylim(0.0, _HEAD_ROOM * max(float(axis.dataLim.y1), _LEAST_G))
-    ticks = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
-    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axis.minorticks_off()
+        most = max(most, 1.1 * float(wanted.max()))
+        around = np.concatenate([PERIODS_S, PERIODS_S[::-1]]), np.concatenate([0.9 * wanted, 1.1 * wanted[::-1]])
+        band = _trace(*around, _BAND_COLOUR, "target ± 10 %", fill="toself", fillcolor=_BAND_COLOUR, width=8)
+        data = [band, _trace(PERIODS_S, wanted, "#000000", target.name, dash="dash", width=1.8)]
+    data += [
+        _trace(PERIODS_S, in_g(trace.spectrum_m_s2), _COLOURS[i % len(_COLOURS)], trace.name, width=1.6)
+        for i, trace in enumerate(inspection.traces)
+    ]
     damping = DAMPING if target is None else target.damping
-    axis.set_xlabel("period (s)", labelpad=1.0)
-    axis.set_ylabel(f"pseudo-acceleration (g), damping {damping:.0%}")
-    axis.grid(alpha=0.25)
-    axis.legend(fontsize=8, loc="upper right")
+    layout = {
+        "height": HEIGHTS[1], "showlegend": True, "still": {"top": 54.0},
+        "xaxis": {
+            "type": "log", "range": np.log10(PERIODS_S[[0, -1]]).tolist(), "title": {"text": "period (s)"},
+            "tickvals": TICKS_S, "ticktext": [f"{tick:g}" for tick in TICKS_S],
+        },
+        "yaxis": {"title": {"text": f"pseudo-acceleration (g), damping {damping:.0%}"}, "range": [0.0, _HEAD_ROOM * most]},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
 
 
-def _build_up(axis: Axes, inspection: Inspection) -> None:
+def build_up_figure(inspection: Inspection) -> Json:
+    """How the Arias intensity of every trace builds up, in per cent."""
+    data, end = [], max(float(trace.series.t_s[-1]) for trace in inspection.traces)
     for i, trace in enumerate(inspection.traces):
-        if trace.measures.arias_m_s == 0.0:
-            continue
-        share = 100.0 * arias_share(trace.series.accel_m_s2**2)
-        kept = _outline(share)
-        name, strong_s = drawn_text(trace.name), trace.measures.significant_5_95_s
-        label = f"{name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {strong_s:.1f} s"
-        axis.plot(trace.series.t_s[kept], share[kept], color=_COLOURS[i % len(_COLOURS)], lw=1.1, label=label)
-    for level in (5.0, 95.0):
-        axis.axhline(level, color="#999999", lw=0.6, ls=":")
-    axis.set_xlabel("time (s)")
-    axis.set_ylabel("Arias intensity (%)")
-    axis.margins(x=0.0)
-    axis.grid(alpha=0.25)
-    if axis.lines[:-2]:
-        axis.legend(fontsize=8, loc="lower right")
+        if trace.measures.arias_m_s > 0.0:
+            share = 100.0 * arias_share(trace.series.accel_m_s2**2)
+            strong_s = trace.measures.significant_5_95_s
+            words = f"{trace.name}: {trace.measures.arias_m_s:.2f} m/s, 5-95 % in {strong_s:.1f} s"
+            data.append(_trace(trace.series.t_s, share, _COLOURS[i % len(_COLOURS)], words, width=1.6))
+    data += [_trace([0.0, end], [level, level], "#999999", dash="dot", showlegend=False) for level in (5.0, 95.0)]
+    layout = {
+        "height": HEIGHTS[2], "showlegend": True, "still": {"top": 24.0 + 15.0 * len(data[:-2])},
+        "xaxis": {"title": {"text": "time (s)"}, "range": [0.0, end]},
+        "yaxis": {"title": {"text": "Arias intensity (%)"}, "range": [0.0, 100.0], "nticks": 5},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}

@@ -6,20 +6,21 @@ import base64
 import gzip
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 from numpy.typing import ArrayLike
 
 from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
 from reports.charts.static_svg import still
+from reports.pages.made_once import folder, made_once
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap", "scatterpolar"})
@@ -43,12 +44,18 @@ def three_js() -> str:
     Raises `LookupError` when the wheel's viewer no longer has the shape that is known here.
     """
     archive = package_folder("trimesh") / "resources" / "templates" / "viewer.zip"
+    return made_once(
+        "three-js", archive.read_bytes() + Path(__file__).read_bytes(), lambda: pack_text(_script(archive))
+    )
+
+
+def _script(archive: Path) -> str:
     with zipfile.ZipFile(archive) as viewer:
         page = viewer.read("viewer.html.template").decode("utf-8")
     start, end = page.find("<script>"), page.find(VIEWER_OWN_CODE)
     if start < 0 or end < start or "Three.js Authors" not in page[start : start + 200]:
         raise LookupError(f"{archive} does not hold three.js as expected: install the trimesh version of the lock file")
-    return pack_text(page[start + len("<script>") : end])
+    return page[start + len("<script>") : end]
 
 
 def pack_text(text: str) -> str:
@@ -73,7 +80,23 @@ def chart_json(figure: Mapping[str, Any]) -> Markup:
     unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
     if unknown:
         raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
-    return json_for_script(figure)
+    return json_for_script({**figure, "data": _shared(figure["data"])})
+
+
+def _shared(traces: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The traces, each packed array written once: where it comes again, `same` gives the trace and the axis that hold it."""
+    first: dict[str, tuple[int, str]] = {}
+    shared = []
+    for number, trace in enumerate(traces):
+        own = dict(trace)
+        for letter in "xy":
+            values = trace.get(letter)
+            if isinstance(values, Mapping):
+                place = first.setdefault(values["bdata"], (number, letter))
+                if place != (number, letter):
+                    own[letter] = {"same": place}
+        shared.append(own)
+    return shared
 
 
 def _shown(value: Any) -> Any:
@@ -83,8 +106,10 @@ def _shown(value: Any) -> Any:
 
 @cache
 def environment() -> Environment:
-    """The templates, everything in them escaped, a missing value an error."""
+    """The templates, everything in them escaped, a missing value an error; compiled once for each state of theirs."""
+    home = folder()
     found = Environment(
+        bytecode_cache=None if home is None else FileSystemBytecodeCache(str(home)),
         loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(default=True),
         undefined=StrictUndefined,

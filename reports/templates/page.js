@@ -45,6 +45,10 @@ rockcheck.draw = async () => {
     const name = holder.dataset.chart;
     const box = document.getElementById(`chart-${name}`);
     const figure = JSON.parse(holder.textContent);
+    /* Curves over the same times share one array of them. */
+    for (const trace of figure.data) for (const letter of ["x", "y"]) {
+      if (trace[letter] && trace[letter].same) trace[letter] = figure.data[trace[letter].same[0]][trace[letter].same[1]];
+    }
     box.replaceChildren();
     await Plotly.newPlot(box, figure.data, fitted(figure.layout), config);
     rockcheck.charts[name] = { box, views: figure.views || null };

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.command import Known, Surroundings
 from harness.input.scene_file import load_scene
-from harness.mesh_cli import MARBLE_KG_M3, Known, inspect, new, prepare
+from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError
 from meshes import togatus
 
@@ -103,6 +104,37 @@ def test_new_writes_a_scene_that_loads(scan: Path, motion: Path, tmp_path: Path)
     assert scene.base_excitation.y.peak_m_s2 == pytest.approx(1.0, rel=1e-3)
     assert scene.base_excitation.z.peak_m_s2 == pytest.approx(0.5, rel=1e-3)
     assert scene.duration_s > 2.0 + 4.0
+
+
+def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_path: Path) -> None:
+    around = Surroundings(pedestal="250,0.6,0.8,0.2", friction=0.35, scale=2.5)
+    out = new(scan, motion, tmp_path / "second.toml", Known(unit="m", up="z", mass_kg=650.0), around)
+    scene = load_scene(out)
+    assert scene.pedestal is not None
+    told = scene.pedestal.mass_kg, scene.pedestal.width_m, scene.pedestal.depth_m, scene.pedestal.height_m
+    assert told == (250.0, 0.6, 0.8, 0.2)
+    assert (scene.contact.statue, scene.contact.floor_static, scene.contact.floor_kinetic) == (0.35, 0.35, 0.35)
+    assert scene.statue.mass_kg == pytest.approx(650.0)
+    assert scene.base_excitation.x.peak_m_s2 == pytest.approx(2.5 * 3.0, rel=1e-3)
+    assert scene.base_excitation.z.peak_m_s2 == pytest.approx(2.5 * 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("around", "said"),
+    [
+        (Surroundings(pedestal="250,0.6"), "--pedestal: wanted four numbers"),
+        (Surroundings(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted four numbers"),
+        (Surroundings(pedestal="250,0.1,0.8,0.2"), "pedestal under the whole base"),
+        (Surroundings(friction=-0.1), "contact.statue"),
+        (Surroundings(scale=float("nan")), "motion.scale"),
+    ],
+)
+def test_wrong_surroundings_are_told_and_leave_nothing(
+    scan: Path, motion: Path, tmp_path: Path, around: Surroundings, said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        new(scan, motion, tmp_path / "first.toml", Known(unit="m", up="z"), around)
+    assert not list(tmp_path.iterdir())
 
 
 def test_new_refuses_what_exists_and_leaves_nothing_half_written(scan: Path, motion: Path, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """What each mechanism of the event-located engines buys: error at equal cost with and without it.
 
-`python -m tests.measures.mechanisms ENGINE [COUNT FIRST]` prints a line for each mechanism over the paper's cases and COUNT random
-scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time (errors are taken to
+`python -m tests.measures.mechanisms ENGINE [COUNT FIRST]` prints a line for each mechanism over the paper's cases and COUNT
+random scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time (errors are taken to
 fall with the step, cost to grow against it). A mechanism that buys less than `WORTH` in both is not worth its lines.
 """
 
@@ -173,7 +173,7 @@ def main(arguments: Sequence[str]) -> None:
         ratio = without / own * dear
         mean, tenth = (
             float(np.exp(np.mean(np.log(ratio)))),
-            float(np.quantile(errors, 0.9) / np.quantile(own, 0.9)) * dear,
+            float(np.quantile(without, 0.9) / np.quantile(own, 0.9)) * dear,
         )
         worth = "yes" if max(mean, tenth) >= WORTH else "no"
         say(f"| {mechanism} | {mean:.2f} | {tenth:.2f} | {ratio.max():.3g} | {dear:.2f} | {worth} |\n")

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.cli import FAILED, OK, guarded
+from harness.command import FAILED, OK, guarded
 from reports.charts.library import chart_library, reduced, whole_library
 from reports.pages.assets import pack_text
 from reports.pages.page import write_report

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from harness.cli import INTERRUPTED, guarded
+from harness.command import INTERRUPTED, guarded
 from harness.model.errors import InputError
 from reports.cli import app
 from reports.pages.page import write_report

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from harness.campaign.store import Store
+from harness.command import Asked, Saying, spread
 from harness.model.history import Outcome
 from meshes import togatus
 from reports.cli import app
@@ -79,3 +81,33 @@ def test_json_is_a_record_and_nothing_else(folder: Path, name: str, wanted: dict
     found = json.loads(done.output)
     assert {key: found[key] for key in wanted} == wanted
     assert (folder / file).exists()
+
+
+def test_the_version_is_said() -> None:
+    done = CliRunner().invoke(app, ["--version"])
+    assert (done.exit_code, done.output) == (0, f"rockcheck {version('rockcheck')}\n")
+
+
+def test_a_shell_can_be_taught_to_complete() -> None:
+    known = {option for item in get_command(app).params for option in item.opts}
+    assert {"--install-completion", "--show-completion"} <= known
+
+
+def test_a_records_unit_is_named_alike() -> None:
+    """`--motion-unit` says a record's unit wherever one is read; a group's options stand in every command that takes it."""
+    commands: dict[str, Any] = vars(get_command(app))["commands"]
+    new, inspect = commands["new"], commands["motion"].commands["inspect"]
+    for item in (new, inspect):
+        assert "--motion-unit" in {option for parameter in item.params for option in parameter.opts}
+
+
+def test_a_group_of_options_reaches_its_function() -> None:
+    got: list[Any] = []
+
+    def function(first: int, asked: Asked, saying: Saying, last: str = "x") -> None:
+        """Say it."""
+        got.append((first, asked, saying, last))
+
+    spread(function)(first=1, engine=["a"], overrides=None, as_json=True, quiet=False, last="y")
+    assert got == [(1, Asked(["a"], None), Saying(as_json=True), "y")]
+    assert spread(function).__doc__ == "Say it."

@@ -6,13 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from PIL import Image
 
 from harness.model.errors import InputError
+from harness.model.run import PATTERN_NAMES
+from reports.charts.palette import look
+from reports.charts.static_svg_axes import MARGIN
+from reports.charts.study_figures import panels_figure
+from reports.drawing.shapes import Path as Line
+from reports.drawing.shapes import Text
 from reports.export.animation import FRAMES_PER_S, write_gif
-from reports.export.figures import draw_histories, draw_panels, write_figures
+from reports.export.figures import histories_picture, write_figures
+from reports.export.paper import pixels_across
 from reports.source import read_record, run_source
+from tests.budgets_reports import DRAWN_SHARE, STILL_PX
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import write_map_study, write_table_study
 
@@ -42,26 +49,50 @@ def test_the_same_record_gives_the_same_vector_figures(folder: Path) -> None:
 
 
 def test_the_figures_curves_are_the_histories(folder: Path) -> None:
+    """A printed curve passes through its history's peaks, where these lie on the axis."""
     source = run_source(folder)
-    figure = Figure()
-    draw_histories(figure, source)
-    lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
+    drawn = histories_picture(source, 800.0)
+    words = [shape.text for shape in drawn.shapes if isinstance(shape, Text)]
+    assert {"rotation θ  [rad]", "slip u  [mm]", "floor  [g]", "time  [s]", *source.histories} <= set(words)
+    assert set(PATTERN_NAMES.values()) & set(words), "a printed strip of patterns needs its key"
     for name, history in source.histories.items():
-        assert np.array_equal(lines[name].get_ydata(), history.theta_rad)
-    assert [axes.get_ylabel() for axes in figure.axes] == ["rotation θ (rad)", "", "slip (mm)", "floor (g)"]
-    assert figure.axes[-1].get_xlabel() == "time (s)"
+        style = look(name, list(source.histories))
+        curve = next(
+            item.points_px
+            for item in drawn.shapes
+            if isinstance(item, Line) and (item.stroke, item.width) == (style.colour, style.width)
+        )
+        early = history.t_s < 6.0
+        peak, trough = (int(pick(history.theta_rad[early])) for pick in (np.argmax, np.argmin))
+        lowest, highest = int(np.argmax(curve[:, 1])), int(np.argmin(curve[: len(curve) // 2, 1]))
+        shares = (curve[lowest, 0] - curve[0, 0]) / (curve[highest, 0] - curve[0, 0])
+        assert shares == pytest.approx(history.t_s[trough] / history.t_s[peak], rel=DRAWN_SHARE)
+
+
+def test_a_column_holds_its_chart_whole(folder: Path) -> None:
+    """A chart that is printed narrow reaches from the names of its axes to the picture's right edge."""
+    drawn = histories_picture(run_source(folder), pixels_across(85.0))
+    lines = [item.points_px for item in drawn.shapes if isinstance(item, Line)]
+    right = max(float(np.nanmax(points[:, 0])) for points in lines)
+    assert right == pytest.approx(drawn.width - MARGIN["right"], abs=STILL_PX)
+    assert all(np.nanmin(points) >= 0.0 for points in lines)
 
 
 def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
     panels = read_record(table)["panels"]
     group = [item for item in panels if item["restitution"] == 0.85]
-    figure = Figure()
-    draw_panels(figure, group, "pymunk (own impact)")
-    titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert titles[:3] == ["0.334 g, 1.5 Hz", "0.429 g, 1.5 Hz", "0.334 g, 2 Hz"]
-    drawn = figure.axes[1].get_lines()[1]
-    recorded = next(item for item in group if (item["amplitude_g"], item["frequency_hz"]) == (0.429, 1.5))
-    assert drawn.get_ydata().tolist() == recorded["curves"]["pymunk (own impact)"]["pedestal"]["theta_rad"]
+    figure = panels_figure(group, "pymunk (own impact)")
+    layout = figure["layout"]
+    for note in layout["annotations"]:
+        number = note["xref"].partition(" ")[0][1:]
+        panel = group[int(number or 1) - 1]
+        assert note["text"] == f"{panel['amplitude_g']:g} g, {panel['frequency_hz']:g} Hz"
+        x, y = layout[f"xaxis{number}"]["domain"], layout[f"yaxis{number}"]["domain"]
+        assert (x[0] > 0.0) == (panel["amplitude_g"] == 0.429)
+        assert (y[1] == 1.0) == (panel["frequency_hz"] == 1.5)
+        mine = [trace for trace in figure["data"] if trace["xaxis"] == f"x{number}"]
+        (drawn,) = [trace for trace in mine if trace["name"].startswith("θ, on the pedestal")]
+        assert drawn["y"] == panel["curves"]["pymunk (own impact)"]["pedestal"]["theta_rad"]
 
 
 def test_a_study_has_a_figure_for_each_restitution(table: Path) -> None:

@@ -9,7 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from harness.campaign.progress import ProgressMessages, progress
-from harness.cli import guarded, summary
+from harness.cli import summary
+from harness.command import guarded
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.model.terminal import CONTROL, json_text, printable, printable_lines

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import base64
 import gzip
+import json
 
 import pytest
 
 from reports.charts.library import chart_library, reduced, whole_library
-from reports.pages.assets import CHART_KINDS, chart_json
+from reports.pages.assets import CHART_KINDS, chart_json, packed_array
 from tests.budgets_reports import LIBRARY_SHARE
 
 
@@ -48,3 +49,16 @@ def test_a_kind_that_was_left_out_is_told_when_the_page_is_written() -> None:
     assert "scatter" in chart_json({"data": [{"type": "scatter"}], "layout": {}})
     with pytest.raises(LookupError, match="violin"):
         chart_json({"data": [{"type": "violin"}], "layout": {}})
+
+
+def test_curves_over_the_same_times_share_one_array() -> None:
+    times, other = packed_array([0.0, 1.0]), packed_array([0.0, 2.0])
+    traces = [
+        {"type": "scatter", "x": times, "y": other},
+        {"type": "scatter", "x": dict(times), "y": packed_array([3.0, 4.0])},
+    ]
+    written = json.loads(chart_json({"data": traces, "layout": {}}))["data"]
+    assert written[0]["x"] == times
+    assert written[1]["x"] == {"same": [0, "x"]}
+    assert written[1]["y"] == traces[1]["y"]
+    assert traces[1]["x"] == times, "the figure itself stays whole: its still picture is drawn from it"

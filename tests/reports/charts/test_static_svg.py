@@ -111,3 +111,60 @@ def test_ticks_are_round_within_and_few(low: float, high: float) -> None:
     assert low - 1e-12 <= min(found) < max(found) <= high + 1e-12
     steps = np.diff(found)
     assert np.ptp(steps) < 1e-9 * high
+
+
+def test_a_level_beyond_its_axis_is_not_drawn_in_another_row() -> None:
+    def figure(level: float) -> dict[str, Any]:
+        rows = {"yaxis": {"domain": [0.5, 1.0], "range": [-1, 1]}, "yaxis2": {"domain": [0.0, 0.4], "range": [-1, 1]}}
+        shape = {
+            "type": "line",
+            "xref": "paper",
+            "x0": 0,
+            "x1": 1,
+            "yref": "y",
+            "y0": level,
+            "y1": level,
+            "line": {"color": "#abcdef"},
+        }
+        note = {"xref": "paper", "x": 1, "yref": "y", "y": level, "text": "a level"}
+        data = [line([0.0, 1.0], [0.0, 0.5]), line([0.0, 1.0], [0.0, 0.5], yaxis="y2")]
+        return {"data": data, "layout": {**rows, "shapes": [shape], "annotations": [note]}}
+
+    assert "#abcdef" in still(figure(0.8))
+    assert "a level" in still(figure(0.8))
+    assert "#abcdef" not in still(figure(-2.0))
+    assert "a level" not in still(figure(-2.0))
+
+
+def test_a_curve_that_leaves_its_axis_does_not_run_along_its_edge() -> None:
+    values = [0.0, 0.5, 2.0, 3.0, 4.0, 3.0, 2.0, 0.5]
+    figure = {
+        "data": [line(list(range(8)), values)],
+        "layout": {"yaxis": {"range": [0, 1]}, "xaxis": {"range": [0, 7]}},
+    }
+    svg = still(figure)
+    pieces = re.findall(r'<path d="M([^"]+)" fill="none" stroke="#123456"', svg) + re.findall(
+        r'<path d="M([^"]+)" stroke="#123456"', svg
+    )
+    assert sorted(len(piece.split("L")) for piece in pieces) == [2, 3], "out over the edge, and in again"
+
+
+def test_intervals_symbols_and_hatchings_are_drawn() -> None:
+    ring = {"color": "#123456", "symbol": "circle-open"}
+    points = {"type": "scatter", "mode": "markers", "x": [1.0, 2.0], "y": [1.0, 2.0], "marker": ring}
+    points |= {"error_y": {"array": [0.5, 0.5]}}
+    svg = still({"data": [points], "layout": {}})
+    assert len(re.findall(r'<circle [^>]*fill="none" stroke="#123456"', svg)) == 2
+    assert len(re.findall(r'<path d="[^"]*" stroke="#123456"', svg)) == 2
+    crosses = still({"data": [points | {"marker": {"color": "#123456", "symbol": "x"}, "error_y": None}], "layout": {}})
+    assert len(re.findall(r'<path d="[^"]*" stroke="#123456"', crosses)) == 4
+    bar = {"type": "bar", "x": ["a"], "y": [1.0], "marker": {"color": "#123456", "pattern": {"shape": "x"}}}
+    assert '"#ffffff"' in still({"data": [bar], "layout": {}})
+    assert "nan" not in still({"data": [bar], "layout": {}})
+
+
+@pytest.mark.parametrize(("low", "high", "most"), [(-0.44, 0.44, 2), (-0.95, 0.95, 2), (0.0, 1.0, 8), (3.0, 3.1, 3)])
+def test_low_rows_have_ticks_enough_to_read_a_value(low: float, high: float, most: int) -> None:
+    found = nice_ticks(low, high, most)
+    assert 2 <= len(found) <= 2 * most + 1
+    assert low <= found[0] < found[-1] <= high

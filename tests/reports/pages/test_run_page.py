@@ -43,7 +43,13 @@ def without_data(html: str) -> str:
 def figure_of(html: str) -> Any:
     found = re.search(r'data-chart="histories">(.*?)</script>', html, re.S)
     assert found is not None
-    return json.loads(found[1])
+    figure = json.loads(found[1])
+    for trace in figure["data"]:
+        for letter in "xy":
+            if isinstance(trace.get(letter), dict) and "same" in trace[letter]:  # as page.js reads it
+                number, axis = trace[letter]["same"]
+                trace[letter] = figure["data"][number][axis]
+    return figure
 
 
 def numbers(packed: dict[str, str]) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,8 @@ from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
 from harness.model.run import to_plain
 from harness.records.inspection import InspectionRecord
-from reports.export.motion_figure import _outline, figure
+from reports.drawing.shapes import Text
+from reports.export.motion_figure import _trace, build_up_figure, histories_figure, motion_picture, spectrum_figure
 from tests.harness.input.motions.writers import GRAVITY
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
@@ -38,25 +38,24 @@ def test_a_file_is_shown_with_its_peaks_units_and_findings(data_dir: Path) -> No
 def test_the_picture_holds_every_trace_and_the_target(data_dir: Path) -> None:
     target = design_spectrum(Target(code="ec8", ag_g=0.3, soil="C", type=1))
     found = inspect_file(data_dir / "records" / "coalinga1983_PFZ14.csv", target=target)
-    drawing = figure(found)
-    acceleration, velocity, displacement, spectrum, build_up = drawing.axes
-    for axis in (acceleration, velocity, displacement):
-        assert len(axis.lines) == 4  # three traces and the zero line
-    assert max(np.abs(line.get_ydata()).max() for line in acceleration.lines) == pytest.approx(0.27324, abs=1e-5)
-    drawn = spectrum.lines[0].get_ydata()
+    histories, spectrum = histories_figure(found)["data"], spectrum_figure(found)
+    for row in ("y", "y2", "y3"):
+        assert sum(trace["yaxis"] == row for trace in histories) == 3
+    peaks = [np.abs(trace["y"]).max() for trace in histories if trace["yaxis"] == "y"]
+    assert max(peaks) == pytest.approx(0.27324, abs=1e-5)
+    drawn = next(trace["y"] for trace in spectrum["data"] if trace["name"] == target.name)
     np.testing.assert_allclose(drawn, target.accel_m_s2(PERIODS_S) / GRAVITY)
-    assert spectrum.get_ylim()[1] > 1.1 * drawn.max()
-    assert max(line.get_ydata()[-1] for line in build_up.lines[:3]) == pytest.approx(100.0)
-    page = io.BytesIO()
-    drawing.savefig(page, format="svg")
-    assert page.getvalue().startswith(b"<?xml")
+    assert spectrum["layout"]["yaxis"]["range"][1] > 1.1 * max(drawn)
+    assert max(trace["y"][-1] for trace in build_up_figure(found)["data"][:3]) == pytest.approx(100.0)
+    words = {shape.text for shape in motion_picture(found).shapes if isinstance(shape, Text)}
+    assert {"acceleration (g)", "velocity (m/s)", "displacement (m)", "period (s)", target.name} <= words
 
 
 def test_thinning_keeps_every_peak() -> None:
     accel = np.random.default_rng(2).normal(size=50_001)
-    kept = _outline(accel)
+    kept = _trace(np.arange(50_001), accel, "#000000")["y"]
     assert kept.size < 5_000
-    assert {int(np.argmax(accel)), int(np.argmin(accel)), 0, 50_000} <= set(kept.tolist())
+    assert {accel.max(), accel.min(), accel[0], accel[-1]} <= set(kept.tolist())
 
 
 @pytest.mark.parametrize(
@@ -73,5 +72,7 @@ def test_components_without_a_file(keys: dict[str, Any]) -> None:
     found = inspect_component(component, base_dir=Path(), where="scene.toml", key="motion.x", duration_s=4.0)
     peak = found.traces[0].measures.pga_g
     assert peak == pytest.approx(0.0 if keys["kind"] == "rest" else 0.3, rel=1.5)
-    assert len(figure(found).axes) == 5
+    charts = histories_figure(found), spectrum_figure(found), build_up_figure(found)
+    assert all(np.all(np.isfinite(trace["y"])) for chart in charts for trace in chart["data"])
+    assert motion_picture(found).shapes
     json.dumps(to_plain(InspectionRecord.of(found)))

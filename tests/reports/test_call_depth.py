@@ -1,0 +1,74 @@
+"""How many calls of the product's own code lie between a command and the step of an engine: a reader follows each of them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from reports.cli import app
+from tests.budgets_reports import CALLS_TO_A_STEP, CALLS_TO_A_VERIFYING_STEP
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = tuple(f"{ROOT / room}/" for room in ("reports", "harness", "analytic", "meshes"))
+
+
+def calls(frame: FrameType | None) -> list[str]:
+    """The product's functions from the command's own, the first, to a frame."""
+    names: list[str] = []
+    while frame is not None:
+        file = frame.f_code.co_filename
+        if file.startswith(ROOMS):
+            names.insert(0, f"{Path(file).relative_to(ROOT)}:{frame.f_code.co_name}")
+        frame = frame.f_back
+    return names[names.index("reports/cli.py:run") :]
+
+
+def ways_to(steps: Callable[[FrameType, str, Any], bool], line: list[str]) -> set[tuple[str, ...]]:
+    """Every way in which a command comes to a step."""
+    ways: set[tuple[str, ...]] = set()
+
+    def hear(frame: FrameType, event: str, arg: Any) -> None:
+        if steps(frame, event, arg):
+            ways.add(tuple(calls(frame)))
+
+    before = sys.getprofile()
+    sys.setprofile(hear)
+    try:
+        done = CliRunner().invoke(app, line)
+    finally:
+        sys.setprofile(before)
+    assert done.exit_code == 0, done.output
+    return ways
+
+
+def of_pybullet(_frame: FrameType, event: str, arg: Any) -> bool:
+    return event == "c_call" and getattr(arg, "__name__", "") == "stepSimulation"
+
+
+def of_analytic(frame: FrameType, event: str, _arg: Any) -> bool:
+    """The function that calls compiled code, in which all steps are made."""
+    return event == "call" and (frame.f_code.co_name, Path(frame.f_code.co_filename).name) == ("solve", "solver.py")
+
+
+@pytest.mark.parametrize(
+    ("engine", "steps"),
+    [("pybullet:plain", of_pybullet), ("pybullet", of_pybullet), ("analytic", of_analytic)],
+)
+def test_a_step_is_a_few_calls_from_the_command(
+    engine: str, steps: Callable[[FrameType, str, Any], bool], tmp_path: Path
+) -> None:
+    if engine.startswith("pybullet"):
+        pytest.importorskip("pybullet", reason="pybullet has no wheels here")
+    options = ["--set", "duration_s=0.2", "--no-assess", "--no-witness", "--out", str(tmp_path / "out")]
+    ways = ways_to(steps, ["run", str(ROOT / "scenes" / "free_rocking.toml"), "-e", engine, *options])
+    assert ways
+    for way in ways:
+        verifying = any("sensitivity.py" in name for name in way)
+        most = CALLS_TO_A_VERIFYING_STEP if verifying else CALLS_TO_A_STEP
+        assert len(way) <= most, "\n".join(way)
