@@ -14,7 +14,16 @@ from harness.studies.file import StudyFile
 from harness.studies.jobs import Job, Jobs
 from harness.studies.store import Store
 
-DEAREST_FIRST: Final = ("pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "spatial", "analytic")
+DEAREST_FIRST: Final = (
+    "pybullet:plain",
+    "mujoco:plain",
+    "mujoco",
+    "pymunk:plain",
+    "pybullet",
+    "pymunk",
+    "spatial",
+    "analytic",
+)
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 
