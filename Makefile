@@ -24,7 +24,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@$(PY) -m pip install --quiet --disable-pip-version-check --prefer-binary --only-binary pybullet -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@# Compiled once here, not in whatever runs first.
-	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.Rest(), duration_s=0.01)"
+	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
 	@touch $@
 
 report: $(STAMP) ## run the main job and say where the report is
@@ -32,7 +32,7 @@ report: $(STAMP) ## run the main job and say where the report is
 
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
-	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.Rest(), duration_s=0.01)"
+	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
 	@$(PY) -m pytest -q -n auto
 
 lint: $(STAMP) ## check style, types and import rules

@@ -24,11 +24,12 @@ OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
 """Bits of a mode that let others write."""
 
 
-def digest(sources: Path) -> str:
-    """Digest of every source in a folder of compiled code; nothing outside that folder may decide what is compiled."""
+def digest(*rooms: Path) -> str:
+    """Digest of every source in the folders of compiled code; nothing outside them may decide what is compiled."""
     state = hashlib.sha256()
-    for source in sorted(sources.glob("*.py")):
-        state.update(source.read_bytes())
+    for room in rooms:
+        for source in sorted(room.glob("*.py")):
+            state.update(source.read_bytes())
     return state.hexdigest()[:16]
 
 
@@ -42,9 +43,10 @@ def homes(sources: Path) -> Iterator[Path]:
     yield Path(tempfile.gettempdir()) / f"rockcheck-{user}"
 
 
-def folder(sources: Path) -> Path | None:
-    """The folder for the compiled code of these sources, older ones removed; None where nothing can be written."""
-    name = PREFIX + digest(sources)
+def folder(sources: Path, *shared: Path) -> Path | None:
+    """The folder for the compiled code of these sources and those that they share, older ones removed; None where nothing can be
+    written."""
+    name = PREFIX + digest(sources, *shared)
     for home in homes(sources):
         chosen = home / name
         known = chosen.is_dir()

@@ -19,10 +19,13 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+HERE: Final = Path(__file__).resolve().parent
+
+
 @cache
-def _home() -> Path | None:
-    """Folder of the compiled code of these very sources; None, with a warning, where nothing can be written."""
-    chosen = folder(Path(__file__).resolve().parent)
+def _home(room: Path = HERE) -> Path | None:
+    """Folder of the compiled code of a room's very sources; None, with a warning, where nothing can be written."""
+    chosen = folder(room, *([] if room == HERE else [HERE]))
     if chosen is None:
         message = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
         warnings.warn(message, RuntimeWarning, stacklevel=2)
@@ -32,7 +35,7 @@ def _home() -> Path | None:
 def _compiled(function: Callable[P, R], cache: bool, forceinline: bool) -> Callable[P, R]:
     config: Any = numba.config
     theirs = config.CACHE_DIR
-    place = theirs or _home()
+    place = theirs or _home(Path(function.__code__.co_filename).resolve().parent)
     config.CACHE_DIR = str(place or "")
     try:
         make: Any = numba.njit(

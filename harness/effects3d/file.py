@@ -16,7 +16,7 @@ from harness.model.errors import InputError, Mistake
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
-SOLID = ("pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
+SOLID = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 """Engines that compute in three dimensions."""
 
 

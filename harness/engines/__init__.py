@@ -15,6 +15,7 @@ REGISTRY: Final[Mapping[str, str]] = {
     "pymunk": "harness.engines.pymunk:Munk2D",
     "pybullet": "harness.engines.pybullet.adapter:Bullet3D",
     "mujoco": "harness.engines.mujoco.adapter:Mujoco3D",
+    "spatial": "harness.engines.spatial:Spatial",
     "pymunk:plain": "harness.engines.pymunk.plain:PlainMunk2D",
     "pybullet:plain": "harness.engines.pybullet.plain:PlainBullet3D",
     "mujoco:plain": "harness.engines.mujoco.adapter:PlainMujoco3D",

@@ -45,7 +45,8 @@ class Capabilities:
 
     `dimensions` 2 or 3; `certifies` states its own uncertainty (no ladder needed); `uses_mesh` takes base and inertia from
     the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`,
-    `flies` compute what the two-block model only reports; `posed_start` begins from a pose in space; `moving_table` can move
+    `flies` compute what the two-block model only reports; `pedestal` takes a statue that stands on one; `posed_start` begins from
+    a pose in space; `moving_table` can move
     the table instead of the frame; `forces` records contact forces; `edge_shape` says what of the statue meets a pedestal's edge
     where that is the same in every scene (empty: no contact at all, or chosen by `statics.collision_shape`); `skips` are those of
     `SKIPS` that it has, each with its switch in `RunOptions`.
@@ -59,6 +60,7 @@ class Capabilities:
     statue_slips: bool = False
     flies: bool = False
     posed_start: bool = False
+    pedestal: bool = True
     moving_table: bool = False
     forces: bool = False
     edge_shape: str = ""

@@ -15,7 +15,9 @@ from harness.input.tables import Table, read
 from harness.model.errors import InputError, Mistake
 
 Value = float | int | str | bool
-EngineName = Literal["analytic", "pymunk", "pybullet", "mujoco", "pymunk:plain", "pybullet:plain", "mujoco:plain"]
+EngineName = Literal[
+    "analytic", "pymunk", "pybullet", "mujoco", "spatial", "pymunk:plain", "pybullet:plain", "mujoco:plain"
+]
 Name = Annotated[str, Field(min_length=1)]
 
 

@@ -15,7 +15,16 @@ from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, expand
 from harness.studies.file import StudyFile
 
-DEAREST_FIRST: Final = ("pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "analytic")
+DEAREST_FIRST: Final = (
+    "pybullet:plain",
+    "mujoco:plain",
+    "mujoco",
+    "pymunk:plain",
+    "pybullet",
+    "pymunk",
+    "spatial",
+    "analytic",
+)
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 

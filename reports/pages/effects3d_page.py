@@ -19,7 +19,7 @@ from reports.source import run_source
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
 
-SOLID: Final = ("pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
+SOLID: Final = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 NEAR: Final = 0.05
 """Amplitudes within this share of each other count as the same: a survey's errors move them as much."""
 GROUPS: Final = {

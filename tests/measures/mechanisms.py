@@ -1,8 +1,9 @@
 """What each mechanism of the event-located engines buys: error at equal cost with and without it.
 
 `python -m tests.measures.mechanisms ENGINE [COUNT FIRST]` prints a line for each mechanism over the paper's cases and COUNT
-random scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time (errors are taken to
-fall with the step, cost to grow against it). A mechanism that buys less than `WORTH` in both is not worth its lines.
+random scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time
+(errors are taken to fall with the step, cost to grow against it). A mechanism that buys less than `WORTH` in both is not worth
+its lines.
 """
 
 from __future__ import annotations

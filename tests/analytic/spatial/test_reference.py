@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
-from tests import budgets_spatial as budgets
+from tests import budgets_spatial_reference as budgets
 from tests.analytic.spatial.bodies import (
     DEPTH,
     HEIGHT,

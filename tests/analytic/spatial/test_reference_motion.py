@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import analytic
-from tests import budgets_spatial as budgets
+from tests import budgets_spatial_reference as budgets
 from tests.analytic.spatial.bodies import G, base, block_inertia, known_block, one_sine, standing
 from tests.analytic.spatial.reference import Run, initial_state, simulate
 from tests.analytic.spatial.reference_body import Array, Case, Kinematics, angular_momentum, energy_j, rotation

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
 NAMES = tuple(engines.REGISTRY)
 STEP_S = 1e-3
-REFUSE_A_RATIO = {"mujoco", "mujoco:plain", "pymunk:plain", "pybullet:plain"}
+REFUSE_A_RATIO = {"mujoco", "mujoco:plain", "pymunk:plain", "pybullet:plain", "spatial"}
 
 
 @pytest.fixture(params=NAMES)
@@ -45,20 +46,25 @@ def run(engine: Engine, on: Scene, want: RunOptions | None = None) -> Run:
     return engine.simulate(on, engine.settings_for_dt(on, STEP_S), want or RunOptions())
 
 
+def shaken(engine: Engine, *args: float, pedestal: bool = True, **scene_is: Any) -> Scene:
+    """The surveyed statue, on its pedestal if it is asked for and the engine takes one."""
+    return paestum(*args, pedestal=pedestal and engine.capabilities.pedestal, **scene_is)
+
+
 def test_name_is_that_of_the_registry(engine: Engine) -> None:
     assert engines.load(engine.name).name == engine.name
 
 
 def test_ladder_goes_from_coarse_to_fine(engine: Engine) -> None:
-    levels = engine.refinement_levels(paestum())
+    levels = engine.refinement_levels(shaken(engine))
     assert len(levels) >= 2
     assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))
     assert all(a.dt_s >= b.dt_s for a, b in pairwise(levels))
-    assert engine.verification_settings(paestum(), levels[0])
+    assert engine.verification_settings(shaken(engine), levels[0])
 
 
 def test_history_is_on_the_output_grid(engine: Engine) -> None:
-    on = paestum(0.429, 3.0, duration_s=0.3005, output_dt_s=0.002)
+    on = shaken(engine, 0.429, 3.0, duration_s=0.3005, output_dt_s=0.002)
     history = run(engine, on).history
     assert history is not None
     np.testing.assert_allclose(history.t_s[:-1], np.arange(151) * 0.002, atol=1e-12)
@@ -67,11 +73,11 @@ def test_history_is_on_the_output_grid(engine: Engine) -> None:
 
 @pytest.mark.parametrize("pedestal", [False, True])
 def test_same_scene_same_bits_whatever_ran_before(engine: Engine, pedestal: bool) -> None:
-    on = paestum(0.429, 3.0, pedestal=pedestal, mu=(0.20, 0.15), duration_s=0.3)
+    on = shaken(engine, 0.429, 3.0, pedestal=pedestal, mu=(0.20, 0.15), duration_s=0.3)
     first = run(engine, on)
     run(engine, scene(PAESTUM, Harmonic(6.0, 1.0), theta_rad=0.05, duration_s=0.1))
     with contextlib.suppress(EngineFailure):
-        run(engine, paestum(0.334, 2.0, pedestal=not pedestal, mu=0.5, duration_s=0.1, restitution=0.85))
+        run(engine, shaken(engine, 0.334, 2.0, pedestal=not pedestal, mu=0.5, duration_s=0.1, restitution=0.85))
     again = run(engine, on)
     assert first.history is not None
     assert again.history is not None
@@ -80,7 +86,7 @@ def test_same_scene_same_bits_whatever_ran_before(engine: Engine, pedestal: bool
 
 
 def test_record_is_plain_and_labelled(engine: Engine) -> None:
-    found = run(engine, paestum(0.429, 3.0, duration_s=0.3))
+    found = run(engine, shaken(engine, 0.429, 3.0, duration_s=0.3))
     assert found.engine == engine.name
     assert found.outcome is Outcome.STANDS
     assert found.steps > 0
@@ -92,7 +98,7 @@ def test_record_is_plain_and_labelled(engine: Engine) -> None:
 
 
 def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:
-    on = paestum(0.429, 3.0, duration_s=0.3)
+    on = shaken(engine, 0.429, 3.0, duration_s=0.3)
     short = run(engine, on, RunOptions(history=False))
     assert short.history is None
     whole = run(engine, on, RunOptions(history=False, skips=frozenset(SKIPS) - {"no_history"}))
@@ -100,7 +106,7 @@ def test_only_the_outcome_leaves_no_history(engine: Engine) -> None:
 
 
 def test_a_stopped_run_is_the_beginning_of_the_whole_one(engine: Engine) -> None:
-    on = paestum(0.429, 3.0, duration_s=1.5)
+    on = shaken(engine, 0.429, 3.0, duration_s=1.5)
     whole, stopped = run(engine, on).history, run(engine, on, RunOptions(stop=lambda t_s, theta_rad: t_s > 0.3)).history
     assert whole is not None
     assert stopped is not None
@@ -121,7 +127,7 @@ def test_overturning_ends_the_run_and_is_told_by_its_side(engine: Engine) -> Non
 
 
 def test_accuracy_is_stated(engine: Engine) -> None:
-    on = paestum(0.334, 3.0, pedestal=False, duration_s=0.5)
+    on = shaken(engine, 0.334, 3.0, pedestal=False, duration_s=0.5)
     found = run_to_accuracy(engine, on, 2e-3, RunOptions())
     assert found.numerical_uncertainty_rad is not None
     assert found.numerical_uncertainty_rad <= 2e-3
@@ -129,7 +135,7 @@ def test_accuracy_is_stated(engine: Engine) -> None:
 
 
 def test_a_prescribed_impact_is_labelled_by_whoever_has_its_own(engine: Engine) -> None:
-    asked = paestum(0.429, 3.0, mu=0.15, restitution=0.85, duration_s=0.6)
+    asked = shaken(engine, 0.429, 3.0, mu=0.15, restitution=0.85, duration_s=0.6)
     if engine.name in REFUSE_A_RATIO:
         with pytest.raises(EngineFailure, match="does not compute a prescribed ratio"):
             run(engine, asked)
@@ -139,7 +145,7 @@ def test_a_prescribed_impact_is_labelled_by_whoever_has_its_own(engine: Engine) 
 
 
 def test_forces_are_recorded_where_declared(engine: Engine) -> None:
-    history = run(engine, paestum(0.429, 3.0, duration_s=0.3)).history
+    history = run(engine, shaken(engine, 0.429, 3.0, duration_s=0.3)).history
     assert history is not None
     found = [name for name in history.extra if name.endswith("_n")]
     assert bool(found) >= engine.capabilities.forces
@@ -148,12 +154,21 @@ def test_forces_are_recorded_where_declared(engine: Engine) -> None:
 def test_a_moving_table_where_declared(engine: Engine) -> None:
     if not engine.capabilities.moving_table:
         pytest.skip(f"{engine.name} moves the frame only")
-    on = paestum(0.429, 3.0, pedestal=False, duration_s=0.5)
+    on = shaken(engine, 0.429, 3.0, pedestal=False, duration_s=0.5)
     fine = engine.settings_for_dt(on, 2.5e-4)
     a, b = (engine.simulate(item, fine, RunOptions()).history for item in (on, on.but(table="moving")))
     assert a is not None
     assert b is not None
     assert np.max(np.abs(a.theta_rad - b.theta_rad)) <= budget.MOVING_TABLE_RAD
+
+
+def test_a_pedestal_is_taken_where_declared(engine: Engine) -> None:
+    on = paestum(0.429, 3.0, duration_s=0.05)
+    if engine.capabilities.pedestal:
+        assert run(engine, on).outcome is Outcome.STANDS
+        return
+    with pytest.raises(EngineFailure, match="does not compute a pedestal"):
+        run(engine, on)
 
 
 def test_statue_slips_where_declared(engine: Engine) -> None:
@@ -166,7 +181,7 @@ def test_statue_slips_where_declared(engine: Engine) -> None:
 
 
 def test_no_memory_is_kept(engine: Engine) -> None:
-    on = paestum(0.429, 3.0, duration_s=0.02)
+    on = shaken(engine, 0.429, 3.0, duration_s=0.02)
     for _ in range(20):
         run(engine, on)
     gc.collect()

@@ -20,7 +20,7 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Contact, Initial, Pose, Scene, Uncertain
-from tests import budgets_spatial as budget
+from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state, simulate
 from tests.analytic.spatial.reference_body import Case
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene

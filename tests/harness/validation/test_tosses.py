@@ -30,7 +30,7 @@ from harness.validation.toss_scores import (
 )
 from harness.validation.tosses import COLUMNS, Toss, read_tosses
 from reports.pages.page import write_report
-from tests import budgets_spatial as budget
+from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference_body import rotation
 
 FRAME_S = 1.0 / 148.0

@@ -1,0 +1,1 @@
+"""All of the model in three dimensions that is compiled."""

@@ -1,0 +1,181 @@
+"""Directions in which vertices begin to slide: each vertex that leaves rest moves against its own friction."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from analytic.kernel.compiler import inlined, jit
+from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
+from analytic.spatial.kernel.contact import (
+    Rows,
+    along_across,
+    columns,
+    place,
+    response,
+    solve_columns,
+    solve_flat,
+)
+from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.vectors import dot, to_table
+
+SECTORS: Final = 48
+"""Directions in which a sign change is looked for; a second root within one sector is not seen."""
+STARTS: Final = 8
+"""Directions from which Newton's method starts for each of two vertices."""
+NEWTON: Final = 30
+HALVINGS: Final = 60
+CONVERGED: Final = 1e-13
+"""Of angles and of relative velocities: rounding of a handful of operations."""
+TWO_PI: Final = 2.0 * math.pi
+
+
+@inlined
+def set_direction(m: Memory, i: int, angle: float) -> None:
+    """Let vertex i slide at an angle from the table's x."""
+    m.slide[i, 0], m.slide[i, 1] = math.cos(angle), math.sin(angle)
+
+
+@inlined
+def off_direction(m: Memory, rows: Rows, i: int) -> tuple[float, float]:
+    """Vertex i's response across and along its direction of sliding."""
+    x = to_table(rows, response(m, i))
+    dx, dy = m.slide[i, 0], m.slide[i, 1]
+    return dx * x[1] - dy * x[0], dx * x[0] + dy * x[1]
+
+
+@jit
+def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, angle: float) -> float:
+    set_direction(m, i, angle)
+    if not solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)):
+        return math.nan
+    return off_direction(m, rows, i)[0]
+
+
+@jit
+def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float) -> bool:
+    """Find the direction of vertex i, the others' being given; True with the solution in memory."""
+    step = TWO_PI / SECTORS
+    before = _across_at(s, m, rows, mode, a, b, i, 0.0)
+    for k in range(1, SECTORS + 1):
+        after = _across_at(s, m, rows, mode, a, b, i, k * step)
+        if before == 0.0 or before * after < 0.0:
+            low, high, below = (k - 1) * step, k * step, before
+            if before == 0.0:
+                high = low
+            for _ in range(HALVINGS):
+                if high - low <= CONVERGED:
+                    break
+                mid = 0.5 * (low + high)
+                value = _across_at(s, m, rows, mode, a, b, i, mid)
+                if below * value > 0.0:
+                    low = mid
+                else:
+                    high = mid
+            _across_at(s, m, rows, mode, a, b, i, high)
+            if off_direction(m, rows, i)[1] >= -zero:
+                return True
+        before = after
+    return False
+
+
+@jit
+def _two_across(s: Run, m: Memory, rows: Rows, a: int, b: int, p: float, q: float) -> tuple[float, float]:
+    set_direction(m, a, p)
+    set_direction(m, b, q)
+    if not solve_columns(s, m, columns(m, rows, EDGE_SLIDE, a, b, 0.0)):
+        return math.nan, math.nan
+    return off_direction(m, rows, a)[0], off_direction(m, rows, b)[0]
+
+
+@jit
+def two_directions(s: Run, m: Memory, rows: Rows, a: int, b: int, size: float, zero: float) -> bool:
+    """Find the directions of both vertices of an edge by Newton's method from several starts."""
+    across = to_table(rows, along_across(m, rows, a, b)[1])
+    first, small = math.atan2(across[1], across[0]), 1e-7
+    for start in range(STARTS * STARTS):
+        # Both the same way first, across the edge before along it.
+        p = first + TWO_PI * (start % STARTS) / STARTS
+        q = p + TWO_PI * (start // STARTS) / STARTS
+        for _ in range(NEWTON):
+            fp, fq = _two_across(s, m, rows, a, b, p, q)
+            if not abs(fp) + abs(fq) < math.inf:
+                break
+            if abs(fp) + abs(fq) <= CONVERGED * size:
+                if off_direction(m, rows, a)[1] >= -zero and off_direction(m, rows, b)[1] >= -zero:
+                    return True
+                break
+            pp, pq = _two_across(s, m, rows, a, b, p + small, q)
+            qp, qq = _two_across(s, m, rows, a, b, p, q + small)
+            app, apq, aqp, aqq = (pp - fp) / small, (pq - fq) / small, (qp - fp) / small, (qq - fq) / small
+            det = app * aqq - aqp * apq
+            if det == 0.0:
+                break
+            dp, dq = -(aqq * fp - aqp * fq) / det, -(app * fq - apq * fp) / det
+            most = max(abs(dp), abs(dq), 0.5)
+            p, q = p + 0.5 * dp / most if most > 0.5 else p + dp, q + 0.5 * dq / most if most > 0.5 else q + dq
+    return False
+
+
+@jit
+def _flat_motion(
+    s: Run, m: Memory, rows: Rows, px: float, py: float, turn: float, zero: float
+) -> tuple[float, float, float, bool]:
+    """The level motion (of the point below the centroid, and yaw) that follows from sliding as in (px, py, turn).
+
+    A vertex slower than zero keeps its direction: with equal coefficients sliding begins without acceleration.
+    """
+    for k in range(s.touching):
+        i = m.touch[k]
+        dx, dy = px - turn * place(m, rows, i, 2), py + turn * place(m, rows, i, 1)
+        speed = math.sqrt(dx * dx + dy * dy)
+        if m.known[i] == 0 and speed > zero:
+            m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
+    ok = solve_flat(s, m, rows, FLAT_SLIDE, -1)
+    # Two vertices give the level motion of all.
+    i, j = m.touch[0], m.touch[1]
+    xi, xj = to_table(rows, response(m, i)), to_table(rows, response(m, j))
+    lx, ly = place(m, rows, j, 1) - place(m, rows, i, 1), place(m, rows, j, 2) - place(m, rows, i, 2)
+    yaw = (lx * (xj[1] - xi[1]) - ly * (xj[0] - xi[0])) / (lx * lx + ly * ly)
+    return xi[0] + yaw * place(m, rows, i, 2), xi[1] - yaw * place(m, rows, i, 1), yaw, ok
+
+
+@jit
+def flat_directions(s: Run, m: Memory, rows: Rows, size: float) -> bool:
+    """Find the directions of all vertices of a flat base by repetition, halfway at most; True with the solution in memory."""
+    px, py, turn, count, zero = 0.0, 0.0, 0.0, 0.0, 1e-9 * size
+    for k in range(s.touching):
+        x = to_table(rows, (m.u[m.touch[k], 0], m.u[m.touch[k], 1], m.u[m.touch[k], 2]))
+        px, py, count = px + x[0], py + x[1], count + 1.0
+    px, py = px / count, py / count
+    share = 1.0
+    for step in range(400):
+        qx, qy, q, ok = _flat_motion(s, m, rows, px, py, turn, zero)
+        change = abs(qx - px) + abs(qy - py) + abs(q - turn)
+        if change <= 1e-12 * size:
+            right = ok
+            for k in range(s.touching):
+                right = right and off_direction(m, rows, m.touch[k])[1] >= -zero
+            return right
+        if step > 8:
+            share = 0.5
+        px, py, turn = px + share * (qx - px), py + share * (qy - py), turn + share * (q - turn)
+    return False
+
+
+@jit
+def find_directions(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, size: float) -> bool:
+    """Solve a sliding mode, the directions that no velocity gives being found; True with the solution in memory."""
+    zero = 1e-9 * size
+    if mode == FLAT_SLIDE:
+        unknown = False
+        for k in range(s.touching):
+            unknown = unknown or m.known[m.touch[k]] == 0
+        return flat_directions(s, m, rows, size) if unknown else solve_flat(s, m, rows, mode, -1)
+    if mode == VERTEX_SLIDE and m.known[a] == 0:
+        return one_direction(s, m, rows, mode, a, b, a, zero)
+    if mode == EDGE_SLIDE and m.known[a] + m.known[b] < 2:
+        if m.known[a] + m.known[b] == 0:
+            return two_directions(s, m, rows, a, b, size, zero)
+        return one_direction(s, m, rows, mode, a, b, a if m.known[a] == 0 else b, zero)
+    return solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)) and dot(rows[2], rows[2]) > 0.0

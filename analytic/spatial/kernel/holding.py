@@ -1,0 +1,135 @@
+"""A state put exactly into its mode: what steps and events leave by rounding is taken away, place and velocity."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.kernel.compiler import jit
+from analytic.kernel.records import Floats
+from analytic.spatial.kernel.codes import (
+    EDGE_PIVOT,
+    EDGE_SLIDE,
+    EDGE_STICK,
+    FLAT_PIVOT,
+    FLAT_REST,
+    FLIGHT,
+    VERTEX_SLIDE,
+    VERTEX_STICK,
+)
+from analytic.spatial.kernel.contact import vertex_velocities
+from analytic.spatial.kernel.rates import touches_flat
+from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    axes,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    put,
+    row3,
+    times,
+    to_table,
+    turn,
+    vector,
+)
+
+
+@jit
+def vertex_place(m: Memory, y: Floats, i: int) -> Vector:
+    """Place of vertex i in the table's frame."""
+    return plus(vector(y, 0), to_table(axes(y), row3(m.at, i)))
+
+
+@jit
+def hold_place(s: Run, m: Memory, y: Floats) -> None:
+    """Turn and shift the body so that what touches is on the floor, and what sticks is where it stuck."""
+    still = (0.0, 0.0, 0.0)
+    if s.mode == FLIGHT or s.mode == VERTEX_STICK or s.mode == VERTEX_SLIDE:
+        turn(y, still)
+    elif touches_flat(s.mode):
+        i, j, k = m.touch[0], m.touch[1], m.touch[2]
+        rows = axes(y)
+        p = row3(m.at, i)
+        up = cross(minus(row3(m.at, j), p), minus(row3(m.at, k), p))
+        up = to_table(rows, up)
+        up = times(1.0 / length(up), up)
+        turn(y, cross(up, (0.0, 0.0, 1.0)))
+    else:
+        d = to_table(axes(y), minus(row3(m.at, s.b), row3(m.at, s.a)))
+        wanted = (d[0], d[1], 0.0)
+        if s.mode == EDGE_STICK:
+            wanted = (m.anchor[s.b, 0] - m.anchor[s.a, 0], m.anchor[s.b, 1] - m.anchor[s.a, 1], 0.0)
+        turn(y, times(1.0 / (length(d) * length(wanted)), cross(d, wanted)))
+    if s.mode == FLIGHT:
+        return
+    i = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0]
+    x = vertex_place(m, y, i)
+    y[2] -= x[2]
+    if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT):
+        y[0] += m.anchor[i, 0] - x[0]
+        y[1] += m.anchor[i, 1] - x[1]
+
+
+@jit
+def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
+    """Take away the velocities that the mode does not have."""
+    rows, spin = axes(y), vector(y, 10)
+    if s.mode == FLIGHT:
+        return
+    if s.mode == FLAT_REST:
+        y[7:13] = 0.0
+        return
+    if touches_flat(s.mode):
+        spin = times(dot(rows[2], spin), rows[2])
+    elif s.mode == EDGE_STICK:
+        edge = minus(row3(m.at, s.b), row3(m.at, s.a))
+        spin = times(dot(edge, spin) / dot(edge, edge), edge)
+    elif s.mode in (EDGE_PIVOT, EDGE_SLIDE):
+        lift = cross(minus(row3(m.at, s.b), row3(m.at, s.a)), rows[2])
+        spin = minus(spin, times(dot(lift, spin) / dot(lift, lift), lift))
+    put(y, 10, spin)
+    if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT):
+        put(y, 7, to_table(rows, times(-1.0, cross(spin, row3(m.at, s.a)))))
+    else:
+        i = m.touch[0] if touches_flat(s.mode) else s.a
+        y[9] = -dot(rows[2], cross(spin, row3(m.at, i)))
+
+
+@jit
+def take_heading(s: Run, m: Memory, y: Floats) -> None:
+    """Note in which direction each touching vertex slides now; a vertex slower than `still_m_s` keeps its direction."""
+    rows = axes(y)
+    vertex_velocities(m, y)
+    for k in range(s.touching):
+        i = m.touch[k]
+        x = to_table(rows, row3(m.u, i))
+        speed = math.sqrt(x[0] * x[0] + x[1] * x[1])
+        if speed > s.still_m_s:
+            m.heading[i, 0], m.heading[i, 1] = x[0] / speed, x[1] / speed
+
+
+@jit
+def set_touch(s: Run, m: Memory) -> None:
+    """List the vertices that are down in the order of their polygon, by angle about their middle, from above."""
+    x, y, n = 0.0, 0.0, 0
+    for i in range(m.vertices):
+        if m.down[i] != 0:
+            m.touch[n] = i
+            x, y, n = x + vertex_place(m, m.y, i)[0], y + vertex_place(m, m.y, i)[1], n + 1
+    s.touching = n
+    if n < 3:
+        return
+    x, y = x / n, y / n
+    for k in range(1, n):
+        i = m.touch[k]
+        at = vertex_place(m, m.y, i)
+        angle, j = math.atan2(at[1] - y, at[0] - x), k
+        while j > 0:
+            before = vertex_place(m, m.y, m.touch[j - 1])
+            if math.atan2(before[1] - y, before[0] - x) <= angle:
+                break
+            m.touch[j] = m.touch[j - 1]
+            j -= 1
+        m.touch[j] = i

@@ -1,0 +1,197 @@
+"""Impacts: impulses at all vertices that touch, at once, and the mode after an event."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.kernel.compiler import jit
+from analytic.spatial.kernel.choose import choose
+from analytic.spatial.kernel.codes import (
+    EDGE_PIVOT,
+    EDGE_SLIDE,
+    EDGE_STICK,
+    FLAT_REST,
+    FLIGHT,
+    IMPACT,
+    NO_MODE,
+    SETTLED,
+)
+from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, vertex_velocities
+from analytic.spatial.kernel.holding import hold_place, hold_velocity, set_touch, take_heading, vertex_place
+from analytic.spatial.kernel.motion import field
+from analytic.spatial.kernel.rates import kinetic_energy, touches_flat
+from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.rest import rests
+from analytic.spatial.kernel.track import note_event, note_interval
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    apply,
+    axes,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    put,
+    row3,
+    to_body,
+    to_table,
+    vector,
+)
+
+
+@jit
+def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
+    """Set what each touching vertex' friction can do from its velocity; the largest speed among them.
+
+    A vertex that does not slide sticks up to the static coefficient. Under impulses one that slides may stick too, up to the
+    kinetic one.
+    """
+    rows, largest = axes(m.y), 0.0
+    vertex_velocities(m, m.y)
+    for k in range(s.touching):
+        i = m.touch[k]
+        x = to_table(rows, row3(m.u, i))
+        speed = math.sqrt(x[0] * x[0] + x[1] * x[1])
+        slides = speed > zero
+        m.known[i] = 1 if slides and not impulse else 0
+        if slides:
+            m.heading[i, 0], m.heading[i, 1] = x[0] / speed, x[1] / speed
+        m.stick_limit[i] = s.friction_kinetic if slides and impulse else s.friction_static
+        m.slide_limit[i] = s.friction_kinetic
+        largest = max(largest, length(x))
+    return largest
+
+
+@jit
+def decide(s: Run, m: Memory) -> None:
+    """Choose the mode of the vertices that are down from their own accelerations, and put the state into it."""
+    rows, before = axes(m.y), s.mode
+    set_touch(s, m)
+    limits(s, m, 10.0 * s.still_m_s, False)
+    g = field(s, m, s.time_s)
+    free_accelerations(m, m.y, g)
+    size = length(g)
+    for k in range(s.touching):
+        size = max(size, length(row3(m.u, m.touch[k])))
+    if not choose(s, m, rows, g, False, size):
+        s.outcome = NO_MODE
+        return
+    enter(s, m)
+    if before != s.mode:
+        s.fresh = True
+
+
+@jit
+def enter(s: Run, m: Memory) -> None:
+    """Put the state into the mode just chosen: what does not take part is free, what sticks has its place."""
+    if not touches_flat(s.mode):
+        for i in range(m.vertices):
+            part = i == s.a or (i == s.b and s.mode in (EDGE_STICK, EDGE_PIVOT, EDGE_SLIDE))
+            m.down[i] = 1 if part and s.mode != FLIGHT else 0
+        set_touch(s, m)
+    for k in range(s.touching):
+        i = m.touch[k]
+        at = vertex_place(m, m.y, i)
+        m.anchor[i, 0], m.anchor[i, 1] = at[0], at[1]
+        m.heading[i, 0], m.heading[i, 1] = m.slide[i, 0], m.slide[i, 1]
+    hold_place(s, m, m.y)
+    hold_velocity(s, m, m.y)
+    take_heading(s, m, m.y)
+    s.fresh = True
+    note_interval(s, m)
+
+
+@jit
+def collide(s: Run, m: Memory, vertex: int) -> None:
+    """The impact of the vertices that reach the floor, with those that are there already."""
+    for i in range(m.vertices):
+        if vertex_place(m, m.y, i)[2] <= s.touch_m:
+            m.down[i] = 1
+    set_touch(s, m)
+    rows, before_j = axes(m.y), kinetic_energy(s, m, m.y)
+    size = limits(s, m, 10.0 * s.still_m_s, True)
+    v0, w0 = vector(m.y, 7), vector(m.y, 10)
+    if not choose(s, m, rows, to_body(rows, v0), True, size):
+        s.outcome = NO_MODE
+        return
+    cone = _worst_cone(s, m)
+    m.impulse[:] = 0.0
+    if s.mode == FLAT_REST:
+        m.y[7:13] = 0.0
+    else:
+        put(m.y, 7, plus(v0, to_table(rows, vector(m.response, 0))))
+        put(m.y, 10, plus(w0, vector(m.response, 3)))
+    total, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(s.touching):
+        i = m.touch[k]
+        f = row3(m.force, i)
+        total, moment = plus(total, f), plus(moment, cross(row3(m.at, i), f))
+        m.impulse[i, 0], m.impulse[i, 1], m.impulse[i, 2] = to_table(rows, f)
+    _audit_momentum(s, m, v0, w0, to_table(rows, total), moment)
+    s.impacts += 1
+    _leave(s, m)
+    settled = _settle(s, m)
+    loss = before_j - kinetic_energy(s, m, m.y)
+    s.impact_loss_j += loss
+    s.cone_residual = max(s.cone_residual, cone)
+    decide(s, m)
+    note_event(s, m, SETTLED if settled else IMPACT, vertex, loss, cone)
+    m.impulse[:] = 0.0
+
+
+@jit
+def _audit_momentum(s: Run, m: Memory, v0: Vector, w0: Vector, total: Vector, moment: Vector) -> None:
+    """Keep the largest residual of the balances of momentum and angular momentum, relative to what was exchanged."""
+    dv, dw = minus(vector(m.y, 7), v0), minus(vector(m.y, 10), w0)
+    linear = length(minus((s.mass_kg * dv[0], s.mass_kg * dv[1], s.mass_kg * dv[2]), total))
+    angular = length(minus(apply(m.inertia, dw), moment))
+    reach = length(row3(m.at, m.touch[0]))
+    scale = length(total) + length(moment) / reach
+    if scale > 0.0:
+        s.momentum_residual = max(s.momentum_residual, (linear + angular / reach) / scale)
+
+
+@jit
+def _worst_cone(s: Run, m: Memory) -> float:
+    """By how much impulses leave their cones, relative to their sum, an edge's split as friction allows."""
+    if s.mode == FLIGHT or s.friction_static >= UNLIMITED:
+        return 0.0
+    rows, total, worst = axes(m.y), 0.0, 0.0
+    for k in range(s.touching):
+        i = m.touch[k]
+        f = to_table(rows, row3(m.force, i))
+        total += abs(f[2])
+        t = math.sqrt(f[0] * f[0] + f[1] * f[1])
+        worst = max(worst, -f[2], t - max(m.stick_limit[i], m.slide_limit[i]) * f[2] if s.mode != EDGE_STICK else -f[2])
+    return worst / total if total > 0.0 else 0.0
+
+
+@jit
+def _leave(s: Run, m: Memory) -> None:
+    """Let go of the vertices that the impact makes leave."""
+    vertex_velocities(m, m.y)
+    rows = axes(m.y)
+    largest = 0.0
+    for k in range(s.touching):
+        largest = max(largest, length(row3(m.u, m.touch[k])))
+    for k in range(s.touching):
+        i = m.touch[k]
+        if dot(rows[2], row3(m.u, i)) > max(s.settle_m_s, 1e-9 * largest):
+            m.down[i] = 0
+    set_touch(s, m)
+
+
+@jit
+def _settle(s: Run, m: Memory) -> bool:
+    """Bring to rest what leaves the floor too slowly for its rebound to be seen; True if that was done."""
+    vertex_velocities(m, m.y)
+    rows, fastest, lift = axes(m.y), 0.0, 0.0
+    for k in range(s.touching):
+        u = row3(m.u, m.touch[k])
+        fastest, lift = max(fastest, length(u)), max(lift, abs(dot(rows[2], u)))
+    if s.touching > 2 and fastest <= s.settle_m_s and rests(s, m, rows, field(s, m, s.time_s)):
+        m.y[7:13] = 0.0
+        s.settled += 1
+        return True
+    return False

@@ -1,0 +1,153 @@
+"""The equations of motion of each mode, and the forces that go with them."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.records import Floats
+from analytic.spatial.kernel.choose import pivot_directions
+from analytic.spatial.kernel.codes import (
+    EDGE_SLIDE,
+    EDGE_STICK,
+    FLAT_PIVOT,
+    FLAT_REST,
+    FLAT_SLIDE,
+    FLIGHT,
+    VERTEX_SLIDE,
+    VERTEX_STICK,
+)
+from analytic.spatial.kernel.contact import (
+    Rows,
+    columns,
+    free_accelerations,
+    solve_columns,
+    solve_flat,
+)
+from analytic.spatial.kernel.motion import field
+from analytic.spatial.kernel.records import LOST, WORK, Memory, Run
+from analytic.spatial.kernel.rest import spread_rest
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    apply,
+    axes,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    put,
+    row3,
+    times,
+    to_body,
+    to_table,
+    vector,
+)
+
+
+@inlined
+def touches_flat(mode: int) -> bool:
+    """Whether a facet lies on the floor."""
+    return mode in (FLAT_REST, FLAT_PIVOT, FLAT_SLIDE)
+
+
+@jit
+def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
+    """Directions of sliding at a state; a vertex slower than `still_m_s` keeps the one that it began with."""
+    spin, v = vector(y, 10), to_body(rows, vector(y, 7))
+    for k in range(s.touching):
+        i = m.touch[k]
+        x = plus(v, cross(spin, row3(m.at, i)))
+        dx, dy = dot(rows[0], x), dot(rows[1], x)
+        speed = math.sqrt(dx * dx + dy * dy)
+        if speed > s.still_m_s:
+            m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
+        else:
+            m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]
+
+
+@jit
+def contact_forces(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector) -> bool:
+    """Write the contact forces and the response of the present mode; False where its equations have no solution."""
+    m.force[:] = 0.0
+    m.response[:] = 0.0
+    if s.mode == FLIGHT:
+        return True
+    if s.mode == FLAT_REST:
+        spread_rest(s, m, rows, g)
+        return True
+    free_accelerations(m, y, g)
+    if s.mode == FLAT_PIVOT:
+        pivot_directions(s, m, rows, s.a, s.sign)
+        solve_flat(s, m, rows, s.mode, s.a)
+        return True
+    if s.mode == FLAT_SLIDE:
+        set_slides(s, m, y, rows)
+        solve_flat(s, m, rows, s.mode, -1)
+        return True
+    if s.mode == EDGE_SLIDE or s.mode == VERTEX_SLIDE:
+        set_slides(s, m, y, rows)
+    return solve_columns(s, m, columns(m, rows, s.mode, s.a, s.b, s.sign))
+
+
+@jit
+def rates(s: Run, m: Memory, y: Floats, t: float, out: Floats) -> None:
+    """Write the state's rates in the present mode."""
+    rows, spin, v = axes(y), vector(y, 10), vector(y, 7)
+    g = field(s, m, t)
+    lost = 0.0
+    if s.mode == FLAT_REST:
+        out[:] = 0.0
+        return
+    momentum = cross(apply(m.inertia, spin), spin)
+    if s.mode == FLIGHT:
+        accel, alpha = g, apply(m.inverse, momentum)
+    elif s.mode == VERTEX_STICK or s.mode == EDGE_STICK:
+        arm = row3(m.at, s.a)
+        down = to_body(rows, g)
+        # About the fixed vertex O, r from it to the centroid −arm: I_O ω̇ + ω × I_O ω = m r × g_e.
+        turn = times(s.mass_kg, cross(down, arm))
+        if s.mode == VERTEX_STICK:
+            about = minus(momentum, times(s.mass_kg, cross(spin, cross(arm, cross(spin, arm)))))
+            alpha = apply(m.about[s.a], plus(turn, about))
+        else:
+            edge = minus(row3(m.at, s.b), arm)
+            edge = times(1.0 / length(edge), edge)
+            reach = cross(edge, arm)
+            inertia = dot(edge, apply(m.inertia, edge)) + s.mass_kg * dot(reach, reach)
+            alpha = times(dot(edge, turn) / inertia, edge)
+        accel = to_table(rows, minus(times(-1.0, cross(alpha, arm)), cross(spin, cross(spin, arm))))
+    else:
+        contact_forces(s, m, y, rows, g)
+        pull, twist = vector(m.response, 0), vector(m.response, 3)
+        accel = plus(g, to_table(rows, pull))
+        alpha = plus(apply(m.inverse, momentum), twist)
+        lost = sliding_power(s, m, y, rows)
+    put(out, 0, v)
+    w, x, y_, z = y[3], y[4], y[5], y[6]
+    out[3] = 0.5 * (-x * spin[0] - y_ * spin[1] - z * spin[2])
+    out[4] = 0.5 * (w * spin[0] + y_ * spin[2] - z * spin[1])
+    out[5] = 0.5 * (w * spin[1] + z * spin[0] - x * spin[2])
+    out[6] = 0.5 * (w * spin[2] + x * spin[1] - y_ * spin[0])
+    put(out, 7, accel)
+    put(out, 10, alpha)
+    out[WORK] = s.mass_kg * dot(g, v)
+    out[LOST] = lost
+
+
+@jit
+def sliding_power(s: Run, m: Memory, y: Floats, rows: Rows) -> float:
+    """Work lost in a second by the forces in memory where they slide: −Σ F · v, W."""
+    spin, v, total = vector(y, 10), to_body(rows, vector(y, 7)), 0.0
+    for k in range(s.touching):
+        i = m.touch[k]
+        x = plus(v, cross(spin, row3(m.at, i)))
+        total -= dot(row3(m.force, i), x)
+    return total
+
+
+@jit
+def kinetic_energy(s: Run, m: Memory, y: Floats) -> float:
+    """Of the body in the table's frame, J."""
+    v, spin = vector(y, 7), vector(y, 10)
+    return 0.5 * (s.mass_kg * dot(v, v) + dot(spin, apply(m.inertia, spin)))

@@ -1,0 +1,192 @@
+"""What one run reads and writes, by name: plain numbers in a record, vectors and tables in arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, get_type_hints
+
+import numpy as np
+
+from analytic.kernel.records import Floats, Ints
+
+STATE: Final = 15
+"""Items of a state: place of the centroid (3), quaternion w, x, y, z (4), velocity (3), angular velocity in the body's frame (3),
+work done by the field g_e on the body and work lost by sliding."""
+WORK: Final = 13
+LOST: Final = 14
+MAX_VERTICES: Final = 64
+"""Room for the base's vertices: a record's arrays have their sizes from the start. A loaded vertex of a flat base is one bit of a
+whole number, so no more than these."""
+Triples = Annotated[Floats, (MAX_VERTICES, 3)]
+Pairs = Annotated[Floats, (MAX_VERTICES, 2)]
+Scalars = Annotated[Floats, (MAX_VERTICES,)]
+Marks = Annotated[Ints, (MAX_VERTICES,)]
+Matrix = Annotated[Floats, (3, 3)]
+State = Annotated[Floats, (STATE,)]
+Stages = Annotated[Floats, (13, STATE)]
+Columns = Annotated[Floats, (8, 3)]
+WATCHED: Final = 3 * MAX_VERTICES + 8
+
+
+@dataclass
+class Run:
+    """One problem, how it is solved, and the present instant; SI units."""
+
+    mass_kg: float
+    gravity_m_s2: float
+    friction_static: float
+    friction_kinetic: float
+    duration_s: float
+    overturn_cos: float
+    """Cosine of the tilt at which the body counts as overturned."""
+    stands_cos: float
+    """Cosine of the tilt up to which a body that still moves at the end stands."""
+    tolerance: float
+    """Local error of a step, relative to 1 m, 1 rad and their rates."""
+    touch_m: float
+    """A gap below this is none."""
+    still_m_s: float
+    """A speed of sliding below this is none."""
+    settle_m_s: float
+    """A vertex that leaves an impact more slowly than this stays."""
+    step_cap_s: float
+    output_step_s: float
+    """0: no history."""
+    keep_events: bool
+    time_s: float
+    event_s: float
+    step_s: float
+    limit_s: float
+    """The next break of a motion or the end."""
+    mode: int
+    a: int
+    """The vertex touched, or the first of the edge; the one that sticks where the other slides."""
+    b: int
+    sign: float
+    """Of the yaw rate about a vertex that sticks while others slide."""
+    fresh: bool
+    """The mode was chosen at this very instant."""
+    outcome: int
+    touching: int
+    samples: int
+    events: int
+    intervals: int
+    steps: int
+    rejected: int
+    impacts: int
+    ties: int
+    settled: int
+    stalled: int
+    watched: int
+    """Event functions of the mode."""
+    least_friction: float
+    """Largest over the run of the least friction that suffices, while sticking."""
+    peak_tilt_rad: float
+    impact_loss_j: float
+    energy_residual: float
+    momentum_residual: float
+    cone_residual: float
+    energy_scale_j: float
+    start_j: float
+
+
+@dataclass
+class Memory:
+    """The arrays of one run of a body with n vertices, in the first n rows each; addresses are those of the caller's arrays."""
+
+    vertices: int
+    """n."""
+    inertia: Matrix
+    inverse: Matrix
+    about: Annotated[Floats, (MAX_VERTICES, 3, 3)]
+    """Inverse of the inertia about each vertex."""
+    at: Triples
+    """Vertices from the centroid, body's frame."""
+    motion: Annotated[Floats, (3, 6)]
+    """Of each axis' motion: amplitude (of a record: what its samples are multiplied by), angular frequency, phase, ramp, start,
+    end."""
+    kinds: Annotated[Ints, (3,)]
+    first: Annotated[Ints, (4,)]
+    """Where each axis' samples begin."""
+    passed: Annotated[Ints, (3,)]
+    """Breaks passed."""
+    times: int
+    """Address of the samples' times, and"""
+    samples: int
+    """of their accelerations."""
+    y: State
+    """The state at the start of a step,"""
+    y1: State
+    """at its end, and"""
+    y2: State
+    """in between."""
+    ys: State
+    """Of a stage."""
+    k: Stages
+    """Stages of a step, and the rates at its end."""
+    k1: Stages
+    """Stages of a part of a step."""
+    u: Triples
+    """Each vertex' response without contact, body's frame."""
+    response: Annotated[Floats, (6,)]
+    """What the contact forces add: linear and angular, body's frame."""
+    force: Triples
+    """Contact forces or impulses, body's frame."""
+    slide: Pairs
+    """Direction in which each vertex slides, table's frame."""
+    heading: Pairs
+    """The same where a velocity gives it."""
+    known: Marks
+    """Whether that direction is given by a velocity."""
+    stick_limit: Scalars
+    """Coefficient up to which a vertex sticks, and"""
+    slide_limit: Scalars
+    """that at which it slides."""
+    touch: Marks
+    """The vertices that touch, in the polygon's order."""
+    down: Marks
+    """Whether each vertex touches."""
+    anchor: Pairs
+    """Where each vertex sticks, table's frame."""
+    column: Annotated[Ints, (8,)]
+    """Vertex of each column of the contact system."""
+    push: Columns
+    """Direction of its force, and"""
+    hold: Columns
+    """of its constraint, body's frame."""
+    matrix: Annotated[Floats, (8, 9)]
+    impulse: Triples
+    """Of the last impact, table's frame."""
+    cone: Annotated[Floats, (2, MAX_VERTICES, 3)]
+    """Impulses on their way to a balance inside the cones."""
+    watch: Annotated[Floats, (WATCHED,)]
+    """Event functions, positive while the mode lasts."""
+    watch_kind: Annotated[Ints, (WATCHED,)]
+    watch_vertex: Annotated[Ints, (WATCHED,)]
+    offset: Annotated[Floats, (WATCHED,)]
+    """What is added to each until it is clear of zero."""
+    history: int
+    """Address of rows of time and the first 13 items of the state."""
+    instants: int
+    """Rows there are."""
+    event_table: int
+    """Address of rows of 6 + 3 n: see `analytic.spatial.kernel.track`."""
+    interval_table: int
+    """Address of rows of 2 + n."""
+    rows: int
+    """Rows of either table."""
+
+
+_SCALARS: Final[dict[Any, Any]] = {float: np.float64, int: np.int64, bool: np.bool_}
+
+
+def layout(record: type) -> np.dtype[np.void]:
+    """The numpy record with the fields of one of these classes, each where a C compiler would put it."""
+    fields: list[tuple[Any, ...]] = []
+    for name, hint in get_type_hints(record, include_extras=True).items():
+        if hint in _SCALARS:
+            fields.append((name, _SCALARS[hint]))
+        else:
+            item = np.int64 if hint.__origin__ is Ints else np.float64
+            fields.append((name, item, hint.__metadata__[0]))
+    return np.dtype(fields, align=True)

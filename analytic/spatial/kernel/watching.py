@@ -1,0 +1,195 @@
+"""What ends a mode: functions that are positive while it lasts."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from analytic.kernel.compiler import inlined, jit
+from analytic.kernel.records import Floats
+from analytic.spatial.kernel.codes import (
+    EDGE_PIVOT,
+    EDGE_SLIDE,
+    EDGE_STICK,
+    FLAT_PIVOT,
+    FLAT_REST,
+    FLIGHT,
+    VERTEX_SLIDE,
+    VERTEX_STICK,
+    WATCH_FRICTION,
+    WATCH_GAP,
+    WATCH_NORMAL,
+    WATCH_SPEED,
+    WATCH_TILT,
+)
+from analytic.spatial.kernel.contact import (
+    UNLIMITED,
+    Rows,
+    edge_margin,
+    flat_push,
+    flat_row,
+    normal,
+    place,
+    respond,
+    tangent,
+)
+from analytic.spatial.kernel.holding import vertex_place
+from analytic.spatial.kernel.motion import field
+from analytic.spatial.kernel.rates import contact_forces, touches_flat
+from analytic.spatial.kernel.records import Memory, Run
+from analytic.spatial.kernel.rest import edge_distance, thrust
+from analytic.spatial.kernel.vectors import Vector, axes, cross, dot, plus, row3, to_table, vector
+
+ROUNDED_M: Final = 2e-15
+"""Rounding of a gap, the difference of heights of some metres."""
+ROUNDED: Final = 1e-10
+"""The same of forces, in the body's weight: they are differences of accelerations, solved for."""
+
+
+@inlined
+def _note(m: Memory, n: int, kind: int, vertex: int, value: float) -> int:
+    m.watch[n], m.watch_kind[n], m.watch_vertex[n] = value, kind, vertex
+    return n + 1
+
+
+@jit
+def heading_speed(m: Memory, y: Floats, rows: Rows, i: int) -> float:
+    """Vertex i's velocity along its direction of sliding at the start of the step, m/s."""
+    x = plus(to_table(rows, cross(vector(y, 10), row3(m.at, i))), vector(y, 7))
+    return float(x[0] * m.heading[i, 0] + x[1] * m.heading[i, 1])
+
+
+@jit
+def _flat_edges(s: Run, m: Memory, rows: Rows, n: int) -> int:
+    """One function for each edge of a sliding facet: positive while the push needed lies on the inner side of what the edge's two
+    vertices can give, so that some pressure on all of them gives it. Sums as of `flat_row`; a pivot's friction is eliminated."""
+    pivot = s.a if s.mode == FLAT_PIVOT else -1
+    t = m.cone
+    # Columns: what a unit push at each vertex gives, what is needed; the pivot's two frictional forces.
+    for k in range(s.touching + 2):
+        m.force[:] = 0.0
+        i = pivot
+        if k < s.touching:
+            i = m.touch[k]
+            f = flat_push(m, rows, i, pivot)
+            m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
+        elif pivot >= 0:
+            m.force[i, 0], m.force[i, 1], m.force[i, 2] = rows[k - s.touching]
+        respond(s, m)
+        flat_row(s, m, rows, 0, 7, pivot)
+        if k < s.touching:
+            for c in range(3):
+                t[0, k, c] = m.matrix[c, 7]
+            t[1, k, 0], t[1, k, 1] = (m.matrix[3, 7], m.matrix[4, 7]) if pivot >= 0 else (0.0, 0.0)
+        else:
+            for c in range(5):
+                m.matrix[c, 4 + k - s.touching] = m.matrix[c, 7] if pivot >= 0 else 0.0
+    d0, d1, d2 = 0.0, 0.0, 0.0
+    for k in range(s.touching):
+        i = m.touch[k]
+        lift = -dot(rows[2], row3(m.u, i))
+        d0, d1, d2 = d0 + lift, d1 + lift * place(m, rows, i, 1), d2 + lift * place(m, rows, i, 2)
+    if pivot >= 0:
+        a, b, c, d = m.matrix[3, 4], m.matrix[3, 5], m.matrix[4, 4], m.matrix[4, 5]
+        det = a * d - b * c
+        for k in range(s.touching + 1):
+            last = k == s.touching
+            x, y = (-dot(rows[0], row3(m.u, pivot)), -dot(rows[1], row3(m.u, pivot)))
+            if not last:
+                x, y = t[1, k, 0], t[1, k, 1]
+            p, q = (d * x - b * y) / det, (a * y - c * x) / det
+            e0 = m.matrix[0, 4] * p + m.matrix[0, 5] * q
+            e1 = m.matrix[1, 4] * p + m.matrix[1, 5] * q
+            e2 = m.matrix[2, 4] * p + m.matrix[2, 5] * q
+            if last:
+                d0, d1, d2 = d0 - e0, d1 - e1, d2 - e2
+            else:
+                t[0, k, 0], t[0, k, 1], t[0, k, 2] = t[0, k, 0] - e0, t[0, k, 1] - e1, t[0, k, 2] - e2
+    reference = dot(cross(row3(t[0], 0), row3(t[0], 1)), row3(t[0], 2))
+    for k in range(s.touching):
+        sides = cross(row3(t[0], k), row3(t[0], (k + 1) % s.touching))
+        n = _note(m, n, WATCH_NORMAL, m.touch[k], dot(sides, (d0, d1, d2)) / reference)
+    return n
+
+
+@jit
+def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector, n: int) -> int:
+    if s.mode == FLAT_REST:
+        px, py, v, h = thrust(s, m, rows, g)
+        for k in range(s.touching):
+            n = _note(m, n, WATCH_NORMAL, m.touch[k], edge_distance(s, m, rows, k, px, py) * v)
+        if s.friction_static < UNLIMITED:
+            n = _note(m, n, WATCH_FRICTION, -1, s.friction_static * v - h)
+        return n
+    if s.mode == FLAT_PIVOT:
+        n = _note(m, n, WATCH_SPEED, -1, s.sign * dot(rows[2], vector(y, 10)))
+        if s.friction_static < UNLIMITED:
+            n = _note(m, n, WATCH_FRICTION, s.a, s.friction_static * normal(m, rows, s.a) - tangent(m, rows, s.a))
+    else:
+        for k in range(s.touching):
+            n = _note(m, n, WATCH_SPEED, m.touch[k], heading_speed(m, y, rows, m.touch[k]))
+    return _flat_edges(s, m, rows, n)
+
+
+@jit
+def watch(s: Run, m: Memory, y: Floats, t: float) -> int:
+    """Write the mode's event functions at a state; their number."""
+    rows, n = axes(y), 0
+    n = _note(m, n, WATCH_TILT, -1, rows[2][2] - s.overturn_cos)
+    for i in range(m.vertices):
+        if m.down[i] == 0:
+            n = _note(m, n, WATCH_GAP, i, vertex_place(m, y, i)[2])
+    if s.mode == FLIGHT:
+        return n
+    g = field(s, m, t)
+    contact_forces(s, m, y, rows, g)
+    if touches_flat(s.mode):
+        return _watch_flat(s, m, y, rows, g, n)
+    a, b = s.a, s.b
+    two = s.mode != VERTEX_STICK and s.mode != VERTEX_SLIDE
+    n = _note(m, n, WATCH_NORMAL, a, normal(m, rows, a))
+    if two:
+        n = _note(m, n, WATCH_NORMAL, b, normal(m, rows, b))
+    if s.mode == EDGE_PIVOT:
+        n = _note(m, n, WATCH_SPEED, b, s.sign * dot(rows[2], vector(y, 10)))
+    if s.mode == EDGE_SLIDE or s.mode == VERTEX_SLIDE:
+        n = _note(m, n, WATCH_SPEED, a, heading_speed(m, y, rows, a))
+        if two:
+            n = _note(m, n, WATCH_SPEED, b, heading_speed(m, y, rows, b))
+    elif s.friction_static < UNLIMITED:
+        if s.mode == EDGE_STICK:
+            n = _note(m, n, WATCH_FRICTION, -1, edge_margin(m, rows, a, b))
+        else:
+            n = _note(m, n, WATCH_FRICTION, a, s.friction_static * normal(m, rows, a) - tangent(m, rows, a))
+    return n
+
+
+@inlined
+def clearance(s: Run, kind: int) -> float:
+    """What a function must exceed before its sign counts: less is rounding of the event that began the mode."""
+    if kind == WATCH_GAP:
+        return ROUNDED_M
+    if kind == WATCH_SPEED:
+        return s.still_m_s
+    return ROUNDED * s.mass_kg * s.gravity_m_s2 if kind != WATCH_TILT else 0.0
+
+
+@jit
+def arm(s: Run, m: Memory, count: int, fresh: bool) -> None:
+    """Lift functions that begin at zero, and set down those that have become clear of it."""
+    for k in range(count):
+        least = clearance(s, m.watch_kind[k])
+        if fresh:
+            m.offset[k] = max(2.0 * least - m.watch[k], 0.0)
+        elif m.watch[k] > least:
+            m.offset[k] = 0.0
+
+
+@jit
+def lowest(s: Run, m: Memory, y: Floats, t: float) -> float:
+    """Least of the event functions, positive while the mode lasts."""
+    least = math.inf
+    s.watched = watch(s, m, y, t)
+    for k in range(s.watched):
+        least = min(least, m.watch[k] + m.offset[k])
+    return least

@@ -1,0 +1,123 @@
+"""Many runs in three dimensions for their outcome, in parallel."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.errors import AnalyticInputError
+from analytic.kernel.records import Records
+from analytic.spatial.body import Floats
+from analytic.spatial.kernel.codes import OVERTURNED
+from analytic.spatial.kernel.entries import run_rows
+from analytic.spatial.problem import Problem
+from analytic.spatial.solution import OUTCOMES
+from analytic.spatial.solver import prepare
+
+SWEEPABLE: Final = ("scale", "vertical_scale", "heading_rad", "friction")
+"""What a sweep may vary: factors of all motions and of the vertical one, the body's heading (turned to the left, so that
+the motion comes from the other side), the coefficient of friction (both)."""
+TOLERANCE: Final = 1e-7
+"""Local error where only the outcome is asked."""
+CHUNK: Final = 128
+"""Runs whose memories (some 40 kB each) are there at one time, for each thread."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """Outcomes of many runs, each array of the sweep's shape. axis: the body's axis at the end, (..., 3)."""
+
+    codes: NDArray[np.int64]
+    end_s: Floats
+    peak_tilt_rad: Floats
+    axis: Floats
+    impacts: NDArray[np.int64]
+    steps: NDArray[np.int64]
+
+    @property
+    def outcomes(self) -> NDArray[np.object_]:
+        """Outcome of each run."""
+        return np.array(OUTCOMES, dtype=object)[self.codes]
+
+    @property
+    def overturned(self) -> NDArray[np.bool_]:
+        """Whether each run overturned."""
+        return np.asarray(self.codes == OVERTURNED)
+
+
+def outcomes(
+    problem: Problem, sweep: Mapping[str, ArrayLike], *, tolerance: float = TOLERANCE, threads: int | None = None
+) -> Outcomes:
+    """Run the problem for every set of a sweep: arrays by name (SWEEPABLE) that broadcast against each other.
+
+    threads: None for all cores; the result does not depend on it. Raises AnalyticInputError for unknown names and numbers that
+    cannot be run.
+    """
+    unknown = sorted(set(sweep) - set(SWEEPABLE))
+    if unknown or not sweep:
+        came = ", ".join(unknown) or "none"
+        raise AnalyticInputError(f"sweep: some of {', '.join(SWEEPABLE)} are wanted, {came} came.")
+    given = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
+    wrong = [name for name, values in given.items() if not np.isfinite(values).all()]
+    if wrong or (given.get("friction", np.zeros(1)) < 0.0).any():
+        raise AnalyticInputError(f"sweep: finite numbers, and no negative friction, are wanted ({', '.join(wrong)}).")
+    shape = np.broadcast_shapes(*(values.shape for values in given.values()))
+    flat = {name: np.broadcast_to(values, shape).ravel() for name, values in given.items()}
+    size = math.prod(shape)
+    task = prepare(problem, tolerance, None, math.inf, 0)
+    task.memory["times"], task.memory["samples"] = task.times.ctypes.data, task.samples.ctypes.data
+    pieces = [slice(start, min(start + CHUNK, size)) for start in range(0, size, CHUNK)]
+
+    def work(piece: slice) -> tuple[Records, Floats]:
+        part = {name: values[piece] for name, values in flat.items()}
+        return _run(task.run, task.memory, part, piece.stop - piece.start)
+
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        parts = list(pool.map(work, pieces))
+    runs = np.concatenate([part[0] for part in parts])
+    turns = np.concatenate([part[1] for part in parts])
+    w, x, y, z = turns.T
+    axis = np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1)
+    return Outcomes(
+        codes=runs["outcome"].reshape(shape),
+        end_s=runs["time_s"].reshape(shape),
+        peak_tilt_rad=runs["peak_tilt_rad"].reshape(shape),
+        axis=axis.reshape(*shape, 3),
+        impacts=runs["impacts"].reshape(shape),
+        steps=runs["steps"].reshape(shape),
+    )
+
+
+def _run(run: Records, memory: Records, part: Mapping[str, Floats], size: int) -> tuple[Records, Floats]:
+    """The records and the last attitudes (size, 4) of a piece of the sweep."""
+    runs, memories = np.repeat(run, size), np.repeat(memory, size)
+    for name, values in part.items():
+        if name == "scale":
+            memories["motion"][:, :, 0] *= values[:, None]
+        elif name == "vertical_scale":
+            memories["motion"][:, 2, 0] *= values
+        elif name == "friction":
+            runs["friction_static"], runs["friction_kinetic"] = values, values
+        else:
+            _turn(memories["y"], values)
+    run_rows(runs, memories, 0, size)
+    return runs, memories["y"][:, 3:7].copy()
+
+
+def _turn(y: Floats, heading_rad: Floats) -> None:
+    """Turn initial states (n, 15) about the table's z: place, attitude and velocity."""
+    c, s = np.cos(0.5 * heading_rad), np.sin(0.5 * heading_rad)
+    w, x, y_, z = y[:, 3:7].T.copy()
+    y[:, 3], y[:, 4], y[:, 5], y[:, 6] = c * w - s * z, c * x - s * y_, c * y_ + s * x, c * z + s * w
+    c, s = np.cos(heading_rad), np.sin(heading_rad)
+    for first in (0, 7):
+        a, b = y[:, first].copy(), y[:, first + 1].copy()
+        y[:, first], y[:, first + 1] = c * a - s * b, s * a + c * b

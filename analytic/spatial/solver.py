@@ -1,0 +1,276 @@
+"""One run in three dimensions, and how far its numbers hold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple, final
+
+import numpy as np
+
+from analytic.block import positive
+from analytic.encode import encode_motion
+from analytic.kernel.records import Records
+from analytic.motion import Excitation, ZeroExcitation
+from analytic.spatial.body import Body, Floats
+from analytic.spatial.kernel.entries import run
+from analytic.spatial.kernel.records import STATE, Memory, Run, layout
+from analytic.spatial.kernel.track import EVENT_HEAD, INTERVAL_HEAD
+from analytic.spatial.problem import Problem
+from analytic.spatial.solution import (
+    KINDS,
+    MODES,
+    OUTCOMES,
+    VERTEX_STATES,
+    Event,
+    Interval,
+    Solution,
+    Work,
+    rotation_matrices,
+)
+
+RUN: Final = layout(Run)
+MEMORY: Final = layout(Memory)
+TOLERANCE: Final = 1e-13
+"""Local error of a step, relative to 1 m and 1 rad: rounding of some hundred operations."""
+TOUCH_M: Final = 1e-10
+"""Vertices whose gaps differ by less land together: far above what a symmetric body's rounding makes of equal gaps, far below
+what any contact resolves."""
+STILL_M_S: Final = 1e-9
+SETTLE_M: Final = 1e-14
+"""A rebound lower than this, or than the tolerance, is dropped."""
+FIRST_EVENTS: Final = 256
+GAVE_UP: Final = 5
+
+
+class Task(NamedTuple):
+    """What one run reads and writes: record and memory (1,), the motions' samples, history, tables of events and intervals."""
+
+    run: Records
+    memory: Records
+    times: Floats
+    samples: Floats
+    history: Floats
+    events: Floats
+    intervals: Floats
+
+
+def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap_s: float, rows: int) -> Task:
+    """Everything that one run reads and writes, freshly allocated."""
+    body, n = problem.body, len(problem.body.vertices_m)
+    motions = [encode_motion(each) for each in (problem.motion_x, problem.motion_y, problem.motion_z)]
+    numbers = [
+        (1.0 if times.size else p.amplitude_m_s2, p.omega_rad_s, p.phase_rad, p.ramp_s, p.start_s, p.end_s)
+        for p, times, _ in motions
+    ]
+    instants = math.floor(problem.duration_s / dt_out_s * (1.0 + 1e-12)) + 2 if dt_out_s else 1
+    least = body.mass_kg * problem.gravity_m_s2 * body.radius_m
+    values = dict.fromkeys(Run.__dataclass_fields__, 0) | {
+        "mass_kg": body.mass_kg,
+        "gravity_m_s2": problem.gravity_m_s2,
+        "friction_static": min(problem.friction_static, 1e9),
+        "friction_kinetic": min(problem.kinetic, 1e9),
+        "duration_s": problem.duration_s,
+        "overturn_cos": math.cos(problem.overturn_rad),
+        "stands_cos": math.cos(_slenderness(body)),
+        "tolerance": tolerance,
+        "touch_m": TOUCH_M,
+        "still_m_s": STILL_M_S,
+        "settle_m_s": math.sqrt(2.0 * problem.gravity_m_s2 * max(tolerance, SETTLE_M)),
+        "step_cap_s": step_cap_s,
+        "output_step_s": dt_out_s or 0.0,
+        "keep_events": rows > 0,
+        "step_s": 1e-3,
+        "energy_scale_j": least,
+    }
+    record = np.zeros(1, RUN)
+    record[0] = tuple(values.values())
+    memory = np.zeros(1, MEMORY)
+    memory["vertices"], memory["y"][0, :13] = n, problem.start
+    memory["inertia"], memory["inverse"] = body.inertia_kg_m2, np.linalg.inv(body.inertia_kg_m2)
+    memory["about"][0, :n], memory["at"][0, :n] = body.inverse_about, body.vertices_m
+    memory["motion"], memory["kinds"] = numbers, [p.kind for p, _, _ in motions]
+    memory["first"] = np.cumsum([0, *(times.size for _, times, _ in motions)])
+    return Task(
+        record,
+        memory,
+        np.concatenate([times for _, times, _ in motions]),
+        np.concatenate([samples for _, _, samples in motions]),
+        np.zeros((instants, STATE - 1)),
+        np.zeros((rows, EVENT_HEAD + 3 * n)),
+        np.zeros((rows, INTERVAL_HEAD + n)),
+    )
+
+
+def _slenderness(body: Body) -> float:
+    """Tilt up to which the upright body is inside all of its base's edges, rad: the least over them."""
+    r = body.vertices_m
+    r = r[np.argsort(np.arctan2(*(r[:, :2] - r[:, :2].mean(axis=0)).T[::-1]))]
+    a, b = r, np.roll(r, -1, axis=0)
+    edge = b[:, :2] - a[:, :2]
+    inside = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / np.hypot(edge[:, 0], edge[:, 1])
+    return float(np.arctan2(np.maximum(inside, 0.0), -np.minimum(a[:, 2], b[:, 2])).min())
+
+
+def solve(
+    problem: Problem,
+    *,
+    tolerance: float = TOLERANCE,
+    dt_out_s: float | None = 0.001,
+    step_cap_s: float = math.inf,
+    events: bool = True,
+) -> Solution:
+    """Run the model of docs/spatial.md; raises AnalyticInputError for numbers that cannot be used."""
+    positive(tolerance=tolerance, **({} if dt_out_s is None else {"dt_out_s": dt_out_s}))
+    rows = FIRST_EVENTS if events else 0
+    task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows)
+    run(*task)
+    most = int(max(task.run["events"][0], task.run["intervals"][0]))
+    if events and most > rows:
+        task = prepare(problem, tolerance, dt_out_s, step_cap_s, most)
+        run(*task)
+    return read(problem, task)
+
+
+def simulate(
+    body: Body,
+    motion_x: Excitation | None = None,
+    motion_y: Excitation | None = None,
+    motion_z: Excitation | None = None,
+    *,
+    duration_s: float,
+    friction_static: float,
+    friction_kinetic: float | None = None,
+    tolerance: float = TOLERANCE,
+    dt_out_s: float | None = 0.001,
+    step_cap_s: float = math.inf,
+    **start: Any,
+) -> Solution:
+    """Run the model of docs/spatial.md: ``solve`` with the fields of `Problem` as keywords.
+
+    motion_x, motion_y, motion_z: the floor's accelerations, None for none; dt_out_s: output step, None for no history.
+    """
+    x, y, z = (ZeroExcitation() if each is None else each for each in (motion_x, motion_y, motion_z))
+    problem = Problem(body, duration_s, friction_static, friction_kinetic, x, y, z, **start)
+    return solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
+
+
+def read(problem: Problem, task: Task) -> Solution:
+    """The solution of what a run left in its arrays."""
+    record, state = task.run[0], task.memory["y"][0]
+    n = len(problem.body.vertices_m)
+    history = task.history[: int(record["samples"])]
+    turn = history[:, 4:8]
+    turn = turn / np.linalg.norm(turn, axis=1, keepdims=True) if len(turn) else turn
+    gap = history[:, 3:4] + np.einsum("tj,vj->tv", rotation_matrices(turn)[:, 2], problem.body.vertices_m)
+    table = task.events[: int(record["events"])]
+    axis = rotation_matrices(state[None, 3:7])[0][:, 2]
+    return Solution(
+        t_s=history[:, 0],
+        position_m=history[:, 1:4],
+        quaternion_wxyz=turn,
+        velocity_m_s=history[:, 8:11],
+        angular_velocity_rad_s=history[:, 11:14],
+        gap_m=gap,
+        outcome=OUTCOMES[int(record["outcome"])],
+        end_s=float(record["time_s"]),
+        tilt_axis=(float(axis[0]), float(axis[1]), float(axis[2])),
+        peak_tilt_rad=float(record["peak_tilt_rad"]),
+        events=tuple(_event(row, n) for row in table),
+        intervals=_intervals(task.intervals[: int(record["intervals"])], float(record["time_s"])),
+        energy_lost_at_impacts_j=float(record["impact_loss_j"]),
+        energy_lost_by_sliding_j=float(state[STATE - 1]),
+        energy_residual=float(record["energy_residual"]),
+        momentum_residual=float(record["momentum_residual"]),
+        cone_residual=float(record["cone_residual"]),
+        least_friction=float(record["least_friction"]),
+        gave_up=int(record["outcome"]) == GAVE_UP,
+        work=Work(*(int(record[name]) for name in ("steps", "rejected", "events", "impacts", "settled"))),
+    )
+
+
+def _event(row: Floats, n: int) -> Event:
+    time_s, kind, vertex, mode, loss, cone = (float(item) for item in row[:EVENT_HEAD])
+    return Event(
+        time_s=time_s,
+        kind=KINDS[int(kind)],
+        vertex=int(vertex) if vertex >= 0.0 else None,
+        mode=MODES[int(mode)],
+        impulses_n_s=row[EVENT_HEAD:].reshape(n, 3).copy(),
+        energy_lost_j=loss,
+        cone_residual=cone,
+    )
+
+
+def _intervals(table: Floats, end_s: float) -> tuple[Interval, ...]:
+    ends = [*table[1:, 0], end_s][: len(table)]
+    return tuple(
+        Interval(
+            float(row[0]),
+            float(end),
+            MODES[int(row[1])],
+            tuple(VERTEX_STATES[int(item)] for item in row[INTERVAL_HEAD:]),
+        )
+        for row, end in zip(table, ends, strict=True)
+    )
+
+
+SAFETY: Final = 3.0
+"""The stated uncertainty is this many times the largest difference between the runs."""
+FINER: Final = 1e-2
+FINEST: Final = 1e-15
+"""No local error below rounding is asked."""
+CAP_S: Final = 0.01
+"""Longest step of the second run."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Certified:
+    """A solution with the uncertainties of its attitude, rad, and of its centroid's place, m, valid up to reliable_until_s."""
+
+    solution: Solution
+    uncertainty_rad: float
+    place_uncertainty_m: float
+    reliable_until_s: float
+    outcome_is_sure: bool
+
+
+def certify(
+    problem: Problem,
+    *,
+    tolerance: float = TOLERANCE,
+    dt_out_s: float = 0.001,
+    accuracy: float = 1e-9,
+    step_cap_s: float = math.inf,
+) -> Certified:
+    """Run the model, and again a hundred times finer and with shorter steps; say how far the numbers hold.
+
+    accuracy: error, in rad and m, up to which the history counts as reliable.
+    """
+    finer, shorter = max(FINER * tolerance, FINEST), min(CAP_S, 0.5 * step_cap_s)
+    first = solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
+    others = (
+        solve(problem, tolerance=finer, dt_out_s=dt_out_s, step_cap_s=step_cap_s, events=False),
+        solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=shorter, events=False),
+    )
+    size = min(len(each.t_s) for each in (first, *others)) - 1
+    turned, moved = np.zeros(size), np.zeros(size)
+    for other in others:
+        turned = np.maximum(turned, attitude_difference_rad(first, other, size))
+        moved = np.maximum(moved, np.linalg.norm(first.position_m[:size] - other.position_m[:size], axis=1))
+    turned, moved = SAFETY * turned, SAFETY * moved
+    bad = np.flatnonzero((turned > accuracy) | (moved > accuracy))
+    reliable = int(bad[0]) if bad.size else size
+    until = float(first.t_s[max(reliable - 1, 0)]) if bad.size else min(each.end_s for each in (first, *others))
+    sure = all(other.outcome is first.outcome for other in others)
+    return Certified(
+        first, float(turned[:reliable].max(initial=0.0)), float(moved[:reliable].max(initial=0.0)), until, sure
+    )
+
+
+def attitude_difference_rad(a: Solution, b: Solution, size: int) -> Floats:
+    """Angle between the attitudes of two runs at their first samples (size,), rad."""
+    p, q = a.quaternion_wxyz[:size], b.quaternion_wxyz[:size]
+    sign = np.sign(np.einsum("ij,ij->i", p, q))[:, None]
+    return np.asarray(4.0 * np.arcsin(np.clip(0.5 * np.linalg.norm(p - sign * q, axis=1), 0.0, 1.0)))

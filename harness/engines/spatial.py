@@ -1,0 +1,219 @@
+"""The exact rigid body in three dimensions (docs/spatial.md) behind the engine contract: one statue on the floor."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.base import Engine, EngineFailure, Settings
+from harness.engines.contact import frame
+from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.contact.spatial import planar, statue_columns
+from harness.engines.contact.trajectory import Trajectory
+from harness.model.options import Capabilities, RunOptions
+from harness.model.run import Run
+from harness.model.scene import OVERTURN_RAD, Scene
+
+if TYPE_CHECKING:
+    from analytic.spatial import Certified, Problem, Solution
+
+Array = NDArray[np.float64]
+
+LEVELS: Final = ((1e-7, 1e-4), (1e-10, 1e-7), (1e-13, 1e-10))
+"""(local error of a step, error of the rotation expected): rocking histories of some ten impacts amplify by up to a thousand."""
+RELIABLE_RAD: Final = 1e-6
+"""Error up to which a history counts as reliable, whatever is asked of the other engines."""
+BEYOND_RAD: Final = 1e-9
+"""By how much a run goes on beyond the overturning rotation, so that a sample lies there."""
+LEAST_ROTATION_RAD: Final = 1e-9
+"""A rotation below this is rest to the eye that finds swings in a history: far above rounding."""
+PROBE_STEP_S: Final = 0.005
+
+
+@dataclass(frozen=True)
+class SpatialSettings(Settings):
+    """Local error of a step; `dt_s` is the longest step (0: as the error allows)."""
+
+    tolerance: float = LEVELS[-1][0]
+
+
+@final
+class Spatial(Engine):
+    """Event-driven integration of a rigid body on its base's vertices with Coulomb friction at each."""
+
+    name: ClassVar[str] = "spatial"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        dimensions=3, certifies=True, uses_mesh=True, own_impact=True, statue_slips=True, flies=True, forces=True,
+        pedestal=False, edge_shape="the base's vertices alone",
+    )  # fmt: skip
+    order: ClassVar[float] = 8.0
+
+    def missing(self) -> str | None:
+        """Always there."""
+        return None
+
+    def refinement_levels(self, scene: Scene) -> tuple[SpatialSettings, ...]:
+        """Three local errors; the step's length follows from them."""
+        return tuple(SpatialSettings(0.0, expected, tolerance) for tolerance, expected in LEVELS)
+
+    def settings_for_dt(self, scene: Scene, dt_s: float) -> SpatialSettings:
+        """The finest local error with steps no longer than dt_s."""
+        return SpatialSettings(dt_s, LEVELS[-1][1], LEVELS[-1][0])
+
+    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[SpatialSettings, ...]:
+        """A hundredth of the local error, and short steps."""
+        own = _own(settings)
+        return (replace(own, tolerance=max(0.01 * own.tolerance, 1e-15)), replace(own, dt_s=PROBE_STEP_S))
+
+    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+        """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
+        from analytic import AnalyticInputError, spatial
+
+        _refuse(scene)
+        own = _own(settings)
+        begin = time.perf_counter()
+        try:
+            certified = spatial.certify(
+                problem_of(scene),
+                tolerance=own.tolerance,
+                dt_out_s=scene.output_dt_s,
+                accuracy=RELIABLE_RAD,
+                step_cap_s=own.dt_s or math.inf,
+            )
+        except AnalyticInputError as error:
+            raise EngineFailure(str(error)) from error
+        return _run(scene, own, certified, want, begin)
+
+
+def _own(settings: Settings) -> SpatialSettings:
+    if isinstance(settings, SpatialSettings):
+        return settings
+    raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
+
+
+def _refuse(scene: Scene) -> None:
+    """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
+    found = []
+    if scene.pedestal is not None:
+        found.append("a pedestal (its statue stands on the floor)")
+    if scene.contact.restitution is not None:
+        found.append("a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)")
+    if scene.table == "moving":
+        found.append("a moving table (table; it accelerates the floor's frame)")
+    if scene.wall is not None:
+        found.append("a wall")
+    if found:
+        raise EngineFailure(f"spatial does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
+
+
+def problem_of(scene: Scene) -> Problem:
+    """The scene's statue on the vertices of its footprint, turned and turning about its lowest vertex as the scene begins."""
+    from analytic import spatial
+
+    statue, motion = scene.statue, scene.base_excitation
+    vertices = np.asarray(statue.footprint_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
+    theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
+    c, s = math.cos(theta), math.sin(theta)
+    turned = vertices @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    # Upright both corners are as low: the rate says about which it turns.
+    side = math.copysign(1.0, theta or rate)
+    lowest = int(np.argmin(turned[:, 2] - 1e-9 * side * vertices[:, 0]))
+    place = np.array([vertices[lowest, 0], 0.0, 0.0]) - turned[lowest] * [1.0, 0.0, 1.0]
+    return spatial.Problem(
+        spatial.Body(statue.mass_kg, statue.inertia_tensor_kg_m2, vertices),
+        scene.duration_s,
+        scene.contact.statue,
+        None,
+        motion.x,
+        motion.y,
+        motion.z,
+        gravity_m_s2=scene.gravity_m_s2,
+        position_m=tuple(place),
+        quaternion_wxyz=(math.cos(0.5 * theta), 0.0, math.sin(0.5 * theta), 0.0),
+        velocity_m_s=(-rate * turned[lowest, 2], 0.0, rate * turned[lowest, 0]),
+        angular_velocity_rad_s=(0.0, rate, 0.0),
+        overturn_rad=OVERTURN_RAD + BEYOND_RAD,
+    )
+
+
+def _trajectory(scene: Scene, solution: Solution) -> Trajectory:
+    """The solution's samples with the columns that every engine of three dimensions records."""
+    turn, t_s = solution.rotation, solution.t_s
+    spin = np.einsum("tij,tj->ti", turn, solution.angular_velocity_rad_s)
+    theta, rate = planar(turn[:, :, 2], spin)
+    nothing = np.zeros_like(t_s)
+    return Trajectory(
+        t_s=t_s,
+        theta_rad=theta,
+        theta_rate_rad_s=rate,
+        slip_m=nothing,
+        slip_rate_m_s=nothing,
+        gravity_xz_m_s2=frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        statue_xz_m=solution.position_m[:, [0, 2]],
+        statue_rate_m_s=solution.velocity_m_s[:, [0, 2]],
+        extra=statue_columns(scene.statue, turn, solution.position_m),
+    )
+
+
+def _warnings(certified: Certified) -> Sequence[str]:
+    solution, told = certified.solution, []
+    if solution.outcome.value == "friction_paradox":
+        told.append(
+            f"At {solution.end_s:.6g} s no mode of motion is consistent with its own forces: the run ends there."
+        )
+    if solution.gave_up:
+        told.append(f"The run made no more progress at {solution.end_s:.6g} s and was given up.")
+    if not certified.outcome_is_sure:
+        told.append("The outcome changes with the integrator's steps: it is not to be trusted.")
+    if certified.reliable_until_s < solution.end_s:
+        told.append(
+            f"Beyond {certified.reliable_until_s:.4g} s the history depends on the integrator's rounding: it is not to be "
+            "trusted."
+        )
+    return told
+
+
+def _run(scene: Scene, own: SpatialSettings, certified: Certified, want: RunOptions, begin: float) -> Run:
+    from harness.model.history import Outcome
+
+    solution = certified.solution
+    plain: dict[str, Any] = own.as_dict()
+    report = Report(
+        engine=Spatial.name,
+        settings=plain,
+        steps=solution.work.steps,
+        wall_s=0.0,
+        resolution_rad=LEAST_ROTATION_RAD,
+        stuck_below_m_s=LEAST_ROTATION_RAD,
+        with_history=want.history,
+        validity={
+            "statue_friction_needed": solution.least_friction,
+            "energy_residual": solution.energy_residual,
+            "momentum_residual": solution.momentum_residual,
+            "energy_lost_at_impacts_j": solution.energy_lost_at_impacts_j,
+            "energy_lost_by_sliding_j": solution.energy_lost_by_sliding_j,
+        },
+        work={
+            "events": solution.work.events,
+            "impacts": solution.work.impacts,
+            "rejected_steps": solution.work.rejected,
+        },
+        warnings=_warnings(certified),
+    )
+    run = reduce_trajectory(scene, _trajectory(scene, solution), report)
+    return replace(
+        run,
+        outcome=Outcome.FRICTION_PARADOX if solution.outcome.value == "friction_paradox" else run.outcome,
+        impact_times_s=tuple(event.time_s for event in solution.impacts),
+        uplift_times_s=tuple(event.time_s for event in solution.events if event.kind.value == "uplift"),
+        numerical_uncertainty_rad=certified.uncertainty_rad,
+        slip_uncertainty_m=certified.place_uncertainty_m,
+        reliable_until_s=certified.reliable_until_s,
+        wall_s=time.perf_counter() - begin,
+    )
