@@ -63,7 +63,7 @@ def analytic_run(scene: Scene) -> Run:
 
 def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]:
     """Cost of a whole pymunk run (split steps, record, reduction) over a bare loop with the same settings and read-outs."""
-    from harness.engines.pymunk.baseline_loop import bare_loop
+    from harness.bench.pymunk_defaults import baseline_loop
     from harness.engines.pymunk.world import MunkSettings
 
     engine = engines.load("pymunk")
@@ -77,7 +77,7 @@ def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]
         own, bare = [], []
         for _ in range(BEST_OF):
             own.append(engine.simulate(scene, settings, RunOptions(skips=frozenset())).wall_s)
-            bare.append(bare_loop(scene, replace(settings))[0])
+            bare.append(baseline_loop(scene, replace(settings))[0])
         found[f"{kind}_bare_s"], found[f"{kind}_run_s"] = min(bare), min(own)
         found[f"{kind}_ratio"] = min(own) / min(bare)
     return found

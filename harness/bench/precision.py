@@ -35,7 +35,7 @@ TURNS: Final = 15
 
 @dataclass(frozen=True)
 class Default:
-    """Settings that are not this project's: `label`, the module that runs them, and what its `Stock` is given."""
+    """Settings that are not this project's: `label`, the module that runs them, and what its `EngineDefaults` take."""
 
     engine: str
     group: str
@@ -44,8 +44,8 @@ class Default:
     given: Mapping[str, Any]
 
 
-BULLET: Final = "harness.engines.pybullet.defaults"
-MUNK: Final = "harness.engines.pymunk.defaults"
+BULLET: Final = "harness.bench.pybullet_defaults"
+MUNK: Final = "harness.bench.pymunk_defaults"
 DEFAULTS: Final = (
     Default("pybullet", DEFAULT, "own defaults, 1/240 s", BULLET, {}),
     Default("pybullet", DEFAULT, "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
@@ -178,7 +178,7 @@ def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[Precisio
         if default.engine != base.engine:
             continue
         module = import_module(default.module)
-        settings = module.Stock(**default.given)
+        settings = module.EngineDefaults(**default.given)
         t_s, theta = module.run(scene, settings)
         spent, error = cost(partial(module.run, scene, settings)), largest(t_s, theta, exact)
         finite = bool(np.isfinite(error))

@@ -151,10 +151,10 @@ def _hulls(row: Difficulty, scene: Scene, exact: Run, own: Sequence[Cell]) -> It
 
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
     """
-    module = import_module("harness.engines.pybullet.defaults")
+    module = import_module("harness.bench.pybullet_defaults")
     allowed, cells = checks.allowed_rad(exact), []
     for label, given in HULLS:
-        t_s, theta = module.run(scene, module.Stock(**given))
+        t_s, theta = module.run(scene, module.EngineDefaults(**given))
         error = largest(t_s[t_s <= checks.holds_until_s(exact)], theta, exact)
         category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed else "stable"
         evidence = f"error {error:.1e} rad of {allowed:.1e} rad allowed"

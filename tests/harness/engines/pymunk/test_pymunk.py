@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
+from harness.bench.pymunk_defaults import baseline_loop
 from harness.engines.analytic import TwoBlock
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.pymunk import Munk2D
-from harness.engines.pymunk.baseline_loop import bare_loop
 from harness.engines.pymunk.world import MunkSettings
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -194,7 +194,7 @@ def test_direct_calls_are_the_public_ones() -> None:
     on = paestum(0.429, 3.0)
     settings = replace(ENGINE.settings_for_dt(on, 1e-3), align=False)
     history = ENGINE.simulate(on, settings, RunOptions(skips=frozenset())).history
-    angles = [-(row[2] + 0.5e-3 * row[5]) for row in bare_loop(on, settings)[1]]
+    angles = [-(row[2] + 0.5e-3 * row[5]) for row in baseline_loop(on, settings)[1]]
     assert history is not None
     assert np.max(np.abs(history.theta_rad)) > 0.01
     np.testing.assert_allclose(history.theta_rad[1:], angles, rtol=0.0, atol=budget.ROUNDING_RAD)
@@ -226,10 +226,10 @@ def test_ladder_is_ordered() -> None:
     assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))
 
 
-def test_bare_loop_makes_the_same_motion_in_as_many_steps() -> None:
+def test_a_baseline_loop_makes_the_same_motion_in_as_many_steps() -> None:
     on = paestum(0.08, 5.0, mu=0.8, duration_s=0.5)
     settings = ENGINE.settings_for_dt(on, 1e-3)
-    seconds, rows = bare_loop(on, settings)
+    seconds, rows = baseline_loop(on, settings)
     found = ENGINE.simulate(on, settings, RunOptions(skips=frozenset()))
     assert seconds > 0.0
     assert found.steps <= len(rows) * budget.BARE_LOOP_STEPS

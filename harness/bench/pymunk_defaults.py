@@ -1,7 +1,8 @@
-"""pymunk without this project's settings: a space as it comes; for benches only."""
+"""pymunk without this project: a space as it comes (`run`), and a plain loop over this project's bodies (`baseline_loop`)."""
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,14 +10,14 @@ import pymunk
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
-from harness.engines.pymunk.world import rotated
+from harness.engines.pymunk.world import MunkSettings, build, rotated
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Stock:
+class EngineDefaults:
     """What is sent besides shapes, masses, inertia, friction and gravity; None leaves Chipmunk's default."""
 
     dt_s: float = 1.0 / 240.0
@@ -24,13 +25,13 @@ class Stock:
     slop_m: float | None = None
 
 
-def run(scene: Scene, stock: Stock) -> tuple[Array, Array]:
+def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
     """Times, s, and rotations, rad, (n,) of the scene's silhouette on a segment, or on a box for a pedestal."""
     space = pymunk.Space()
-    if stock.iterations is not None:
-        space.iterations = stock.iterations
-    if stock.slop_m is not None:
-        space.collision_slop = stock.slop_m
+    if defaults.iterations is not None:
+        space.iterations = defaults.iterations
+    if defaults.slop_m is not None:
+        space.collision_slop = defaults.slop_m
     floor = pymunk.Segment(space.static_body, (-1000.0, -1.0), (1000.0, -1.0), 1.0)
     floor.friction = scene.contact.floor_static if scene.pedestal else 1.0
     space.add(floor)
@@ -46,12 +47,12 @@ def run(scene: Scene, stock: Stock) -> tuple[Array, Array]:
         top = given.height_m
     body = _statue(scene, top)
     space.add(body, *body.shapes)
-    edges: Array = np.arange(frame.step_count(scene.duration_s, stock.dt_s) + 1, dtype=np.float64) * stock.dt_s
+    edges: Array = np.arange(frame.step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
     theta: Array = np.empty(edges.size)
     theta[0] = scene.initial.theta_rad
     for k, (gx, _, gz) in enumerate(frame.apparent_gravity(scene, edges).tolist()):
         space.gravity = (gx, gz)
-        space.step(stock.dt_s)
+        space.step(defaults.dt_s)
         theta[k + 1] = -body.angle
     return edges, theta
 
@@ -65,3 +66,26 @@ def _statue(scene: Scene, top_m: float) -> pymunk.Body:
     lowest = float(rotated(section, scene.initial.theta_rad)[:, 1].min())
     body.angle, body.position = -scene.initial.theta_rad, (0.0, top_m - lowest)
     return body
+
+
+def baseline_loop(scene: Scene, settings: MunkSettings) -> tuple[float, list[tuple[float, ...]]]:
+    """Seconds and read-outs of a plain loop: pymunk's own step and properties, same bodies, settings and motion.
+
+    No friction that switches, no split steps, no reduction. The motion's accelerations are computed within the time.
+    """
+    world = build(scene, settings)
+    space, bodies = world.space, [body for body in (world.statue, world.pedestal) if body is not None]
+    dt = settings.dt_s
+    rows: list[tuple[float, ...]] = []
+    begin = time.perf_counter()
+    edges = np.arange(frame.step_count(scene.duration_s, dt) + 1, dtype=np.float64) * dt
+    gravity = frame.apparent_gravity(scene, edges)[:, [0, 2]].tolist()
+    for x, z in gravity:
+        space.gravity = (x, z)
+        space.step(dt)
+        row: list[float] = []
+        for body in bodies:
+            place, velocity = body.position, body.velocity
+            row += (place.x, place.y, body.angle, velocity.x, velocity.y, body.angular_velocity)
+        rows.append(tuple(row))
+    return time.perf_counter() - begin, rows

@@ -1,4 +1,4 @@
-"""pybullet without this project's settings: its own defaults, or those of the nearest public peer; for benches only."""
+"""pybullet without this project's settings: its own defaults, or those of virtual_shake_robot_pybullet."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DEFAULT_BREAKING_M: Final = 0.02
 
 
 @dataclass(frozen=True)
-class Stock:
+class EngineDefaults:
     """What is sent besides shapes, masses, inertia, friction and gravity; None leaves Bullet's default.
 
     `margin_m` collision margin of the hull; `damping` linear and angular; `stiffness_n_m`, `contact_damping` of a compliant
@@ -37,24 +37,24 @@ class Stock:
     rolls: bool = False
 
 
-def run(scene: Scene, stock: Stock) -> tuple[Array, Array]:
+def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
     """Times, s, and rotations, rad, (n,) of the scene's hull on a plane, or on a box for a pedestal."""
     client = int(pybullet.connect(pybullet.DIRECT))
     try:
         pybullet.resetSimulation(physicsClientId=client)
-        engine: dict[str, Any] = {"fixedTimeStep": stock.dt_s, "contactBreakingThreshold": stock.breaking_m}
-        if stock.iterations is not None:
-            engine["numSolverIterations"] = stock.iterations
+        engine: dict[str, Any] = {"fixedTimeStep": defaults.dt_s, "contactBreakingThreshold": defaults.breaking_m}
+        if defaults.iterations is not None:
+            engine["numSolverIterations"] = defaults.iterations
         pybullet.setPhysicsEngineParameter(physicsClientId=client, **engine)
-        return _stepped(scene, stock, _built(scene, stock, client), client)
+        return _stepped(scene, defaults, _built(scene, defaults, client), client)
     finally:
         pybullet.disconnect(client)
 
 
-def _built(scene: Scene, stock: Stock, client: int) -> int:
+def _built(scene: Scene, defaults: EngineDefaults, client: int) -> int:
     """Floor, pedestal and statue; returns the statue's body."""
     floor = pybullet.createMultiBody(0.0, shapes.plane((0.0, 0.0, 1.0), client), physicsClientId=client)
-    _surface(stock, floor, scene.contact.floor_static if scene.pedestal else 1.0, client)
+    _surface(defaults, floor, scene.contact.floor_static if scene.pedestal else 1.0, client)
     top = 0.0
     if scene.pedestal is not None:
         given = scene.pedestal
@@ -62,7 +62,7 @@ def _built(scene: Scene, stock: Stock, client: int) -> int:
         box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
         place = [scene.statue.base_centre_m + given.offset_m, 0.0, half[2]]
         body = pybullet.createMultiBody(given.mass_kg, box, basePosition=place, physicsClientId=client)
-        _surface(stock, body, 1.0, client)
+        _surface(defaults, body, 1.0, client)
         top = given.height_m
     statue, theta = scene.statue, scene.initial.theta_rad
     hull = _hull(scene)
@@ -74,9 +74,9 @@ def _built(scene: Scene, stock: Stock, client: int) -> int:
     )
     moments = np.diag(statue.inertia_tensor_kg_m2).tolist()
     pybullet.changeDynamics(body, -1, localInertiaDiagonal=moments, physicsClientId=client)
-    _surface(stock, body, scene.contact.statue, client)
-    if stock.margin_m is not None:
-        pybullet.changeDynamics(body, -1, collisionMargin=stock.margin_m, physicsClientId=client)
+    _surface(defaults, body, scene.contact.statue, client)
+    if defaults.margin_m is not None:
+        pybullet.changeDynamics(body, -1, collisionMargin=defaults.margin_m, physicsClientId=client)
     return int(body)
 
 
@@ -95,19 +95,19 @@ def _hull(scene: Scene) -> Array:
     return np.asarray(prism - centroid, dtype=np.float64)
 
 
-def _surface(stock: Stock, body: int, friction: float, client: int) -> None:
+def _surface(defaults: EngineDefaults, body: int, friction: float, client: int) -> None:
     sent: dict[str, Any] = {"lateralFriction": friction, "restitution": 0.0}
-    if stock.damping is not None:
-        sent |= {"linearDamping": stock.damping, "angularDamping": stock.damping}
-    if stock.rolls:
+    if defaults.damping is not None:
+        sent |= {"linearDamping": defaults.damping, "angularDamping": defaults.damping}
+    if defaults.rolls:
         sent |= {"spinningFriction": friction, "rollingFriction": friction}
-    if stock.stiffness_n_m is not None:
-        sent |= {"contactStiffness": stock.stiffness_n_m, "contactDamping": stock.contact_damping or 0.0}
+    if defaults.stiffness_n_m is not None:
+        sent |= {"contactStiffness": defaults.stiffness_n_m, "contactDamping": defaults.contact_damping or 0.0}
     pybullet.changeDynamics(body, -1, physicsClientId=client, **sent)
 
 
-def _stepped(scene: Scene, stock: Stock, body: int, client: int) -> tuple[Array, Array]:
-    edges: Array = np.arange(frame.step_count(scene.duration_s, stock.dt_s) + 1, dtype=np.float64) * stock.dt_s
+def _stepped(scene: Scene, defaults: EngineDefaults, body: int, client: int) -> tuple[Array, Array]:
+    edges: Array = np.arange(frame.step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
     theta: Array = np.empty(edges.size)
     theta[0] = scene.initial.theta_rad
     for k, gravity in enumerate(frame.apparent_gravity(scene, edges).tolist()):
