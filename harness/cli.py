@@ -83,17 +83,17 @@ def compare(
         from harness.comparison.comparator import compare_files
 
         scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
-        found = {f"{files[0].name}_vs_{files[1].name}": to_plain(scores)}
+        plain_scores = {f"{files[0].name}_vs_{files[1].name}": to_plain(scores)}
     elif uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
     else:
-        found = {}
+        plain_scores = {}
         for path in files:
             result = compute(path, asked, target, quiet=saying.silent, iso=iso, horizon=horizon)
             prefix = f"{path.stem}: " if len(files) > 1 else ""
-            found |= {f"{prefix}{pair}": to_plain(scores) for pair, scores in result.scores.items()}
-    saying.say(found, "\n".join(table_of(pair, scores) for pair, scores in found.items()))
+            plain_scores |= {f"{prefix}{pair}": to_plain(scores) for pair, scores in result.scores.items()}
+    saying.say(plain_scores, "\n".join(table_of(pair, scores) for pair, scores in plain_scores.items()))
 
 
 def table_of(title: str, scores: Mapping[str, object]) -> str:
@@ -147,18 +147,25 @@ def compute(
 
     accuracy, dt = target.accuracy, target.dt
     check_target(accuracy, dt)
-    want = wanted(no_skip)
+    options = wanted(no_skip)
     scene = load_scene(scene_file, asked.overrides or ())
     names = asked.engine or DEFAULT_ENGINES
     if out is not None:
         check_writing(out, scene, names)
     dimensions = {name: load(name).capabilities.dimensions for name in names}
     estimate = check_work(scene, dimensions, str(scene_file), accuracy, dt)
-    with ProgressMessages(quiet) as telling:
+    with ProgressMessages(quiet) as messages:
         if estimate:
-            telling.say(estimate)
+            messages.say(estimate)
         return run_scene(
-            scene, names, accuracy_rad=accuracy, dt_s=dt, want=want, on_progress=telling.engine, apart=True, **more
+            scene,
+            names,
+            accuracy_rad=accuracy,
+            dt_s=dt,
+            options=options,
+            on_progress=messages.engine,
+            apart=True,
+            **more,
         )
 
 
@@ -207,7 +214,7 @@ def summary(result: Result) -> str:
     for pair, scores in result.scores.items():
         lines.append(f"  {pair.replace('_vs_', ' vs ')}: {scores.verdict_sentence}")
     lines += [f"  witness: {text}" for text in witness_sentences(result.witness)]
-    lines += [f"  horizon of {name}: {found.sentence}" for name, found in result.horizons.items()]
+    lines += [f"  horizon of {name}: {each.sentence}" for name, each in result.horizons.items()]
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
     return "\n".join(map(printable, lines))

@@ -124,7 +124,7 @@ def assess(
     check_folder(folder, ("assess",))
     loaded = load_scene(scene, asked.overrides or ())
     check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
-    with ProgressMessages(saying.silent) as telling:
+    with ProgressMessages(saying.silent) as messages:
         found = assessment.assess(
             loaded,
             asked.engine,
@@ -132,7 +132,7 @@ def assess(
             seed=seed,
             half_width=half_width,
             most_runs=most_runs,
-            on_progress=telling.now,
+            on_progress=messages.now,
         )
     with replacing(folder, lambda files: replace(found, files=files), "assess"):
         pass
@@ -235,8 +235,8 @@ def bench(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = 
     from harness.bench.bench_run import run as measure
 
     folder = out or OUT / "bench"
-    with ProgressMessages(saying.silent) as telling:
-        found = measure(folder, quick, telling.engine, _names(parts))
+    with ProgressMessages(saying.silent) as messages:
+        found = measure(folder, quick, messages.engine, _names(parts))
     _say(found, "\n".join(found["sentences"]), folder, saying)
 
 
@@ -247,8 +247,8 @@ def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out =
     from harness.records.base import as_file
 
     folder = out or OUT / "stress"
-    with ProgressMessages(saying.silent) as telling:
-        found = run(folder, quick, telling.engine, _names(parts))
+    with ProgressMessages(saying.silent) as messages:
+        found = run(folder, quick, messages.engine, _names(parts))
     _say(as_file(found), "\n".join(sentences(found)), folder, saying)
     raise typer.Exit(OK if found.holds else FAILED)
 

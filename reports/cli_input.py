@@ -176,7 +176,7 @@ def gif(
     """Write the replay of a run as an animated picture for slides."""
     from reports.export.animation import write_gif
 
-    with ProgressMessages(saying.silent) as telling:
-        telling.now("drawing the frames")
+    with ProgressMessages(saying.silent) as messages:
+        messages.now("drawing the frames")
         written = str(write_gif(folder, out, model))
     saying.say([written], written)

@@ -16,10 +16,10 @@ SPARE: Final = 1.05
 """Steps of a contact engine over duration/dt: splitting impacts and halts adds 6 and 10 to 4000."""
 REPEATED: Final = {"pymunk": 8, "pybullet": 16}
 """Steps of these that are tried again: 7 and 14 counted, at two impacts and four halts."""
-SWEEPS: Final = {"pymunk": 50_200, "pybullet": 338_300}
+MOST_ITERATIONS: Final = {"pymunk": 50_200, "pybullet": 338_300}
 """Solver iterations that 1e-3 rad may take there, at most so many a step: 531 × 90 and 537 × 600 counted."""
 ACCURACY_RUNS: Final = 3
-"""Runs that 1e-3 rad may take on an easy scene: a rung, a finer one to check it, and one under a stronger motion."""
+"""Runs that 1e-3 rad may take on an easy scene: a level, a finer one to check it, and one under a stronger motion."""
 MODULES_OF_HELP: Final = 164
 """Modules imported to answer --help: 156 counted, 743 with scipy's integrators, which a run needs and --help does not."""
 MODULES_OF_RUN: Final = {"pymunk": 456, "pybullet": 718, "analytic": 921}
@@ -27,11 +27,11 @@ MODULES_OF_RUN: Final = {"pymunk": 456, "pybullet": 718, "analytic": 921}
 OUTCOME_ALLOCATED_KB: Final = {"analytic": 23.4, "pymunk": 360.0, "pybullet": 520.0}
 """Peak of memory, KiB, that an outcome allocates through Python: 22.3 for 20 s of the analytic model (a frozen
 problem, its options, and one packed record of named numbers); 342 and 495 for 2 s of the
-contact engines on their coarsest rung, whose recorded states make the outcome."""
+contact engines on their coarsest level, whose recorded states make the outcome."""
 SAME_RAD: Final = 1e-9
 """What a skip may change of a peak that is integrated either way: the certified model's own reliable error is 1e-6."""
 SKIP_RAD: Final = 2e-4
-"""What a skip may change in a contact engine: contacts settle anew where integration begins, within the rung's own error."""
+"""What a skip may change in a contact engine: contacts settle anew where integration begins, within the level's own error."""
 
 RIVAL_RAD: Final = 1e-6
 """DOP853 asked for 1e-10 errs by up to ten thousand times that: it finds events on an interpolant of lower order."""

@@ -10,7 +10,8 @@ PEDESTAL_SLIP_M = 1e-5
 """Slip at 0.25 ms: seven times the 1.4e-6 m measured."""
 
 WHOLE_FLOOR_RAD = 5e-6
-"""All of the scene in three dimensions on the floor: fifteen times the 3.2e-7 rad measured, as its sweeps end early."""
+"""All of the scene in three dimensions on the floor: fifteen times the 3.2e-7 rad measured, as its solver iterations end
+early."""
 
 WHOLE_PEDESTAL_RAD = 4e-5
 """The same on the pedestal: ten times the 3.9e-6 rad measured; 4e-4 was asked."""
@@ -28,10 +29,10 @@ HALVED_SHARE = 1e-4
 """The same for energy and force, over their largest, in the median: ten times the 1e-5 measured."""
 
 COARSEST_RAD = 1e-3
-"""At 4 ms, the coarsest rung, on the bench's block scenes, as a target of 1e-3 rad asks; up to 3.7e-4 is measured."""
+"""At 4 ms, the coarsest level, on the bench's block scenes, as a target of 1e-3 rad asks; up to 3.7e-4 is measured."""
 
 STATED_OVER = 5.0
-"""What the coarsest rung states over its error here: 1.1 on the pedestal, 3.9 on the floor, where El Centro decides."""
+"""What the coarsest level states over its error here: 1.1 on the pedestal, 3.9 on the floor, where El Centro decides."""
 
 FREE_ROCKING_COARSE_RAD = 5e-5
 """Four impacts of free rocking at 4 ms: twice the 2.6e-5 rad measured; with feet that creep as they stand 3.6e-4."""
@@ -42,26 +43,27 @@ FREE_ROCKING_RAD = 8e-6
 ORDER_WITH_IMPACTS = 1.5
 """Observed order over two halvings with four impacts in them: 3 measured; 1 where anything of first order is left."""
 
-STANDING_M = 6e-7
-"""A standing foot in a swing of 0.3 s at 4 ms: three times the 1.9e-7 m measured; without anchors it creeps by 3.4e-6."""
+SUPPORT_M = 6e-7
+"""A standing foot in a half-cycle of 0.3 s at 4 ms: three times the 1.9e-7 m measured; without anchors it creeps by 3.4e-6."""
 
 SLIDING_REL = 5e-3
 """A block that slides to and fro at 0.25 ms, against the sliding block: 1e-3 measured; held back by anchors it loses 5e-2."""
 
-RELEASE_M = 1.2e-5
+SLIP_ONSET_M = 1.2e-5
 """Slip 0.15 s after static friction gave way, at 1 and 2 ms: twice the 5e-6 m measured; in ten parts of a step it is 3e-5."""
 
 SCAN_UPLIFT_RAD = 5e-5
-"""A scan's uplift and swing at 4 ms against 0.5 ms: twice the 2e-5 rad measured; with contacts kept up to 0.1 mm 4e-4."""
+"""A scan's uplift and half-cycle at 4 ms against 0.5 ms: twice the 2e-5 rad measured; with contacts kept up to 0.1 mm 4e-4."""
 
 FALLEN = 0.5
 """Error at 0.25 ms over that at 4 ms, sixteen times the step: 0.05 to 0.2 measured, as slips fall anywhere."""
 
 PLANAR_RAD = 3e-5
-"""Out of the plane at 0.25 ms, tilt and yaw: as asked; the sweeps leave 1e-7 rad."""
+"""Out of the plane at 0.25 ms, tilt and yaw: as asked; the solver iterations leave 1e-7 rad."""
 
 PLANAR_FINEST_RAD = 1e-9
-"""Out-of-plane tilt on the finest rung, as asked: its thousand sweeps are never cut short, and 2e-13 rad is measured."""
+"""Out-of-plane tilt on the finest level, as asked: its thousand solver iterations are never cut short, and 2e-13 rad is
+measured."""
 
 LEAST_ORDER = 0.8
 """Observed order before the first impact over three halvings; 1.27 to 1.59 measured, between a leapfrog's 2 and an event's 1."""
@@ -115,7 +117,8 @@ SEEN = 3.0
 """A wrong coefficient or a motion left out must stand out of the engine's own error by this factor."""
 
 SOLVED_RAD = 1e-7
-"""Two orders of bodies with a thousand sweeps: the sweeps' remainder, 1e-11 of a step's impulses, grown over 400 steps."""
+"""Two orders of bodies with a thousand solver iterations: their remainder, 1e-11 of a step's impulses, grown
+over 400 steps."""
 
 EDGE_RAD = 1e-3
 """Rotation at which a convex body meets the pedestal's edge: it is drawn 0.1 mm inside, over 0.2 m of its way 5e-4 rad."""

@@ -24,12 +24,12 @@ ORDER_WITH_IMPACTS: Final = 1.4
 """Observed order over four halvings with four impacts in them; 1.0 where anything of first order is left at an impact."""
 SLOW_IMPACTS_RAD: Final = 6e-6
 """Measured 1.5e-6 rad at 0.5 ms, of rocking by 2e-4; slow impacts left to whole steps cost 1e-4."""
-RATTLE_RAD: Final = 3e-4
-"""Measured 2e-5 to 1.1e-4 rad at 1 ms in pymunk, 8e-6 to 2.2e-5 in pybullet; swings left to whole steps cost 3e-4 to 0.1."""
-RATTLED_OUT_RAD: Final = 5e-7
+MICRO_ROCKING_RAD: Final = 3e-4
+"""Measured 2e-5 to 1.1e-4 rad at 1 ms in pymunk, 8e-6 to 2.2e-5 in pybullet; half-cycles left to whole steps cost 3e-4 to 0.1."""
+AFTER_MICRO_ROCKING_RAD: Final = 5e-7
 """Rotation left at rest: measured 1.7e-7 rad at 4 ms in pymunk, a hundredth of two depths of contact; 3.6e-7 in pybullet."""
-RATTLED_OUT_STEPS: Final = 1.6
-"""Steps over whole ones for a rocking that dies out, with all its short swings: measured 1.45 in pymunk."""
+AFTER_MICRO_ROCKING_STEPS: Final = 1.6
+"""Steps over whole ones for a rocking that dies out, with all its short half-cycles: measured 1.45 in pymunk."""
 FALL_ORDER: Final = 1.95
 """Observed order over three halvings while a statue falls about one corner: measured 2.0; 1.5 with the spin that a step loses."""
 UPLIFT_RAD: Final = 1.4e-5
@@ -40,13 +40,13 @@ BLOCKS_RAD: Final = 1e-7
 """Measured 2.5e-8 rad between blocks of one step and of 512: after each, a step takes all iterations again."""
 LONGEST_STEP_RAD: Final = 6e-4
 """Measured 3.0e-4 rad at 8 ms over four impacts; 1.3e-2 where a slow statue's contact is lost for a step."""
-IMPACT_AFTER_A_HALT_RAD: Final = 3e-5
+IMPACT_AFTER_STICK_ONSET_RAD: Final = 3e-5
 """Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just halted costs 1.2e-4."""
-HALTED_RAD: Final = 3e-5
+STICK_ONSET_RAD: Final = 3e-5
 """Measured 6.4e-6 rad in 10.5 s at 1 ms, and"""
-HALTED_M: Final = 1.5e-5
+STICK_ONSET_M: Final = 1.5e-5
 """3.3e-6 m of slip; 0.27 m where the statue went into the pedestal."""
-RELEASE_RAD: Final = 1e-6
+SLIP_ONSET_RAD: Final = 1e-6
 """Measured 2.8e-7 rad at 0.5 ms over the first slips; a step that is wholly static or wholly kinetic costs 4e-6 at any step."""
 TURNING_SHARE: Final = 1.3
 """Error with a quarter of the iterations over that with all of them: measured 1.0 to 1.2 at 4 ms."""
@@ -118,7 +118,7 @@ THROWN_SLIP_M: Final = 1e-6
 TWO_STEPS_S: Final = 2.5e-3
 """What is told by samples of 1 ms comes within two of them and an event's own part."""
 BOUNCES_RATIO: Final = 2e-3
-"""A ratio at impact from the swings' peaks in a bare loop of 0.1 ms, of first order: measured within 5e-4 on 5 widths."""
+"""A ratio at impact from the half-cycles' peaks in a bare loop of 0.1 ms, of first order: measured within 5e-4 on 5 widths."""
 
 WRITTEN_M_S: Final = 1e-3
 """Velocities that turning on at impacts changes in all in the first second of the paper's cases at 1 ms: 8e-5 m/s in pymunk."""

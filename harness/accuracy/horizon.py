@@ -132,9 +132,9 @@ def horizon(
                 continue
             outcomes.add(other.outcome)
             times.append(parted_s(other.history, reference.history, tolerance_rad))
-        found = [t for t in times if t is not None]
-        until.append(min(found, default=scene.duration_s))
-        if found and size < tolerance_rad and until[-1] > 0.0:
+        times_parted = [t for t in times if t is not None]
+        until.append(min(times_parted, default=scene.duration_s))
+        if times_parted and size < tolerance_rad and until[-1] > 0.0:
             rates.append(math.log(tolerance_rad / size) / until[-1])
     # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
     least = np.minimum.accumulate(until)
@@ -152,10 +152,10 @@ def horizon(
 
 def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
     try:
-        found = run(scene)
+        perturbed_run = run(scene)
     except EngineFailure:
         return None
-    return None if found.outcome.failed else found
+    return None if perturbed_run.outcome.failed else perturbed_run
 
 
 def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
@@ -168,10 +168,10 @@ def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
     return both.end_s if shorter else None
 
 
-def horizon_of(engine: Engine, scene: Scene, settings: Settings, **options: Any) -> Horizon:
+def horizon_of(engine: Engine, scene: Scene, settings: Settings, **keywords: Any) -> Horizon:
     """The horizon of an engine with its settings (see `horizon`)."""
-    want = RunOptions(history=True)
-    return horizon(scene, lambda each: engine.simulate(each, settings, want), **options)
+    options = RunOptions(history=True)
+    return horizon(scene, lambda each: engine.simulate(each, settings, options), **keywords)
 
 
 def horizon_beside(engine: Engine, scene: Scene, run: Run) -> Horizon:

@@ -1,4 +1,4 @@
-"""A target accuracy instead of a time step: climb an engine's ladder until its own runs agree.
+"""A target accuracy instead of a time step: climb an engine's refinement levels until its own runs agree.
 
 The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
 step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
@@ -22,9 +22,9 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 START_SHARE: Final = 1.5
-"""The first rung may be expected to miss the target by this much: the run that is kept is twice as fine."""
+"""The first level may be expected to miss the target by this much: the run that is kept is twice as fine."""
 CLIMB_SHARE: Final = 0.75
-"""A rung is worth a run when its step is shorter than all that were tried by at least this."""
+"""A level is worth a run when its step is shorter than all that were tried by at least this."""
 LEAP: Final = 4.0
 """Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
 ORDER: Final = 1.5
@@ -32,22 +32,22 @@ ORDER: Final = 1.5
 MOST_ORDER: Final = 2.0
 """Highest order that two differences are taken to show."""
 FLOOR_SHARE: Final = 1.0
-"""Share of a rung's expected error below which no uncertainty is stated: two runs may agree by chance."""
+"""Share of a level's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEFT_AGREEMENTS: Final = 2
 """Comparisons that must hold in a row where a run leaves what its events are located for: from there plain steps err unevenly."""
 RESPONSES: Final = 2
 """So many times a climb goes on because a small change of the motion moves more than the target; then finer steps gain little."""
 
 
-def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, want: RunOptions) -> Run:
+def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: RunOptions) -> Run:
     """Compute a scene to a target accuracy of the rotation, rad, at the least cost that the engine's own spread allows.
 
     The slip has the target of `spread.target_of`. The run states both uncertainties and until when they hold; where the
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
     if engine.capabilities.certifies:
-        return engine.simulate(scene, _first_rung(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], want)
-    climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), want)
+        return engine.simulate(scene, _first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
+    climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():
         if climb.ends_with(settings):
             break
@@ -65,7 +65,7 @@ class _Climb:
     scene: Scene
     target: Error
     refinement_levels: tuple[Settings, ...]
-    want: RunOptions
+    options: RunOptions
     whole: list[tuple[Settings, Run]] = field(default_factory=list)
     spreads: list[Spread] = field(default_factory=list)
     answer: Spread | None = None
@@ -73,18 +73,18 @@ class _Climb:
     costs: list[tuple[int, float]] = field(default_factory=list)
 
     def order(self) -> Iterator[Settings]:
-        """Settings in the order in which they are tried: a rung, its probes, then rungs finer than these.
+        """Settings in the order in which they are tried: a level, its verification runs, then levels finer than these.
 
         How far the last two runs were apart says how much finer the next must be.
         """
         refinement_levels = self.refinement_levels
-        index = _first_rung(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        index = _first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
         while index < len(refinement_levels):
             yield refinement_levels[index]
             finest = refinement_levels[index].dt_s
-            for probe in self.engine.verification_settings(self.scene, refinement_levels[index]):
-                yield probe
-                finest = min(finest, probe.dt_s)
+            for verification in self.engine.verification_settings(self.scene, refinement_levels[index]):
+                yield verification
+                finest = min(finest, verification.dt_s)
             # Two runs with one step would agree on an error that is the step's.
             finer = [
                 i for i in range(index + 1, len(refinement_levels)) if refinement_levels[i].dt_s < CLIMB_SHARE * finest
@@ -99,7 +99,7 @@ class _Climb:
         """Run with these settings; whether no further run is worth its cost."""
         before = self.whole[-1][1] if self.whole else None
         check = _Check(before, self.spreads, settings.dt_s, self.refinement_levels[-1].dt_s, self.target)
-        run = self.engine.simulate(self.scene, settings, replace(self.want, history=True, stop=check))
+        run = self.engine.simulate(self.scene, settings, replace(self.options, history=True, stop=check))
         self._count(run)
         self.answer = None
         if before is not None and not run.outcome.failed and not before.outcome.failed:
@@ -118,8 +118,8 @@ class _Climb:
         else:
             return _hopeless(self.spreads, run.end_s, self.refinement_levels[-1].dt_s, self.target)
         # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
-        found = self._response(until_s)
-        return found is None or found.whole or found.until_s >= until_s or self.answers >= RESPONSES
+        answer = self._response(until_s)
+        return answer is None or answer.whole or answer.until_s >= until_s or self.answers >= RESPONSES
 
     @property
     def agreements(self) -> int:
@@ -138,9 +138,9 @@ class _Climb:
         if len(good) < 2 or self.answer is not None:
             return self.answer
         settings, run = good[-2]
-        found = response(self.engine, self.scene, settings, run, good[-1][0].expected_error_rad, self.target, until_s)
-        if found is not None:
-            self.answer, other = found
+        answer = response(self.engine, self.scene, settings, run, good[-1][0].expected_error_rad, self.target, until_s)
+        if answer is not None:
+            self.answer, other = answer
             self.answers += 1
             self._count(other)
         return self.answer
@@ -154,26 +154,28 @@ class _Climb:
         best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
         known = not best.outcome.failed and bool(self.spreads)
         until_s = _held_until_s(self.spreads, self.agreements) if known and not self.spreads[-1].whole else best.end_s
-        found = self._response(until_s) if known else None
+        answer = self._response(until_s) if known else None
         work = {**best.work, "runs": len(self.costs), "steps_of_all_runs": sum(steps for steps, _ in self.costs)}
         best = replace(best, work=work, wall_s=sum(wall_s for _, wall_s in self.costs))
-        if not self.want.history and self.want.allows("no_history"):
+        if not self.options.history and self.options.allows("no_history"):
             best = replace(best, history=None)
         if not known:
             return best
         last = self.spreads[-1]
-        answered = NONE if found is None else found.largest
+        answered = NONE if answer is None else answer.largest
         error = last.stated.or_more(_left(self.spreads, self.target), self._expected(best), answered)
-        held_s = [until_s] if found is None or found.whole else [until_s, found.until_s]
+        held_s = [until_s] if answer is None or answer.whole else [until_s, answer.until_s]
         if best.no_return_time_s is not None:
             # In a fall errors of plain steps grow, and no second comparison is asked for.
             held_s.append(max(plain_from_s(best), best.no_return_time_s))
-        told, until_s = [], min(held_s)
+        messages, until_s = [], min(held_s)
         if until_s < best.end_s:
-            told.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
+            messages.append(_why_not_whole(best, last, until_s, self.target.rotation_rad))
         elif error.share_of(self.target) > 1.0:
-            told.append(f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves")
-        return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *told)
+            messages.append(
+                f"the target of {self.target.rotation_rad:g} rad is below what the engine's contact resolves"
+            )
+        return best.with_uncertainty(error.rotation_rad, error.slip_m, until_s, *messages)
 
     def _expected(self, run: Run) -> Error:
         """What a run's settings are expected to err by, more where its events are left; without a pedestal nothing slips."""
@@ -208,7 +210,7 @@ class _Check:
         return self.stopped
 
 
-def _first_rung(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+def _first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
     for index, settings in enumerate(refinement_levels):
         if settings.expected_error_rad <= share * accuracy_rad:
             return settings, index
@@ -233,7 +235,7 @@ def _agreed(spreads: list[Spread], target: Error, agreements: int, clear: bool) 
 def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
     """Whether the last runs agree until there is no return, and then overturn to the same side.
 
-    In the fall that follows, differences grow as the rotation itself does: finer rungs would tell its path, not its end.
+    In the fall that follows, differences grow as the rotation itself does: finer levels would tell its path, not its end.
     """
     last = [run for run in runs if not run.outcome.failed][-agreements - 1 :]
     if len(spreads) < agreements or len({run.outcome for run in last}) != 1:
@@ -243,7 +245,7 @@ def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
 
 
 def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
-    """Whether no rung is expected to reach the end.
+    """Whether no level is expected to reach the end.
 
     A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless runs keep
     together to the end and the next ones are expected to meet the target.

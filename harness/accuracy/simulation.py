@@ -25,7 +25,7 @@ def simulate(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: RunOptions | None = None,
+    options: RunOptions | None = None,
 ) -> Run:
     """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
 
@@ -33,11 +33,11 @@ def simulate(
     of range, or both given.
     """
     check_target(accuracy_rad, dt_s)
-    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, want or RunOptions())
+    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, options or RunOptions())
 
 
 def simulate_with(
-    engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions
+    engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, options: RunOptions
 ) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
     reason, start = engine.missing(), time.perf_counter()
@@ -50,11 +50,11 @@ def simulate_with(
             )
             run = failed(engine.name, Outcome.CRASHED, reason)
         elif dt_s is not None and not engine.capabilities.certifies:
-            run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+            run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), options)
         else:
             from harness.accuracy.refinement import run_to_accuracy
 
-            run = run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, want)
+            run = run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, options)
     except EngineFailure as error:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
     return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))

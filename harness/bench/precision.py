@@ -1,4 +1,5 @@
-"""Work against precision: every engine on every level, on its own defaults, on a peer's settings, and what a target takes."""
+"""Work against precision: every engine on every level, on its own defaults, on another project's settings, and what a target
+takes."""
 
 from __future__ import annotations
 
@@ -61,7 +62,7 @@ DEFAULTS: Final = (
     Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),
     Default("pymunk", DEFAULT, "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
 )  # fmt: skip
-"""The peer is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
+"""The other project is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
 
 
 def tasks(quick: bool) -> list[str]:

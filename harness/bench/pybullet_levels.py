@@ -50,7 +50,7 @@ def errors_rad(scene: Scene, truth: Run) -> list[float]:
     """The larger error of half and whole of a scene on every level, rad."""
     engine = load("pybullet")
     return [
-        max(errors(engine.simulate(scene, level, want), truth)[0] for want in (HALF, WHOLE))
+        max(errors(engine.simulate(scene, level, options), truth)[0] for options in (HALF, WHOLE))
         for level in engine.refinement_levels(scene)
     ]
 

@@ -25,10 +25,10 @@ from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
 from harness.engines.pybullet.columns import trajectory
 from harness.engines.pybullet.loop import Watch, integrate
-from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.stepper import Record, Stepper, reader
+from harness.engines.pybullet.step_state import StepState
+from harness.engines.pybullet.stepper import StepLog, Stepper, reader
 from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions
@@ -91,7 +91,7 @@ def _box_moments(p: Pedestal) -> Array:
     return np.asarray(p.mass_kg / 12.0 * (np.sum(squares) - squares))
 
 
-def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[Record, float]:
+def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[StepLog, float]:
     """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
     setup = course.prepare(scene).halved if half else course.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
@@ -100,8 +100,8 @@ def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: 
     with World(level, mirrored=half) as world:
         build(world, scene, setup)
         start = time.process_time()
-        march = StepState(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
-        record = integrate(scene, schedule, watch, march)
+        state = StepState(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
+        record = integrate(scene, schedule, watch, state)
         spent = time.process_time() - start
     return record, 1e6 * spent / (len(record.t_s) - 1)
 

@@ -134,12 +134,12 @@ def _measured(skip: str, engine: Engine, kind: str) -> SkipRow:
     )  # fmt: skip
 
 
-def own_error_rad(engine: Engine, scene: Scene, want: RunOptions, run: Run) -> float:
+def own_error_rad(engine: Engine, scene: Scene, options: RunOptions, run: Run) -> float:
     """What the engine's own finer settings change in a run, rad; of a model that certifies, its stated uncertainty."""
     if engine.capabilities.certifies:
         return run.numerical_uncertainty_rad or 0.0
     return max(
-        difference(run, engine.simulate(scene, finer, want))
+        difference(run, engine.simulate(scene, finer, options))
         for finer in engine.verification_settings(scene, level(engine, scene, RESOLVED_RAD))
     )
 

@@ -154,11 +154,11 @@ def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RA
     return next((item for item in refinement_levels if item.expected_error_rad <= expected_rad), refinement_levels[-1])
 
 
-def simulate(engine: Engine, scene: Scene, want: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
+def simulate(engine: Engine, scene: Scene, options: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
     """One run of the outcome study: certified, or on the level that an outcome needs."""
     if engine.capabilities.certifies:
-        return run_to_accuracy(engine, scene, 1e-3, want)
-    return engine.simulate(scene, level(engine, scene, expected_rad), want)
+        return run_to_accuracy(engine, scene, 1e-3, options)
+    return engine.simulate(scene, level(engine, scene, expected_rad), options)
 
 
 def _keep(runs: dict[bool, Run], engine: Engine, scene: Scene, skip: bool) -> None:

@@ -49,7 +49,7 @@ def simulate_isolated(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: RunOptions | None = None,
+    options: RunOptions | None = None,
     timeout_s: float = DEFAULT_TIMEOUT_S,
 ) -> Run:
     """`harness.simulate` in a process of its own; a crash or hang is a run whose outcome says so.
@@ -58,13 +58,13 @@ def simulate_isolated(
     """
     begin = time.perf_counter()
     try:
-        run: Run = call(_simulate, (scene, engine, accuracy_rad, dt_s, want), timeout_s=timeout_s)
+        run: Run = call(_simulate, (scene, engine, accuracy_rad, dt_s, options), timeout_s=timeout_s)
     except Crash as crash:
         return lost_run(engine, crash, time.perf_counter() - begin)
     return run
 
 
 def _simulate(
-    scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, want: RunOptions | None
+    scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, options: RunOptions | None
 ) -> Run:
-    return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s, want=want)
+    return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s, options=options)

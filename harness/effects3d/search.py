@@ -122,8 +122,8 @@ def nearest_crossing(
 
 def run_once(scene: Scene, engine: str, dt_s: float, *, history: bool = False) -> Run:
     """One run; contact engines at the given step, the analytic model at its default accuracy."""
-    want = RunOptions(history=history)
-    return simulate(scene, engine, want=want) if engine == "analytic" else simulate(scene, engine, dt_s=dt_s, want=want)
+    options = RunOptions(history=history)
+    return simulate(scene, engine, dt_s=None if engine == "analytic" else dt_s, options=options)
 
 
 def peak_g(scene: Scene) -> float:

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from analytic import Block, Certified, CommonKeywords, Form, Pedestal, Solution, Wall
 
 ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
-"""The ladder: aimed error of the rotation before it is amplified by the problem itself."""
-PROBE_STEP_S: Final = 0.02
-"""Longest step of the probe that checks the step's length."""
+"""The refinement levels: aimed error of the rotation before it is amplified by the problem itself."""
+VERIFICATION_STEP_S: Final = 0.02
+"""Longest step of the verification run that checks the step's length."""
 RELIABLE_RAD: Final = 1e-6
 """Error up to which a history counts as reliable, whatever is asked of the other engines."""
 
@@ -65,21 +65,21 @@ class TwoBlock(Engine):
         accuracy = _own(settings).accuracy_rad
         return (
             TwoBlockSettings(0.0, accuracy, 0.01 * accuracy),
-            TwoBlockSettings(PROBE_STEP_S, accuracy, accuracy, PROBE_STEP_S),
+            TwoBlockSettings(VERIFICATION_STEP_S, accuracy, accuracy, VERIFICATION_STEP_S),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure when the model refuses the scene."""
         from analytic import AnalyticInputError, certify
 
         chosen = _own(settings)
-        keep = want.history or not want.allows("no_history")
+        keep = options.history or not options.allows("no_history")
         given: CommonKeywords = {
             **keywords(scene),
             "dt_s": scene.output_dt_s if keep else None,
-            "skip_start": want.allows("quiet_start"),
-            "skip_rest": want.allows("quiet_end"),
-            "skip_energy": want.allows("energy_outcome"),
+            "skip_start": options.allows("quiet_start"),
+            "skip_rest": options.allows("quiet_end"),
+            "skip_energy": options.allows("energy_outcome"),
         }
         start = time.perf_counter()
         try:
@@ -158,7 +158,7 @@ def _history(solution: Solution) -> History:
 def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
     limits = solution.validity
     share = solution.peak_theta_rad / scene.statue.slenderness_rad(1 if solution.peak_signed_rad > 0.0 else -1)
-    found: dict[str, Any] = {
+    values: dict[str, Any] = {
         "peak_over_slenderness": share,
         "impact_ratios": [
             _ratio(event.theta_rate_after_rad_s, event.theta_rate_before_rad_s) for event in solution.impacts
@@ -168,8 +168,8 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
         "energy_lost_j": solution.energy_lost_j,
     }
     if limits is None:
-        return found
-    found |= {
+        return values
+    values |= {
         "statue_friction_needed": limits.pivot_friction_needed,
         "statue_friction_needed_at_impact": limits.pivot_friction_needed_at_impact,
         "statue_normal_least_n": limits.least_pivot_force_n,
@@ -178,9 +178,9 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, Any]:
         "left_domain_by": limits.left_domain_by,
     }
     if scene.pedestal is not None:
-        found["pedestal_tipping_margin_m"] = limits.pedestal_tipping_margin_m
-        found["pedestal_tipping_margin_at_impact_m"] = limits.pedestal_tipping_margin_at_impact_m
-    return found
+        values["pedestal_tipping_margin_m"] = limits.pedestal_tipping_margin_m
+        values["pedestal_tipping_margin_at_impact_m"] = limits.pedestal_tipping_margin_at_impact_m
+    return values
 
 
 def _ratio(after: float, before: float) -> float:
@@ -188,26 +188,28 @@ def _ratio(after: float, before: float) -> float:
 
 
 def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
-    work, told = solution.work, []
+    work, messages = solution.work, []
     if work.skipped_s > 0.0:
-        told.append(
+        messages.append(
             f"{work.skipped_s:.4g} s in which no limit of rest is reached ({work.quiet_samples_skipped} samples of the motion) "
             "were looked through, not integrated."
         )
     if work.ended_by_energy and solution.end_s > 0.0 and not keep:
-        told.append(f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone.")
+        messages.append(
+            f"From {solution.end_s:.4g} s, the motion being over, the outcome follows from the energy alone."
+        )
     if not keep:
-        told.append("No history and no list of impacts was kept: only the outcome was asked.")
+        messages.append("No history and no list of impacts was kept: only the outcome was asked.")
     if solution.overturn_time_s is not None:
-        told.append("The run ends when the statue has overturned.")
-    return tuple(told)
+        messages.append("The run ends when the statue has overturned.")
+    return tuple(messages)
 
 
 def _warnings(scene: Scene, certified: Certified) -> tuple[str, ...]:
-    told = list(certified.warnings)
+    messages = list(certified.warnings)
     if not isinstance(scene.base_excitation.y, ZeroExcitation):
-        told.append("The model is planar: the motion across the rocking plane is left out.")
-    return tuple(told)
+        messages.append("The model is planar: the motion across the rocking plane is left out.")
+    return tuple(messages)
 
 
 def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:

@@ -25,7 +25,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 FINER: Final = 0.45
-"""Step of a probe over its rung's: steps that are parts of each other begin at the same instants, and err alike."""
+"""Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""
 
 
 class EngineFailure(RuntimeError):
@@ -34,7 +34,7 @@ class EngineFailure(RuntimeError):
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of one run; each engine extends them. `expected_error_rad` is what this rung reached where it was tuned."""
+    """Settings of one run; each engine extends them. `expected_error_rad` is what this level reached where it was tuned."""
 
     dt_s: float
     expected_error_rad: float
@@ -63,7 +63,7 @@ class Engine(ABC):
 
     @abstractmethod
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
-        """Settings for this scene from coarse and cheap to fine and dear."""
+        """Settings for this scene from coarse to fine, the cost rising."""
 
     @abstractmethod
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
@@ -74,5 +74,5 @@ class Engine(ABC):
         """Variations of `settings` (half the step, other body order, more iterations) whose spread is the numerical error."""
 
     @abstractmethod
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

@@ -32,8 +32,8 @@ RELIABLE_RAD: Final = 1e-6
 BEYOND_RAD: Final = 1e-9
 """By how much a run goes on beyond the overturning rotation, so that a sample lies there."""
 LEAST_ROTATION_RAD: Final = 1e-9
-"""A rotation below this is rest to the eye that finds swings in a history: far above rounding."""
-PROBE_STEP_S: Final = 0.005
+"""A rotation below this is rest to the eye that finds half-cycles in a history: far above rounding."""
+VERIFICATION_STEP_S: Final = 0.005
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,9 @@ class Spatial(Engine):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[SpatialSettings, ...]:
         """A hundredth of the local error, and short steps."""
         own = _own(settings)
-        return (replace(own, tolerance=max(0.01 * own.tolerance, 1e-15)), replace(own, dt_s=PROBE_STEP_S))
+        return (replace(own, tolerance=max(0.01 * own.tolerance, 1e-15)), replace(own, dt_s=VERIFICATION_STEP_S))
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
         from analytic import AnalyticInputError, spatial
 
@@ -88,7 +88,7 @@ class Spatial(Engine):
             )
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
-        return _run(scene, own, certified, want, begin)
+        return _run(scene, own, certified, options, begin)
 
 
 def _own(settings: Settings) -> SpatialSettings:
@@ -99,17 +99,19 @@ def _own(settings: Settings) -> SpatialSettings:
 
 def _refuse(scene: Scene) -> None:
     """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
-    found = []
+    refused = []
     if scene.pedestal is not None:
-        found.append("a pedestal (its statue stands on the floor)")
+        refused.append("a pedestal (its statue stands on the floor)")
     if scene.contact.restitution is not None:
-        found.append("a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)")
+        refused.append("a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)")
     if scene.table == "moving":
-        found.append("a moving table (table; it accelerates the floor's frame)")
+        refused.append("a moving table (table; it accelerates the floor's frame)")
     if scene.wall is not None:
-        found.append("a wall")
-    if found:
-        raise EngineFailure(f"spatial does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
+        refused.append("a wall")
+    if refused:
+        raise EngineFailure(
+            f"spatial does not compute {' nor '.join(refused)}: leave it out, or ask pymunk or pybullet"
+        )
 
 
 def problem_of(scene: Scene) -> Problem:
@@ -162,24 +164,24 @@ def _trajectory(scene: Scene, solution: Solution) -> Trajectory:
 
 
 def _warnings(certified: Certified) -> Sequence[str]:
-    solution, told = certified.solution, []
+    solution, messages = certified.solution, []
     if solution.outcome.value == "friction_paradox":
-        told.append(
+        messages.append(
             f"At {solution.end_s:.6g} s no mode of motion is consistent with its own forces: the run ends there."
         )
     if solution.gave_up:
-        told.append(f"The run made no more progress at {solution.end_s:.6g} s and was given up.")
+        messages.append(f"The run made no more progress at {solution.end_s:.6g} s and was given up.")
     if not certified.outcome_is_sure:
-        told.append("The outcome changes with the integrator's steps: it is not to be trusted.")
+        messages.append("The outcome changes with the integrator's steps: it is not to be trusted.")
     if certified.reliable_until_s < solution.end_s:
-        told.append(
+        messages.append(
             f"Beyond {certified.reliable_until_s:.4g} s the history depends on the integrator's rounding: it is not to be "
             "trusted."
         )
-    return told
+    return messages
 
 
-def _run(scene: Scene, own: SpatialSettings, certified: Certified, want: RunOptions, begin: float) -> Run:
+def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunOptions, begin: float) -> Run:
     from harness.model.history import Outcome
 
     solution = certified.solution
@@ -191,7 +193,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, want: RunOpti
         wall_s=0.0,
         resolution_rad=LEAST_ROTATION_RAD,
         stuck_below_m_s=LEAST_ROTATION_RAD,
-        with_history=want.history,
+        with_history=options.history,
         validity={
             "statue_friction_needed": solution.least_friction,
             "energy_residual": solution.energy_residual,

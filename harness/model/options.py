@@ -43,13 +43,12 @@ class RunOptions:
 class Capabilities:
     """What an engine computes; every flag is checked by a shared test.
 
-    `dimensions` 2 or 3; `certifies` states its own uncertainty (no ladder needed); `uses_mesh` takes base and inertia from
-    the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`,
-    `flies` compute what the two-block model only reports; `pedestal` takes a statue that stands on one; `posed_start` begins from
-    a pose in space; `moving_table` can move
-    the table instead of the frame; `forces` records contact forces; `edge_shape` says what of the statue meets a pedestal's edge
-    where that is the same in every scene (empty: no contact at all, or chosen by `statics.collision_shape`); `skips` are those of
-    `SKIPS` that it has, each with its switch in `RunOptions`.
+    `dimensions` 2 or 3; `certifies` states its own uncertainty (no refinement levels needed); `uses_mesh` takes base and inertia
+    from the statue's mesh; `own_impact` finds the impact from contact instead of a law; `pedestal_tips`, `statue_slips`, `flies`
+    compute what the two-block model only reports; `pedestal` takes a statue that stands on one; `posed_start` begins from a pose
+    in space; `moving_table` can move the table instead of the frame; `forces` records contact forces; `edge_shape` says what of
+    the statue meets a pedestal's edge where that is the same in every scene (empty: no contact at all, or chosen by
+    `statics.collision_shape`); `skips` are those of `SKIPS` that it has, each with its switch in `RunOptions`.
     """
 
     dimensions: int

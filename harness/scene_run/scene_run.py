@@ -83,7 +83,7 @@ def run_scene(
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
-    want: RunOptions | None = None,
+    options: RunOptions | None = None,
     on_progress: Callable[[str], None] = lambda text: None,
     iso: bool = False,
     horizon: bool = False,
@@ -102,22 +102,22 @@ def run_scene(
     (`harness.scene_run.witness`). `stored` are runs of this very scene and target that are there already.
     """
     check_target(accuracy_rad, dt_s)
-    want = want or RunOptions()
+    options = options or RunOptions()
     loaded = [engines.load(name) for name in dict.fromkeys(names)]
-    steps = plan(scene, loaded, want, engines.REGISTRY)
+    steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
-    target = Target(accuracy_rad, dt_s, want)
+    target = Target(accuracy_rad, dt_s, options)
     runs = _runs(scene, loaded, target, stored or {}, on_progress, apart=apart)
     answers = [run for run in runs.values() if not run.outcome.failed]
     horizons = _horizons(scene, answers, on_progress, every=horizon) if len(answers) > 1 or horizon else {}
-    known = {name: found.intrinsic_s for name, found in horizons.items()}
+    known = {name: each.intrinsic_s for name, each in horizons.items()}
     scores = _scores(scene, answers, known, iso)
     own = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
     finer = _finer_runs(scene, own, target, scores, on_progress) if dt_s is None and len(answers) > 1 else {}
     if finer:
         runs |= finer
-        told = f"was run to {target.finer_rad:g} rad, before its difference from another model was judged"
-        scene = scene.but(notes=(*scene.notes, *(f"{name} {told}" for name in finer)))
+        judged = f"was run to {target.finer_rad:g} rad, before its difference from another model was judged"
+        scene = scene.but(notes=(*scene.notes, *(f"{name} {judged}" for name in finer)))
         answers = [run for run in runs.values() if not run.outcome.failed]
         scores = _scores(scene, answers, known, iso)
     seen: Mapping[str, Witness] = {}
@@ -125,7 +125,7 @@ def run_scene(
         from harness.scene_run.witness import witnesses
 
         on_progress("witness")
-        seen = witnesses(scene, runs, want)
+        seen = witnesses(scene, runs, options)
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
@@ -214,7 +214,7 @@ def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], is
 def _apart(name: str, scene: Scene, target: Target) -> Run:
     from harness.campaign.isolate import simulate_isolated
 
-    return simulate_isolated(scene, name, accuracy_rad=target.accuracy_rad, dt_s=target.dt_s, want=target.options)
+    return simulate_isolated(scene, name, accuracy_rad=target.accuracy_rad, dt_s=target.dt_s, options=target.options)
 
 
 def _horizons(
@@ -222,7 +222,7 @@ def _horizons(
 ) -> dict[str, Horizon]:
     from harness.accuracy.horizon import horizon_beside
 
-    found = {}
+    horizons = {}
     for run in runs:
         engine = engines.load(run.engine)
         if not (every or engine.capabilities.certifies):
@@ -230,10 +230,10 @@ def _horizons(
         if every:
             on_progress(f"{run.engine}, horizon")
         try:
-            found[run.engine] = horizon_beside(engine, scene, run)
+            horizons[run.engine] = horizon_beside(engine, scene, run)
         except EngineFailure as error:
             on_progress(f"{run.engine} has no horizon: {error}")
-    return found
+    return horizons
 
 
 def check_writing(folder: Path, scene: Scene, names: Sequence[str]) -> None:

@@ -51,9 +51,9 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     steps = BUDGET * own.work.get("steps_of_all_runs", own.steps) / engine.step_cost
     settings, finer, until_s = _affordable(engine, scene, wanted_s, steps)
     short = scene.but(duration_s=until_s)
-    kept = RunOptions(skips=options.skips, history=True)
+    with_history = RunOptions(skips=options.skips, history=True)
     try:
-        coarse, fine = (engine.simulate(short, each, kept) for each in (settings, finer))
+        coarse, fine = (engine.simulate(short, each, with_history) for each in (settings, finer))
     except EngineFailure as failure:
         return Witness(name, 0.0, None, None, str(failure))
     apart = spread(coarse, fine, target_of(scene, TARGET_RAD))

@@ -23,7 +23,7 @@ STEP_S: Final = 5e-5
 AIM_RAD: Final = 1e-3
 LONGEST_S: Final = 24 * 3600.0
 """Longer work is refused, or begun only when that is asked for."""
-TOLD_FROM_S: Final = 20.0
+REPORTED_FROM_S: Final = 20.0
 """Work of less is not announced."""
 COLUMNS: Final = {2: 5, 3: 16}
 """Columns of a history by an engine's dimensions."""
@@ -79,7 +79,7 @@ def check(
         key = "duration_s" if dt_s is None else "--dt"
         advice = "a shorter motion, a coarser --accuracy or --dt, or fewer engines"
         raise InputError(Mistake(where, key, f"work of at most {words(LONGEST_S)}", f"about {words(total)}", advice))
-    if total < TOLD_FROM_S:
+    if total < REPORTED_FROM_S:
         return ""
     parts = [f"{name} {words(each)}" for name, each in spent.items() if each >= 1.0]
     parts += (
@@ -100,8 +100,8 @@ def words(seconds: float) -> str:
 
 def _memory_bytes() -> float:
     """This machine's memory, or what its container leaves of it."""
-    found = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    memory_b = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     try:
-        return min(found, float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
+        return min(memory_b, float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
     except (OSError, ValueError):  # no such limit, or "max"
-        return found
+        return memory_b

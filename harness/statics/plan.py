@@ -46,12 +46,14 @@ class Step:
         return f"{'skip' if self.applies else 'keep'} {self.skip} ({self.engine}): {self.reason}"
 
 
-def plan(scene: Scene, engines: Sequence[Asked], want: RunOptions, registered: Iterable[str] = ()) -> tuple[Step, ...]:
+def plan(
+    scene: Scene, engines: Sequence[Asked], options: RunOptions, registered: Iterable[str] = ()
+) -> tuple[Step, ...]:
     """All decisions for a scene: each engine's own skips, then those of the harness.
 
     `registered` names all engines there are: those that are not among `engines` are not imported.
     """
-    own = [_decided(name, scene, engine, want) for engine in engines for name in SKIPS if name in _skips_of(engine)]
+    own = [_decided(name, scene, engine, options) for engine in engines for name in SKIPS if name in _skips_of(engine)]
     return (*own, *_edges(scene, engines), _planar(scene, engines), _lazy(engines, registered), _cached())
 
 
@@ -59,11 +61,11 @@ def _skips_of(engine: Asked) -> frozenset[str]:
     return engine.capabilities.skips
 
 
-def _decided(name: str, scene: Scene, engine: Asked, want: RunOptions) -> Step:
+def _decided(name: str, scene: Scene, engine: Asked, options: RunOptions) -> Step:
     """One skip of one engine."""
-    if name not in want.skips:
+    if name not in options.skips:
         return Step(name, engine.name, False, "switched off")
-    applies, reason = DECISIONS[name](scene, want)
+    applies, reason = DECISIONS[name](scene, options)
     return Step(name, engine.name, applies, reason)
 
 
@@ -155,22 +157,22 @@ def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[An
     return np.unique(np.clip(np.concatenate(found), 0.0, duration_s))
 
 
-def _quiet_start(scene: Scene, want: RunOptions) -> Decision:
+def _quiet_start(scene: Scene, options: RunOptions) -> Decision:
     quiet = first_motion_s(scene)
     if quiet > 0.0:
         return True, f"nothing can move before {quiet:.4g} s"
     return False, "the motion is not quiet at its start, or the statue starts off rest"
 
 
-def _quiet_end(scene: Scene, want: RunOptions) -> Decision:
+def _quiet_end(scene: Scene, options: RunOptions) -> Decision:
     end = scene.base_excitation.end_s
     if end < scene.duration_s:
         return True, f"the floor is still after {end:.4g} s: the run ends once the statue is at rest"
     return False, "the floor moves until the end"
 
 
-def _energy(scene: Scene, want: RunOptions) -> Decision:
-    if want.history:
+def _energy(scene: Scene, options: RunOptions) -> Decision:
+    if options.history:
         return False, "histories are asked"
     end = scene.base_excitation.end_s
     if end < scene.duration_s:
@@ -178,7 +180,7 @@ def _energy(scene: Scene, want: RunOptions) -> Decision:
     return False, "the floor moves until the end"
 
 
-def _base_only(scene: Scene, want: RunOptions) -> Decision:
+def _base_only(scene: Scene, options: RunOptions) -> Decision:
     from meshes.decomposition import missing
 
     need = shape_needed(scene)
@@ -194,22 +196,22 @@ def _base_only(scene: Scene, want: RunOptions) -> Decision:
     return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
 
 
-def _mirror(scene: Scene, want: RunOptions) -> Decision:
+def _mirror(scene: Scene, options: RunOptions) -> Decision:
     if scene.table != "frame":
         return False, "the table moves, not the frame"
     reason = asymmetry(scene)
     if reason is not None:
         return False, reason
-    whole = "base_only" not in want.skips and scene.pedestal is not None
+    whole = "base_only" not in options.skips and scene.pedestal is not None
     told = "its bodies turn in the plane alone" if whole else "half of it is computed"
     return True, f"the scene is its own mirror image across the rocking plane: {told}"
 
 
-def _no_history(scene: Scene, want: RunOptions) -> Decision:
-    return (False, "histories are asked") if want.history else (True, "only the outcome is asked")
+def _no_history(scene: Scene, options: RunOptions) -> Decision:
+    return (False, "histories are asked") if options.history else (True, "only the outcome is asked")
 
 
-def _stop(scene: Scene, want: RunOptions) -> Decision:
+def _stop(scene: Scene, options: RunOptions) -> Decision:
     return True, f"a run ends at |θ| = {OVERTURN_RAD:g} rad"
 
 

@@ -38,7 +38,7 @@ def run_case(case: CaseRun) -> Answer:
     """Resolve the scene and run it (a failure is a `Run` that says so); overhead is what `simulate` does not take."""
     scene = case.base.scene(dict(case.setting))
     begin = time.perf_counter()
-    run = simulate(scene, case.engine, accuracy_rad=case.accuracy_rad, want=RunOptions(history=case.histories))
+    run = simulate(scene, case.engine, accuracy_rad=case.accuracy_rad, options=RunOptions(history=case.histories))
     return answer_of(run, case.histories, time.perf_counter() - begin)
 
 

@@ -98,6 +98,6 @@ def _key(digest: str, trial: Trial, variant: Variant, model: Model, seed: int, v
 def run_job(job: Job) -> Answer:
     """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
-    want = RunOptions(history=job.history)
-    run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, want=want)
+    options = RunOptions(history=job.history)
+    run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
     return answer_of(run, job.history)

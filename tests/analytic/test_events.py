@@ -70,7 +70,7 @@ def test_uplift_starts_where_the_overturning_moment_is_balanced(amplitude_g: flo
 
 
 @pytest.mark.parametrize(("amplitude_g", "frequency_hz"), CASES)
-def test_halt_and_impact_are_exact(amplitude_g: float, frequency_hz: float) -> None:
+def test_stick_onset_and_impact_are_exact(amplitude_g: float, frequency_hz: float) -> None:
     run = shaken(amplitude_g, frequency_hz)
     halts = run.of_kind(EventKind.STICK_ONSET)
     assert halts

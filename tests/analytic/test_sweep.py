@@ -97,7 +97,7 @@ def test_progress_hears_of_every_run() -> None:
         ({"theta0_rad": [2.0]}, "overturning"),
     ],
 )
-def test_wrong_sweeps_are_refused(sweep: dict[str, list[float]], sentence: str) -> None:
+def test_wrong_iterations_are_refused(sweep: dict[str, list[float]], sentence: str) -> None:
     with pytest.raises(AnalyticInputError, match=sentence):
         ensemble(STATUE, Harmonic(1.0, 1.0), sweep=sweep, duration_s=1.0)
 

@@ -33,8 +33,8 @@ CONDITIONED_RAD: Final = 3e-4
 SMALLEST_RAD: Final = 1e-7
 """Smaller errors are taken as this."""
 COUNT, FIRST_SEED = 24, 745_000
-RATTLES: Final = (10129, 20399, 20809, 20866)
-"""Seeds of scenes that rattle (`tests.measures.micro_rocking`), which random ones seldom do."""
+MICRO_ROCKING: Final = (10129, 20399, 20809, 20866)
+"""Seeds of scenes with micro-rocking (`tests.measures.micro_rocking`), which random ones seldom do."""
 WIDE: Final = 12
 """Wide scenes beside the random ones: statues that slide, three axes. There the engine's finest run is the truth."""
 WORTH: Final = 1.3
@@ -63,31 +63,33 @@ MUNK: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "events located at all": {_M + "drive:RunState.aligned": lambda _: property(lambda _: False)},
     "micro-rocking": {_M + "micro_rocking:is_short": _always(False)},
-    "halts located": {_M + "drive:slid": _always(False)},
+    "stick onset located": {_M + "drive:slid": _always(False)},
     "uplift corrected": {_M + "uplift:follow": _always(True)},
-    "a turning statue held to its depth": {_M + "standing:SupportVertex.hold": _always(None)},
-    "its velocity corrected beforehand": {_M + "standing:SupportVertex._owed": _always((0.0, 0.0))},
+    "a turning statue held to its depth": {_M + "support_vertex:SupportVertex.hold": _always(None)},
+    "its velocity corrected beforehand": {_M + "support_vertex:SupportVertex._owed": _always((0.0, 0.0))},
     "velocities turned on": {_M + "events:turn_on": _always(None)},
-    "a statue at rest settled": {_M + "standing:SupportVertex.settle": _always(None)},
-    "release at its share of the step": {_M + "drive:release_share": _always(0.0)},
-    "a depth of its own in slow turning": {_M + "standing:TURNING_DEPTH": _number(1.0)},
+    "a statue at rest settled": {_M + "support_vertex:SupportVertex.settle": _always(None)},
+    "slip onset at its share of the step": {_M + "drive:slip_onset_share": _always(0.0)},
+    "a depth of its own in slow turning": {_M + "support_vertex:TURNING_DEPTH": _number(1.0)},
     "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
     "more iterations at impacts": {"harness.engines.pymunk:IMPACT_ITERATIONS": _number(90)},
-    "slow rises bounded": {_M + "standing:SLOW_RISE": _number(1e9)},
+    "slow rises bounded": {_M + "support_vertex:SLOW_RISE": _number(1e9)},
 }
 BULLET: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "events located at all": {_B + "course:touch_of": _always(None)},
     "micro-rocking": {_B + "micro_rocking:after_impact": _always(None)},
-    "halts located": {_B + "loop:_halted": _always(16)},
-    "uniform acceleration to contact": {_B + "coming:ContactTimeEstimate._gathers": _always(0.0)},
+    "stick onset located": {_B + "loop:_stick_onset": _always(16)},
+    "uniform acceleration to contact": {_B + "contact_time:ContactTimeEstimate._gathers": _always(0.0)},
     "velocities of the instant at contact": {
-        _B + "coming:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
+        _B + "contact_time:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
     },
-    "velocities turned on": {_B + "march:StepState.turn": _always(None)},
+    "velocities turned on": {_B + "step_state:StepState.turn": _always(None)},
     "anchors let go where friction nears its limit": {_B + "stepper:Stepper._look_at_grip": _always(None)},
-    "lowered before a short step": {_B + "march:StepState.lower": _always(None)},
-    "release at its share of the step": {_B + "release:coefficient": lambda _: lambda stepper, *__: stepper.kinetic},
+    "lowered before a short step": {_B + "step_state:StepState.lower": _always(None)},
+    "slip onset at its share of the step": {
+        _B + "slip_onset:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
+    },
     "reach of contacts follows the turning": {
         _B + "stepper:NARROWER": _number(1e9),
         _B + "stepper:STEPS_OFF": _number(0.0),
@@ -123,21 +125,21 @@ def cases(engine: Engine, count: int, first: int) -> list[tuple[Scene, Run]]:
     model = engines.load("analytic")
     scenes = [paper_scene(a, f, pedestal=True, static=static) for a, f in PAPER for static in (0.15, 0.20)]
     scenes += [paper_scene(a, f, pedestal=False, static=0.15) for a, f in PAPER]
-    scenes += [random_scene(seed) for seed in (*RATTLES, *range(first, first + count))]
-    found = []
+    scenes += [random_scene(seed) for seed in (*MICRO_ROCKING, *range(first, first + count))]
+    runs = []
     for scene in scenes:
         exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
         fine = engine.simulate(scene, engine.settings_for_dt(scene, FINEST_S), RunOptions())
         if fine.outcome is exact.outcome and errors(fine, exact)[0] < CONDITIONED_RAD:
-            found.append((scene, exact))
+            runs.append((scene, exact))
     for seed in range(first, first + WIDE):
         scene = wide_scene(seed)
         finer, fine = (
             engine.simulate(scene, engine.settings_for_dt(scene, dt), RunOptions()) for dt in (FINEST_S, 2.2 * FINEST_S)
         )
         if fine.outcome is finer.outcome and fine.history is not None and errors(fine, finer)[0] < CONDITIONED_RAD:
-            found.append((scene, finer))
-    return found
+            runs.append((scene, finer))
+    return runs
 
 
 def measured(engine: Engine, on: Sequence[tuple[Scene, Run]], change: Change) -> tuple[np.ndarray, float]:

@@ -26,7 +26,7 @@ SHORT_S: Final = 0.05
 STEP_S: Final = 1e-3
 REST_S: Final = 60.0
 MOST_STEPS: Final = 60_000
-"""A finer rung rests for so many steps only; its creep is multiplied up to a minute."""
+"""A finer level rests for so many steps only; its creep is multiplied up to a minute."""
 SETTLED: Final = 1.0 / 3.0
 """Share of a rest in which the contact's first penetration settles."""
 PLACES: Final = ("slip_m", "statue_y_m", "corner_right_x_m")
@@ -60,22 +60,22 @@ def memory(engine: Engine, counts: Sequence[int] = RUNS) -> dict[str, Any]:
 
 
 def creep(engine: Engine) -> Iterator[dict[str, Any]]:
-    """Largest change of place, m, and of rotation, rad, over a minute at rest, for each rung, on the floor and on a pedestal.
+    """Largest change of place, m, and of rotation, rad, over a minute at rest, for each level, on the floor and on a pedestal.
 
     For an engine with the skip `mirror` with it (`half`) and without.
     """
     kinds = (HALF, NOTHING_SKIPPED) if "mirror" in engine.capabilities.skips else (NOTHING_SKIPPED,)
     for pedestal in (False, True):
-        for want in kinds:
+        for options in kinds:
             for level in engine.refinement_levels(paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15)):
-                about = {"engine": engine.name, "pedestal": pedestal, "half": want is HALF}
-                yield {**about, **_rest(engine, level, pedestal, want)}
+                about = {"engine": engine.name, "pedestal": pedestal, "half": options is HALF}
+                yield {**about, **_rest(engine, level, pedestal, options)}
 
 
-def _rest(engine: Engine, level: Settings, pedestal: bool, want: RunOptions) -> dict[str, Any]:
+def _rest(engine: Engine, level: Settings, pedestal: bool, options: RunOptions) -> dict[str, Any]:
     long_s = min(REST_S, MOST_STEPS * level.dt_s)
     scene = paper_scene(0.0, 1.0, pedestal=pedestal, static=0.15, duration_s=long_s)
-    history = engine.simulate(scene, level, want).history
+    history = engine.simulate(scene, level, options).history
     if history is None:
         raise RuntimeError(f"{engine.name} kept no history")
     columns = history.columns()

@@ -37,9 +37,9 @@ class Keeps(Engine):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         return self.own.verification_settings(scene, settings)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         self.kept.append(bytearray(b"x" * 2**20))
-        return self.own.simulate(scene, settings, want)
+        return self.own.simulate(scene, settings, options)
 
 
 def test_three_hundred_runs_of_pymunk_keep_nothing() -> None:
@@ -52,7 +52,7 @@ def test_what_an_engine_keeps_is_seen() -> None:
     assert memory.memory(Keeps(), (20, 120))["kib_a_run"] >= 512.0
 
 
-def test_pymunk_keeps_its_place_at_rest_on_every_rung(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pymunk_keeps_its_place_at_rest_on_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "MOST_STEPS", 300)
     rows = list(memory.creep(engines.load("pymunk")))
     assert {row["pedestal"] for row in rows} == {False, True}

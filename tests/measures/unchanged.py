@@ -62,18 +62,18 @@ def effects(engine: Engine, seeds: Sequence[int]) -> Iterator[Effect]:
         scene = random_scene(seed)
         with_all = {history: _run(engine, scene, RunOptions(history=history)) for history in (True, False)}
         for skip in sorted(engine.capabilities.skips):
-            want = RunOptions(history=skip not in OUTCOME_ONLY, skips=frozenset(SKIPS) - {skip})
-            on, off = with_all[want.history], _run(engine, scene, want)
+            options = RunOptions(history=skip not in OUTCOME_ONLY, skips=frozenset(SKIPS) - {skip})
+            on, off = with_all[options.history], _run(engine, scene, options)
             apart, own = difference(on, off), None
             if apart > PARTED_RAD and not engine.capabilities.certifies:
-                own = difference(off, _run(engine, scene, want, FINER * STEP_S))
+                own = difference(off, _run(engine, scene, options, FINER * STEP_S))
             yield Effect(engine.name, skip, seed, apart, own, (on.outcome.value, off.outcome.value))
 
 
-def _run(engine: Engine, scene: Scene, want: RunOptions, dt_s: float = STEP_S) -> Run:
+def _run(engine: Engine, scene: Scene, options: RunOptions, dt_s: float = STEP_S) -> Run:
     if engine.capabilities.certifies:
-        return run_to_accuracy(engine, scene, 1e-3, want)
-    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+        return run_to_accuracy(engine, scene, 1e-3, options)
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), options)
 
 
 def cells(of_skip: Sequence[Effect]) -> list[str]:

@@ -24,10 +24,10 @@ QUICK: Final = ("released 1e-3 rad below balance", "height to width 50", "floor 
 
 def simulate(engine: Engine, scene: Scene, dt_s: float, skips: bool) -> Run:
     """One run with a fixed step (a certifying model chooses its own). Raises `EngineFailure`."""
-    want = RunOptions(skips=frozenset(SKIPS) if skips else frozenset())
+    options = RunOptions(skips=frozenset(SKIPS) if skips else frozenset())
     if engine.capabilities.certifies:
-        return run_to_accuracy(engine, scene, 1e-3, want)
-    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), want)
+        return run_to_accuracy(engine, scene, 1e-3, options)
+    return engine.simulate(scene, engine.settings_for_dt(scene, dt_s), options)
 
 
 def tasks(quick: bool) -> list[str]:

@@ -64,15 +64,15 @@ def mean_forces(t_s: Array, impulses_n_s: Sequence[Array], grid_s: Array) -> Arr
     return force
 
 
-def force_limits(scene: Scene, trajectory: Trajectory, found: Impulses) -> dict[str, float]:
+def force_limits(scene: Scene, trajectory: Trajectory, impulses: Impulses) -> dict[str, float]:
     """Greatest friction ratio needed at the statue's base, least normal forces there and at the floor."""
     width = min(WINDOW, trajectory.t_s.size - 1)
     if width < 1:
         return {}
     span = trajectory.t_s[width:] - trajectory.t_s[:-width]
-    normal = (found.statue_z[width:] - found.statue_z[:-width]) / span
-    shear = (found.statue_x[width:] - found.statue_x[:-width]) / span
-    floor = (found.floor_z[width:] - found.floor_z[:-width]) / span
+    normal = (impulses.statue_z[width:] - impulses.statue_z[:-width]) / span
+    shear = (impulses.statue_x[width:] - impulses.statue_x[:-width]) / span
+    floor = (impulses.floor_z[width:] - impulses.floor_z[:-width]) / span
     held = normal > LEAST_SHARE * scene.statue.mass_kg * scene.gravity_m_s2
     needed = float((np.abs(shear[held]) / normal[held]).max()) if held.any() else 0.0
     return {

@@ -53,9 +53,9 @@ def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_
     if after * rate >= 0.0 and abs(friction) <= limit * normal:
         return Impact(after, 0.0, normal, friction, False)
     for sign in (1, -1):
-        found = _sliding(sign, rate, slip, (m, h, old, new, total, kinetic), (j_new, j_cross, ratio))
-        if found is not None:
-            return found
+        jump = _sliding(sign, rate, slip, (m, h, old, new, total, kinetic), (j_new, j_cross, ratio))
+        if jump is not None:
+            return jump
     return _both_corners(rate, slip, (m, h, old, total), limit, kinetic)
 
 

@@ -58,10 +58,10 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     )
     if not finite.all():
         return _diverged(report, float(trajectory.t_s[int(np.flatnonzero(~finite)[0])]))
-    end_s, overturn_s, kept = _ending(scene, trajectory, report.rested)
-    motion = trajectory.until(kept)
+    end_s, overturn_s, until_s = _ending(scene, trajectory, report.rested)
+    motion = trajectory.until(until_s)
     theta, rate = motion.theta_rad, motion.theta_rate_rad_s
-    swings = rocking(motion.t_s, theta, rate, report.resolution_rad)
+    cycles = rocking(motion.t_s, theta, rate, report.resolution_rad)
     wall = support.wall_touch(scene, motion)
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
@@ -70,9 +70,9 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
     if not outcome.overturned and overturn_s is None:
         fallen = None
-    validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, swings.impact_times_s)
+    validity = _validity(scene, motion, derived) | _energies(scene, motion, derived.energy_j, cycles.impact_times_s)
     validity |= derived.plain
-    validity |= {"impact_ratios": _ratios(swings.rates_before_rad_s, swings.rates_after_rad_s)}
+    validity |= {"impact_ratios": _ratios(cycles.rates_before_rad_s, cycles.rates_after_rad_s)}
     if wall is not None:
         validity["wall_touch_time_s"] = float(motion.t_s[wall])
     return Run(
@@ -87,8 +87,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
         end_s=end_s,
         overturn_time_s=None if fallen is None else fallen.overturn_s,
         no_return_time_s=None if fallen is None else fallen.no_return_s,
-        impact_times_s=tuple(time for time in swings.impact_times_s if time <= end_s),
-        uplift_times_s=tuple(time for time in swings.uplift_times_s if time <= end_s),
+        impact_times_s=tuple(time for time in cycles.impact_times_s if time <= end_s),
+        uplift_times_s=tuple(time for time in cycles.uplift_times_s if time <= end_s),
         peak_slip_m=float(np.abs(motion.slip_m).max()),
         residual_slip_m=float(motion.slip_m[-1]),
         patterns=patterns(motion.t_s, theta, motion.slip_rate_m_s, report.resolution_rad, report.stuck_below_m_s),
@@ -192,8 +192,10 @@ def _validity(scene: Scene, motion: Trajectory, derived: _Derived) -> dict[str, 
 
 def _energies(scene: Scene, motion: Trajectory, energy_j: Array, impact_times_s: Sequence[float]) -> dict[str, float]:
     lost = forces.energy_lost_j(scene, motion, energy_j)
-    found = {"lost_in_impacts_j": forces.lost_in_impacts_j(motion.t_s, lost, impact_times_s)} if impact_times_s else {}
-    return found | {"energy_gained_j": forces.energy_gained_j(lost)}
+    energies = (
+        {"lost_in_impacts_j": forces.lost_in_impacts_j(motion.t_s, lost, impact_times_s)} if impact_times_s else {}
+    )
+    return energies | {"energy_gained_j": forces.energy_gained_j(lost)}
 
 
 def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
@@ -202,12 +204,12 @@ def _ratios(before: Sequence[float], after: Sequence[float]) -> list[float]:
 
 def _history(scene: Scene, motion: Trajectory, derived: _Derived, end_s: float) -> History:
     grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
-    t_s, found = motion.t_s, derived.impulses
+    t_s, impulses = motion.t_s, derived.impulses
     columns = {"statue_slip_m": derived.slip_m, "energy_j": derived.energy_j, **motion.extra}
     extra = {name: np.interp(grid, t_s, values) for name, values in columns.items()}
-    loads = {"statue_force_x_n": found.statue_x, "statue_force_z_n": found.statue_z}
+    loads = {"statue_force_x_n": impulses.statue_x, "statue_force_z_n": impulses.statue_z}
     if scene.pedestal is not None:
-        loads |= {"floor_force_x_n": found.floor_x, "floor_force_z_n": found.floor_z}
+        loads |= {"floor_force_x_n": impulses.floor_x, "floor_force_z_n": impulses.floor_z}
     extra |= zip(loads, forces.mean_forces(t_s, list(loads.values()), grid), strict=True)
     theta, slip = hermites(
         grid, t_s, ((motion.theta_rad, motion.theta_rate_rad_s), (motion.slip_m, motion.slip_rate_m_s))

@@ -97,20 +97,20 @@ def patterns(
     # Passing upright is no rest: a short stay in the band between two sides of rocking is rocking.
     names = ("rest", "rocking", "sliding", "both")
     edges = np.concatenate([[0], np.flatnonzero(np.diff(code)) + 1, [code.size - 1]])
-    found: list[Pattern] = []
+    patterns: list[Pattern] = []
     for start, stop in pairwise(edges):
         name = names[int(code[start])]
         begin, end = float(t_s[start]), float(t_s[stop])
-        if found and (found[-1].name == name or end - begin < SHORTEST_PATTERN_S):
-            found[-1] = Pattern(found[-1].start_s, end, found[-1].name)
+        if patterns and (patterns[-1].name == name or end - begin < SHORTEST_PATTERN_S):
+            patterns[-1] = Pattern(patterns[-1].start_s, end, patterns[-1].name)
         elif end > begin:
-            found.append(Pattern(begin, end, name))
-    return _merged(found)
+            patterns.append(Pattern(begin, end, name))
+    return _merged(patterns)
 
 
-def _merged(found: Sequence[Pattern]) -> tuple[Pattern, ...]:
+def _merged(patterns: Sequence[Pattern]) -> tuple[Pattern, ...]:
     result: list[Pattern] = []
-    for item in found:
+    for item in patterns:
         if result and result[-1].name == item.name:
             result[-1] = Pattern(result[-1].start_s, item.end_s, item.name)
         else:

@@ -49,10 +49,10 @@ class Ledger:
 
     def of(self, kind: str) -> Account:
         """The account of a kind, empty at first."""
-        found = self.kinds.get(kind)
-        if found is None:
-            found = self.kinds[kind] = Account()
-        return found
+        account = self.kinds.get(kind)
+        if account is None:
+            account = self.kinds[kind] = Account()
+        return account
 
     def explain(self, kind: str, rate_rad_s: float, arm_m: float, step_s: float) -> None:
         """Count what a step explains of one change of velocity of a body that turns on a point `arm_m` from its centroid."""

@@ -30,7 +30,7 @@ from harness.model.scene import OVERTURN_RAD, Scene
 
 Array = NDArray[np.float64]
 
-RUNGS: Final = ((1e-3, 1e-2), (5e-4, 5e-3), (2.5e-4, 2.5e-3), (1e-4, 1e-3), (5e-5, 5e-4))
+LEVELS: Final = ((1e-3, 1e-2), (5e-4, 5e-3), (2.5e-4, 2.5e-3), (1e-4, 1e-3), (5e-5, 5e-4))
 """(step in s, error in rad reached where tuned): the paper's four cases with a pedestal, first second."""
 STIFF_STEPS: Final = 2.0
 """The contact's time constant in steps: MuJoCo's least."""
@@ -66,11 +66,11 @@ class Mujoco3D(Engine):
 
     def refinement_levels(self, scene: Scene) -> tuple[MujocoSettings, ...]:
         """Steps of 1 ms to 0.05 ms."""
-        return tuple(MujocoSettings(dt, error) for dt, error in RUNGS)
+        return tuple(MujocoSettings(dt, error) for dt, error in LEVELS)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
-        """The nearest rung's stiffness with the given step."""
-        dt, error = min(RUNGS, key=lambda level: abs(math.log(level[0] / dt_s)))
+        """The nearest level's stiffness with the given step."""
+        dt, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return MujocoSettings(dt_s, error * dt_s / dt)
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
@@ -78,9 +78,9 @@ class Mujoco3D(Engine):
         own = _own(settings)
         return (replace(own, dt_s=0.5 * own.dt_s, expected_error_rad=0.5 * own.expected_error_rad),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
-        return _simulated(self.name, scene, _own(settings), want, repeats=True)
+        return _simulated(self.name, scene, _own(settings), options, repeats=True)
 
 
 @final
@@ -103,19 +103,19 @@ class PlainMujoco3D(Engine):
         return Mujoco3D().refinement_levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
-        """The nearest rung's stiffness with the given step."""
+        """The nearest level's stiffness with the given step."""
         return Mujoco3D().settings_for_dt(scene, dt_s)
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
         """Half the step, and so half the contact's time constant."""
         return Mujoco3D().verification_settings(scene, settings)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
-        return _simulated(self.name, scene, _own(settings), want, repeats=False)
+        return _simulated(self.name, scene, _own(settings), options, repeats=False)
 
 
-def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *, repeats: bool) -> Run:
+def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions, *, repeats: bool) -> Run:
     """Compute the scene; `repeats` says whether a step in which the pedestal breaks loose is computed again."""
     import mujoco
 
@@ -127,7 +127,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
     gravity = frame.apparent_gravity(scene, edges)
-    states, again = _march(mujoco, model, scene, own, gravity, want, repeats=repeats)
+    states, again = _march(mujoco, model, scene, own, gravity, options, repeats=repeats)
     marched = len(states) - 1
     states = states[: _until_fallen(states)]
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
@@ -140,7 +140,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, want: RunOptions, *
         wall_s=0.0,
         resolution_rad=max(RESOLUTION_STEPS * settling / base, 1e-6),
         stuck_below_m_s=1e-4,
-        with_history=want.history or not want.allows("no_history"),
+        with_history=options.history or not options.allows("no_history"),
         interventions={"friction_release": Intervention(steps_again=again)} if again else {},
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
@@ -154,15 +154,15 @@ def _own(settings: Settings) -> MujocoSettings:
 
 def _refuse(scene: Scene, name: str) -> None:
     """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
-    found = []
+    refused = []
     if scene.contact.restitution is not None:
-        found.append("a prescribed ratio at impact (contact.restitution; its impact is its own soft contact)")
+        refused.append("a prescribed ratio at impact (contact.restitution; its impact is its own soft contact)")
     if scene.table == "moving":
-        found.append("a moving table (table; it accelerates the floor's frame)")
+        refused.append("a moving table (table; it accelerates the floor's frame)")
     if scene.wall is not None:
-        found.append("a wall")
-    if found:
-        raise EngineFailure(f"{name} does not compute {' nor '.join(found)}: leave it out, or ask pymunk or pybullet")
+        refused.append("a wall")
+    if refused:
+        raise EngineFailure(f"{name} does not compute {' nor '.join(refused)}: leave it out, or ask pymunk or pybullet")
 
 
 def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
@@ -186,7 +186,7 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
 
 
 def _march(
-    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, want: RunOptions, *, repeats: bool
+    mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, options: RunOptions, *, repeats: bool
 ) -> tuple[Array, int]:
     """All steps: rows of positions and velocities, shape (n + 1, nq + nv), and how many were solved again."""
     data = mujoco.MjData(model)
@@ -205,17 +205,17 @@ def _march(
             stuck, again = _follow(mujoco, model, data, scene, friction, rows[k], gravity[k] * own.dt_s, stuck)
             repeated += again
         rows[k + 1, :n], rows[k + 1, n:] = data.qpos, data.qvel
-        if k % BLOCK_STEPS == 0 and _may_end(own, want, k + 1, _axis(data.qpos[3:7])):
+        if k % BLOCK_STEPS == 0 and _may_end(own, options, k + 1, _axis(data.qpos[3:7])):
             rows = rows[: k + 2]
             break
     return rows, repeated
 
 
-def _may_end(own: MujocoSettings, want: RunOptions, steps: int, axis: tuple[float, float, float]) -> bool:
+def _may_end(own: MujocoSettings, options: RunOptions, steps: int, axis: tuple[float, float, float]) -> bool:
     """Whether the statue has overturned, or nobody asks further."""
-    if want.allows("stop_at_overturn") and fallen(*axis):
+    if options.allows("stop_at_overturn") and fallen(*axis):
         return True
-    return want.stop is not None and want.stop(steps * own.dt_s, math.atan2(axis[0], axis[2]))
+    return options.stop is not None and options.stop(steps * own.dt_s, math.atan2(axis[0], axis[2]))
 
 
 def _axis(turn: Any) -> tuple[float, float, float]:
@@ -244,10 +244,10 @@ def _follow(
     """Let the floor's coefficient follow the sliding state (contact/friction.py); MuJoCo's state is its q and v."""
     rate, last = float(data.qvel[6]), float(before[model.nq + 6])
     if not stuck:
-        halted = abs(rate) <= friction.stuck_below_m_s or rate * last < 0.0
-        if halted:
+        sticks = abs(rate) <= friction.stuck_below_m_s or rate * last < 0.0
+        if sticks:
             model.pair(FLOOR_PAIR).friction[:2] = friction.static
-        return halted, 0
+        return sticks, 0
     pedestal_kg = scene.pedestal.mass_kg if scene.pedestal is not None else 0.0
     change = scene.statue.mass_kg * (data.qvel[:3] - before[model.nq : model.nq + 3] - gravity_step)
     change = change + pedestal_kg * (data.qvel[6:9] - before[model.nq + 6 : model.nq + 9] - gravity_step)

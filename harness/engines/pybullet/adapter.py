@@ -26,22 +26,22 @@ Array = NDArray[np.float64]
 
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
 ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
-"""What the rungs are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
+"""What the levels are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
 `python -m harness.bench.pybullet_levels`, as random scenes err by more (docs/pybullet_contact.md).
 """
 ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
 """The same on a pedestal, and"""
 ACROSS_RAD: Final = (6e-4, 4e-4, 1.5e-4, 9e-5, 7e-5, 6e-5, 6e-5)
-"""for a scan or motion across the plane: the largest errors on a rung or a finer one, rounded up."""
+"""for a scan or motion across the plane: the largest errors on a level or a finer one, rounded up."""
 TIGHTER: Final = 0.3
-"""Residual of a probe over its rung's."""
-SWEEPS: Final = 1000
-"""So many the finest rung makes, and"""
-SWEEPS_ALONE: Final = 300
+"""Residual of a verification run over its level's."""
+MOST_ITERATIONS: Final = 1000
+"""So many the finest level makes, and"""
+MOST_ITERATIONS_ALONE: Final = 300
 """without a pedestal, where these already reach rounding."""
 REST_BAND_RAD: Final = 1e-5
 """Rotation within which a statue that rests on all its feet is left by the contact's slop."""
-OUT_OF_PLANE_TOLD_RAD: Final = 1e-3
+OUT_OF_PLANE_REPORTED_RAD: Final = 1e-3
 """A larger rotation out of the plane is said: a planar model cannot follow it."""
 
 
@@ -74,31 +74,33 @@ class Bullet3D(Engine):
         return None
 
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
-        """Rungs from coarse to fine; measured in docs/pybullet_contact.md."""
-        return _rungs(scene)
+        """Levels from coarse to fine; measured in docs/pybullet_contact.md."""
+        return _levels(scene)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
-        """The nearest finer rung's settings with the expert's step."""
-        refinement_levels = _rungs(scene)
+        """The nearest finer level's settings with the expert's step."""
+        refinement_levels = _levels(scene)
         level = next((item for item in refinement_levels if item.dt_s <= dt_s * (1.0 + 1e-9)), refinement_levels[-1])
         return replace(level, dt_s=dt_s, expected_error_rad=level.expected_error_rad * dt_s / level.dt_s)
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """Less than half the step, with the equations of each step solved more tightly; where they are solved to the end (a
-        residual of 0), with the bodies in the other order too: before that the order changes how far the sweeps get, not what
-        they seek. It is expected to err by what the finest rung does that is no finer.
+        residual of 0), with the bodies in the other order too: before that the order changes how far the solver iterations get,
+        not what they seek. It is expected to err by what the finest level does that is no finer.
         """
         level = _own(settings)
         other = level.reversed_bodies != (level.residual == 0.0)
         tighter = replace(
             level, residual=TIGHTER * level.residual, iterations=2 * level.iterations, reversed_bodies=other
         )
-        probe = replace(tighter, dt_s=FINER * level.dt_s)
-        coarser = (item for item in _rungs(scene) if item.dt_s >= probe.dt_s and item.residual >= probe.residual)
+        verification = replace(tighter, dt_s=FINER * level.dt_s)
+        coarser = (
+            item for item in _levels(scene) if item.dt_s >= verification.dt_s and item.residual >= verification.residual
+        )
         expected = min((item.expected_error_rad for item in coarser), default=level.expected_error_rad)
-        return (replace(probe, expected_error_rad=min(expected, level.expected_error_rad)),)
+        return (replace(verification, expected_error_rad=min(expected, level.expected_error_rad)),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
@@ -110,33 +112,33 @@ class Bullet3D(Engine):
             )
         begin = time.perf_counter()
         setup = course.prepare(scene)
-        found = course.run(scene, level, setup, want)
-        path = trajectory(scene, found.record, setup.axes, level.dt_s)
+        phases = course.run(scene, level, setup, options)
+        path = trajectory(scene, phases.record, setup.axes, level.dt_s)
         report = Report(
             engine=self.name,
             settings=level.as_dict(),
-            steps=len(found.record.t_s) - 1,
+            steps=len(phases.record.t_s) - 1,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, level.dt_s).stuck_below_m_s,
-            rested=found.record.rested,
-            with_history=want.history or not want.allows("no_history"),
-            validity=_validity(path.extra, setup, found),
-            interventions=found.record.ledger.record(),
-            skipped=found.skipped,
-            warnings=_warnings(scene, setup, found, path.extra),
+            rested=phases.record.rested,
+            with_history=options.history or not options.allows("no_history"),
+            validity=_validity(path.extra, setup, phases),
+            interventions=phases.record.ledger.record(),
+            skipped=phases.skipped,
+            warnings=_warnings(scene, setup, phases, path.extra),
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
         return reduce_trajectory(scene, path, report)
 
 
-def _rungs(scene: Scene) -> tuple[BulletSettings, ...]:
-    """The ladder: steps that halve, then the finest one with its equations solved to the end."""
+def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
+    """The refinement levels: steps that halve, then the finest one with its equations solved to the end."""
     expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
     *stepped, last = expected if scene.planar else ACROSS_RAD
-    sweeps = SWEEPS_ALONE if scene.pedestal is None else SWEEPS
+    most_iterations = MOST_ITERATIONS_ALONE if scene.pedestal is None else MOST_ITERATIONS
     halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
-    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=sweeps))
+    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations))
 
 
 def _own(settings: Settings) -> BulletSettings:
@@ -145,7 +147,7 @@ def _own(settings: Settings) -> BulletSettings:
     return settings
 
 
-def _validity(extra: Mapping[str, Array], setup: Setup, found: RunPhases) -> dict[str, Any]:
+def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, Any]:
     """What three dimensions add to the limits of the planar model."""
     return {
         "out_of_plane_rad": float(np.max(np.abs(extra["out_of_plane_rad"]))),
@@ -153,27 +155,27 @@ def _validity(extra: Mapping[str, Array], setup: Setup, found: RunPhases) -> dic
         "statue_across_m": float(np.max(np.abs(extra["statue_y_m"]))),
         "rest_lean_rad": setup.rest.lean_rad,
         "touching_vertices": len(setup.feet_m),
-        "mirrored": found.mirrored,
-        "full_shape_from_s": found.full_from_s,
-        "full_shape": None if found.full is None else found.full.told,
+        "mirrored": phases.mirrored,
+        "full_shape_from_s": phases.full_from_s,
+        "full_shape": None if phases.full is None else phases.full.note,
     }
 
 
-def _warnings(scene: Scene, setup: Setup, found: RunPhases, extra: Mapping[str, Array]) -> tuple[str, ...]:
+def _warnings(scene: Scene, setup: Setup, phases: RunPhases, extra: Mapping[str, Array]) -> tuple[str, ...]:
     said = []
-    if found.full is not None and found.full.warning is not None:
-        said.append(found.full.warning)
+    if phases.full is not None and phases.full.warning is not None:
+        said.append(phases.full.warning)
     if scene.form.friction_normal == "static" and scene.pedestal is not None:
         said.append("friction uses the contact's own normal force: model.friction_normal = static is not computed")
     if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
         said.append("impacts are the contact's own: model.pedestal_at_impact = unchanged is not computed")
-    if not setup.rest.found:
+    if not setup.rest.stable:
         said.append("no face of the mesh's hull carries the centroid within 0.2 rad of upright: the run starts upright")
     if setup.rest.lean_rad > 0.0:
         said.append(
             f"the base as scanned is not flat: at rest the statue's axis leans by {setup.rest.lean_rad:.3g} rad"
         )
     across = float(np.max(np.abs(extra["out_of_plane_rad"] - extra["out_of_plane_rad"][0])))
-    if scene.planar and across > OUT_OF_PLANE_TOLD_RAD:
+    if scene.planar and across > OUT_OF_PLANE_REPORTED_RAD:
         said.append(f"the scene is planar, yet the statue left its plane by {across:.2g} rad")
     return tuple(said)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.engines.contact import frame
 from harness.engines.contact.spatial import matrices, planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
-from harness.engines.pybullet.stepper import Record
+from harness.engines.pybullet.stepper import StepLog
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -19,7 +19,7 @@ JUMP_IN_G: Final = 10.0
 """An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
 
 
-def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Trajectory:
+def trajectory(scene: Scene, record: StepLog, axes: Array, step_s: float) -> Trajectory:
     """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns."""
     t_s, rows = _whole_steps(record, step_s, scene)
     place, table_rate = _table(scene, t_s)
@@ -51,7 +51,7 @@ def trajectory(scene: Scene, record: Record, axes: Array, step_s: float) -> Traj
     )
 
 
-def _whole_steps(record: Record, step_s: float, scene: Scene) -> tuple[Array, Array]:
+def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, Array]:
     """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
     t_s, kick_s, rows = np.array(record.t_s), np.array(record.kick_s), record.rows.copy()
     jump = JUMP_IN_G * scene.gravity_m_s2

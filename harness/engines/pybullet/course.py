@@ -14,10 +14,10 @@ from harness.engines.pybullet import feet, loop, mirror, pose
 from harness.engines.pybullet.edge import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.loop import MOST_FREE, Watch
-from harness.engines.pybullet.march import StepState
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.stepper import Record, Row, Stepper, reader
+from harness.engines.pybullet.step_state import StepState
+from harness.engines.pybullet.stepper import Row, StepLog, Stepper, reader
 from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
 from harness.model.options import RunOptions
@@ -63,7 +63,7 @@ class RunPhases:
     `mirrored` says that half of a scene that is its own mirror image was computed, up to there.
     """
 
-    record: Record
+    record: StepLog
     skipped: tuple[str, ...]
     full_from_s: float | None
     full: FullShape | None
@@ -83,29 +83,29 @@ def prepare(scene: Scene) -> Setup:
     return Setup(axes, moments, (touching - centroid) @ axes, (hull - centroid) @ axes, rest, start)
 
 
-def run(scene: Scene, level: BulletSettings, setup: Setup, want: RunOptions) -> RunPhases:
+def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) -> RunPhases:
     """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
     count = step_count(scene.duration_s, level.dt_s)
-    quiet_s = quiet_start_s(scene, setup) if want.allows("quiet_start") else 0.0
+    quiet_s = quiet_start_s(scene, setup) if options.allows("quiet_start") else 0.0
     first = min(int(quiet_s / level.dt_s), count - 1)
     schedule = Schedule(scene, level.dt_s, first, count)
     full = None
-    if scene.pedestal is not None and not want.allows("base_only"):
+    if scene.pedestal is not None and not options.allows("base_only"):
         full = full_shape(scene, level.full_shape)
     whole = setup
-    if want.allows("mirror") and mirror.halves(scene):
+    if options.allows("mirror") and mirror.halves(scene):
         whole = setup.flat
         setup = whole if full is not None else setup.halved
     crossing = None if full is None else _crossing(scene, setup, _first_row(scene, setup))
-    watch = _watch(scene, level, setup, want, crossing)
+    watch = _watch(scene, level, setup, options, crossing)
     record = _part(scene, level, setup, schedule, watch, full=full, crossing=crossing)
     full_from = None if full is None else 0.0
-    while watch.halt is not None and round(record.t_s[-1] / level.dt_s) < count and watch.halt(record.last):
+    while watch.leave is not None and round(record.t_s[-1] / level.dt_s) < count and watch.leave(record.last):
         # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
         # world with the full shape, and with these feet.
         full_from = record.t_s[-1] if full_from is None else full_from
         full, crossing = full or full_shape(scene, level.full_shape), _crossing(scene, whole, record.last)
-        watch = _watch(scene, level, whole, want, crossing)
+        watch = _watch(scene, level, whole, options, crossing)
         rest_of = _part(scene, level, whole, schedule, watch, full=full, crossing=crossing, done=record)
         record = _joined(record, rest_of)
     said = _skipped(scene, first * level.dt_s, full_from, record.rested, in_plane=setup.in_plane)
@@ -125,10 +125,10 @@ def _first_row(scene: Scene, setup: Setup) -> Row:
     return (*start.place_m, *start.turn, *start.velocity_m_s, *start.rate_rad_s, *centre, *UPRIGHT, *STILL, *STILL)
 
 
-def _watch(scene: Scene, level: BulletSettings, setup: Setup, want: RunOptions, crossing: Crossing | None) -> Watch:
+def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions, crossing: Crossing | None) -> Watch:
     """What the loop looks at; with `crossing` in a world of full shapes."""
     end_s = scene.base_excitation.end_s
-    may_rest = want.allows("quiet_end") and end_s < scene.duration_s
+    may_rest = options.allows("quiet_end") and end_s < scene.duration_s
     edges = None
     if scene.pedestal is not None:
         p = scene.pedestal
@@ -139,8 +139,8 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, want: RunOptions, 
         rest=_vector(setup.rest.rotation[:, 2]),
         quiet_from=math.ceil(end_s / level.dt_s) if may_rest else None,
         impose=scene.contact.restitution is not None,
-        halt=edges if crossing is None else crossing,
-        stop=want.stop,
+        leave=edges if crossing is None else crossing,
+        stop=options.stop,
         touch=touch_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
     )
@@ -163,8 +163,8 @@ def _part(
     *,
     full: FullShape | None,
     crossing: Crossing | None,
-    done: Record | None = None,
-) -> Record:
+    done: StepLog | None = None,
+) -> StepLog:
     """One world: from the scene's start, or from where another one has come to."""
     statue = scene.statue
     pedestal = wall = None
@@ -180,16 +180,16 @@ def _part(
         world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
         stepper = Stepper(world, scene, schedule)
         if done is None:
-            march = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
+            state = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
         else:
             stepper.writer.restore(done.last)
             stepper.writer.ledger = done.ledger
-            march = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
-        return loop.integrate(scene, schedule, watch, march)
+            state = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
+        return loop.integrate(scene, schedule, watch, state)
 
 
-def _joined(before: Record, after: Record) -> Record:
-    return Record(
+def _joined(before: StepLog, after: StepLog) -> StepLog:
+    return StepLog(
         before.width,
         before.t_s + after.t_s[1:],
         before.kick_s + after.kick_s[1:],

@@ -99,12 +99,12 @@ class EdgeWatch:
             [wz * c - wx * e for c, e in zip(x, z, strict=True)],
             [wx * d - wy * c for c, d in zip(x, y, strict=True)],
         ]
-        found = low @ np.array([x, y, z, *moving]).T
-        found += (bx, by, bz - self.half_m[2], vx - oy * bz + oz * by, vy - oz * bx + ox * bz, vz - ox * by + oy * bx)
-        then = found[:, :3] + self.ahead_s * found[:, 3:]
-        down = np.minimum(found[:, 2], then[:, 2] - slack) < DEPTH_M
+        points = low @ np.array([x, y, z, *moving]).T
+        points += (bx, by, bz - self.half_m[2], vx - oy * bz + oz * by, vy - oz * bx + ox * bz, vz - ox * by + oy * bx)
+        then = points[:, :3] + self.ahead_s * points[:, 3:]
+        down = np.minimum(points[:, 2], then[:, 2] - slack) < DEPTH_M
         across, along = self.half_m[0] + DEPTH_M, self.half_m[1] + DEPTH_M
-        furthest = np.maximum(np.abs(found[down, :2]), np.abs(then[down, :2]))
+        furthest = np.maximum(np.abs(points[down, :2]), np.abs(then[down, :2]))
         return bool((furthest > (across, along)).any())
 
 

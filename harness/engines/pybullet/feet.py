@@ -25,8 +25,8 @@ REST_LEAN_RAD: Final = 0.2
 FLAT_RAD: Final = 1e-9
 """A lean below this is none: rounding of the hull's normals."""
 
-KEPT: Final = 8
-"""Statues whose vertices are remembered: each rung of a climb and each amplitude of a search takes the same."""
+CACHED_STATUES: Final = 8
+"""Statues whose vertices are remembered: each level of a climb and each amplitude of a search takes the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +35,10 @@ class Rest:
 
     rotation: Array
     lean_rad: float
-    found: bool
+    stable: bool
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_STATUES)
 def touchable(statue: Statue, lean_rad: float = OVERTURN_RAD) -> Array:
     """Vertices (k, 3), statue frame, that a level support can touch while the statue leans up to `lean_rad` in any direction.
 
@@ -58,7 +58,7 @@ def touchable(statue: Statue, lean_rad: float = OVERTURN_RAD) -> Array:
     return np.asarray(vertices[sorted(chosen)])
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_STATUES)
 def hull_vertices(statue: Statue) -> Array:
     """All vertices (k, 3) of the statue's convex hull, statue frame; of a block given by numbers its eight corners."""
     vertices, hull = _hull(statue)
@@ -68,7 +68,7 @@ def hull_vertices(statue: Statue) -> Array:
     return np.asarray(vertices[np.sort(hull.vertices)])
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_STATUES)
 def rest(statue: Statue) -> Rest:
     """The pose on the facet, nearest to upright, over which the centroid stands; upright when no such facet is found."""
     vertices, hull = _hull(statue)

@@ -18,8 +18,8 @@ from meshes.collision import thinned
 Array = NDArray[np.float64]
 Kind = Literal["hull", "parts"]
 
-KEPT: Final = 8
-"""Statues whose bodies are remembered: each rung of a climb and each amplitude of a search takes the same."""
+CACHED_STATUES: Final = 8
+"""Statues whose bodies are remembered: each level of a climb and each amplitude of a search takes the same."""
 HULL_VERTICES: Final = 256
 """Budget of the hull drawn inside: of a scan's several hundred corners those left out stand out by about a millimetre at most."""
 
@@ -33,7 +33,7 @@ class FullShape:
     warning: str | None = None
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """What it is, for the record."""
         return "hull" if self.kind == "hull" else f"{len(self.bodies_m)} convex parts"
 
@@ -53,17 +53,17 @@ def full_shape(scene: Scene, wish: Literal["needed", "hull", "parts"] = "needed"
     try:
         return FullShape("parts", _parts(scene.statue))
     except MeshError as error:
-        told = f"the statue meets the pedestal's edge with its hull, not with convex parts ({need.reason}): {error}"
-        return FullShape("hull", _hull(scene.statue), told)
+        note = f"the statue meets the pedestal's edge with its hull, not with convex parts ({need.reason}): {error}"
+        return FullShape("hull", _hull(scene.statue), note)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_STATUES)
 def _hull(statue: Statue) -> tuple[Array, ...]:
     # Moving the faces makes corners anew: more of them than there were.
     return tuple(thinned(points, None, HULL_VERTICES)[0] for points in _drawn_inside((feet.hull_vertices(statue),)))
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_STATUES)
 def _parts(statue: Statue) -> tuple[Array, ...]:
     from meshes.decomposition import parts_of
 
@@ -71,4 +71,4 @@ def _parts(statue: Statue) -> tuple[Array, ...]:
 
 
 def _drawn_inside(bodies_m: tuple[Array, ...]) -> tuple[Array, ...]:
-    return tuple(found for points in bodies_m if len(found := inset(points)))
+    return tuple(body for points in bodies_m if len(body := inset(points)))

@@ -17,15 +17,15 @@ def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     body, pedestal = bodies(row)
     table_x, table_y = stepper.table_rate[0], stepper.table_rate[1]
     slip = 0.0 if pedestal is None else pedestal.velocity_m_s[0] - table_x
-    found = impact(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
-    rate, base = found.theta_rate_rad_s, found.slip_rate_m_s + table_x
+    jump = impact(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
+    rate, base = jump.theta_rate_rad_s, jump.slip_rate_m_s + table_x
     # The old corner stays where it stands; the centroid comes to lie over the base again.
     old, new = side * statue.corner_m(side), -side * statue.corner_m(-side)
     shift = old * math.cos(lean_rad) - statue.centroid_height_m * math.sin(lean_rad) - old
     top = 0.0
     if pedestal is not None and scene.pedestal is not None and stepper.world.pedestal is not None:
         top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
-        stepper.let_slide(found.slip_rate_m_s != 0.0)
+        stepper.let_slide(jump.slip_rate_m_s != 0.0)
         row = (*row[:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
     place = (body.place_m[0] + shift, body.place_m[1], top + statue.centroid_height_m)
     velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)

@@ -9,13 +9,12 @@ from typing import Final
 
 from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import fallen
-from harness.engines.pybullet import imposing
-from harness.engines.pybullet import micro_rocking as rattle
-from harness.engines.pybullet.coming import ContactTimeEstimate
-from harness.engines.pybullet.march import StepState
-from harness.engines.pybullet.meeting import meet
+from harness.engines.pybullet import imposing, micro_rocking
+from harness.engines.pybullet.contact_time import ContactTimeEstimate
+from harness.engines.pybullet.locating import locate_event
 from harness.engines.pybullet.schedule import Schedule, Vector
-from harness.engines.pybullet.stepper import Record, Row, axis_of
+from harness.engines.pybullet.step_state import StepState
+from harness.engines.pybullet.stepper import Row, StepLog, axis_of
 from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, ContactGaps
 from harness.engines.pybullet.writing import ALONE
 from harness.model.scene import Scene
@@ -35,10 +34,11 @@ MOST_JOLTS: Final = 8
 LEANING: Final = 0.2
 """An axis whose vertical component is larger is far from overturned."""
 TIPPED_RAD: Final = 2e-5
-"""A pedestal that leans more than this by the end of a step tips (the sweeps leave up to 1e-6 rad in one that stands, in a
-whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
+"""A pedestal that leans more than this by the end of a step tips (the solver iterations leave up to 1e-6 rad in one that stands,
+in a whole scene 8e-6 at 1 ms; events located in a tipping of 1e-4 rad still shift it), or more than"""
 TIPPED_RAD_S2: Final = 20.0
-"""this acceleration, of a body that tips freely, gives in two steps: of so much the sweeps of longer steps leave a part."""
+"""this acceleration, of a body that tips freely, gives in two steps: of so much the solver iterations of longer steps leave a
+part."""
 STILL_LEAN_RAD: Final = 1e-4
 """A statue at rest on its base leans less than this from its pose at rest."""
 STILL_M_S: Final = 1e-5
@@ -55,7 +55,7 @@ class Watch:
     """What the loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
 
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
-    run is not ended at rest). `halt` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
+    run is not ended at rest). `leave` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
     `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps,
     as they are while `edges` says that the pedestal's edges may be met.
     """
@@ -64,55 +64,55 @@ class Watch:
     rest: Vector
     quiet_from: int | None
     impose: bool
-    halt: Callable[[Row], bool] | None = None
+    leave: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
     touch: ContactGaps | None = None
     edges: Callable[[Row], bool] | None = None
 
 
-def integrate(scene: Scene, schedule: Schedule, watch: Watch, march: StepState) -> Record:
-    """Run `march` to the schedule's end, an overturn, rest, or a halt."""
+def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) -> StepLog:
+    """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record, falls = Still(watch), march.record, scene.initial.pose is None
-    look, halt_look, beside = march.number, march.number, False
-    while march.number < schedule.count:
-        row = march.row
+    still, record, falls = Still(watch), state.record, scene.initial.pose is None
+    look, leave_look, beside = state.number, state.number, False
+    while state.number < schedule.count:
+        row = state.row
         zx, zy, zz = axis_of(row, watch.axis)
         if zz < LEANING and falls and fallen(zx, zy, zz):
             break
-        if march.on_grid:
-            if watch.halt is not None and march.number >= halt_look:
-                if watch.halt(row):
+        if state.on_grid:
+            if watch.leave is not None and state.number >= leave_look:
+                if watch.leave(row):
                     break
                 beside = watch.edges is not None and watch.edges(row)
-                halt_look = march.number + (BESIDE_FREE if beside else MOST_FREE)
-            if watch.stop is not None and march.number >= look:
-                look = march.number + LOOK_STEPS
-                if watch.stop(march.t_s, math.atan2(zx, zz)):
+                leave_look = state.number + (BESIDE_FREE if beside else MOST_FREE)
+            if watch.stop is not None and state.number >= look:
+                look = state.number + LOOK_STEPS
+                if watch.stop(state.t_s, math.atan2(zx, zz)):
                     break
-            if still.lasts(march.number, row, zx, zy):
+            if still.lasts(state.number, row, zx, zy):
                 record.rested = True
                 break
         free = MOST_FREE
-        if watch.touch is not None and (beside or tips(row, march.step_s)):
+        if watch.touch is not None and (beside or tips(row, state.step_s)):
             free = BESIDE_FREE if beside else MOST_FREE
-            # Nothing is located: the engine is plain, and no swing is followed.
-            march.swing = None
-        elif watch.touch is not None and march.jolts < MOST_JOLTS:
-            free = _touched(march, scene, watch.touch, watch)
+            # Nothing is located: the engine is plain, and no half-cycle is followed.
+            state.half_cycle = None
+        elif watch.touch is not None and state.jolts < MOST_JOLTS:
+            free = _touched(state, scene, watch.touch, watch)
             if free == 0:
                 continue
             if len(row) > ALONE and len(record.t_s) > 1:
-                free = min(free, _halted(march, pull, kinetic))
+                free = min(free, _stick_onset(state, pull, kinetic))
                 if free == 0:
                     continue
-        if march.even:
-            begin = march.number - schedule.first
-            march.wholes(schedule.coarse[begin : begin + free])
+        if state.even:
+            begin = state.number - schedule.first
+            state.wholes(schedule.coarse[begin : begin + free])
         else:
-            march.to_next()
-    record.ledger = march.stepper.writer.ledger
+            state.to_next()
+    record.ledger = state.stepper.writer.ledger
     return record
 
 
@@ -125,82 +125,82 @@ def tips(row: Row, step_s: float) -> bool:
     return tilt + step_s * math.hypot(row[23], row[24]) > max(TIPPED_RAD, TIPPED_RAD_S2 * step_s * step_s)
 
 
-def _touched(march: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -> int:
+def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -> int:
     """Number of whole steps in which no foot can come down; 0 when one was about to and its impact has been passed."""
-    stepper, step_s = march.stepper, march.step_s
-    if march.swing is not None and _followed(march, touch, march.swing):
+    stepper, step_s = state.stepper, state.step_s
+    if state.half_cycle is not None and _followed(state, touch, state.half_cycle):
         return 0
-    coming, soonest, foot = touch(march.row, stepper.table_place[2], stepper.table_rate[2])
+    contact_s, soonest, foot = touch(state.row, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
-        return _imposed(march, scene, touch, watch, soonest)
+        return _imposed(state, scene, touch, watch, soonest)
     # Its velocity is of half a step ago: it may come sooner than at that.
-    if coming == math.inf or march.t_s + min(coming, soonest) > march.next_s:
+    if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
         return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
-    _meet(march, touch, ContactTimeEstimate(march, touch, foot))
+    _locate_impact(state, touch, ContactTimeEstimate(state, touch, foot))
     return 0
 
 
-def _meet(march: StepState, touch: ContactGaps, coming: ContactTimeEstimate) -> None:
-    """A foot that comes down, and the swing that begins with its impact."""
-    meet(march, touch, coming, march.impact, coming.speeds)
-    if march.jolted:
-        march.swing = rattle.after_impact(march, touch)
+def _locate_impact(state: StepState, touch: ContactGaps, contact_time: ContactTimeEstimate) -> None:
+    """A foot that comes down, and the half-cycle that begins with its impact."""
+    locate_event(state, touch, contact_time, state.impact, contact_time.speeds)
+    if state.jolted:
+        state.half_cycle = micro_rocking.after_impact(state, touch)
 
 
-def _followed(march: StepState, touch: ContactGaps, swing: rattle.Swing) -> bool:
-    """Whether a part of a short swing, or its impact, was made; if not it is no short one any more."""
-    due = rattle.follow(march, swing)
+def _followed(state: StepState, touch: ContactGaps, half_cycle: micro_rocking.HalfCycle) -> bool:
+    """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
+    due = micro_rocking.follow(state, half_cycle)
     if due is None:
-        march.swing = None
+        state.half_cycle = None
     elif due:
-        _meet(march, touch, swing.coming)
+        _locate_impact(state, touch, half_cycle.contact_time)
     return due is not None
 
 
-def _imposed(march: StepState, scene: Scene, touch: ContactGaps, watch: Watch, soonest: float) -> int:
+def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, soonest: float) -> int:
     """The same where impacts are prescribed: one is imposed when the statue passes upright."""
-    step_s = march.step_s
+    step_s = state.step_s
     # Right after an impact the statue is upright, to the last digit or not.
-    coming = math.inf if march.jolted else _upright(march, watch)
-    sure = min(soonest, coming)
-    if coming == math.inf or march.t_s + sure > march.next_s:
+    contact_s = math.inf if state.jolted else _upright(state, watch)
+    sure = min(soonest, contact_s)
+    if contact_s == math.inf or state.t_s + sure > state.next_s:
         return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
 
     def impose() -> None:
-        lean = axis_of(march.row, watch.axis)[0] - watch.rest[0]
-        march.jolt(imposing.impose(march.stepper, scene, march.row, lean))
+        lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
+        state.jolt(imposing.impose(state.stepper, scene, state.row, lean))
 
-    meet(march, touch, lambda: _upright(march, watch), impose)
+    locate_event(state, touch, lambda: _upright(state, watch), impose)
     return 0
 
 
-def _upright(march: StepState, watch: Watch) -> float:
+def _upright(state: StepState, watch: Watch) -> float:
     """Time, s, until the statue passes upright; infinite when it does not come down."""
-    lean, rate = axis_of(march.row, watch.axis)[0] - watch.rest[0], march.row[11]
+    lean, rate = axis_of(state.row, watch.axis)[0] - watch.rest[0], state.row[11]
     return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
 
 
-def _halted(march: StepState, pull: float, kinetic: float) -> int:
-    """Number of whole steps in which the pedestal cannot come to a halt; 0 when it was about to and its halt has been met.
+def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:
+    """Number of whole steps in which the pedestal cannot stick; 0 when it was about to and its stick onset has been met.
 
     `pull` bounds its deceleration, `kinetic` is kinetic friction's, m/s².
     """
-    stepper, row, record, step_s = march.stepper, march.row, march.record, march.step_s
+    stepper, row, record, step_s = state.stepper, state.row, state.record, state.step_s
     before = record.flat[-2 * len(row) + 20 : -2 * len(row) + 22]
     vx, vy = row[20] - stepper.table_rate[0], row[21] - stepper.table_rate[1]
     speed = math.hypot(vx, vy)
     if speed <= LEAST_SHARE * kinetic * step_s:
         return RESTING_FREE
     last_s = record.kick_s[-1] - record.kick_s[-2]
-    if last_s <= 0.0 or march.jolted:
+    if last_s <= 0.0 or state.jolted:
         return 1
     ax = (vx - before[0] + stepper.table_before[0]) / last_s
     ay = (vy - before[1] + stepper.table_before[1]) / last_s
     slowing = -(vx * ax + vy * ay) / speed
     if slowing > LEAST_SHARE * kinetic:
-        halt_s = march.kick_s + speed / slowing
-        if halt_s <= 0.5 * (march.t_s + march.next_s):
-            march.halt(halt_s)
+        stick_onset_s = state.kick_s + speed / slowing
+        if stick_onset_s <= 0.5 * (state.t_s + state.next_s):
+            state.stick_onset(stick_onset_s)
             return 0
     return min(max(int(speed / (pull * step_s) - AHEAD), 1), MOST_FREE)
 

@@ -1,24 +1,24 @@
-"""Rattling: swings of a few steps are followed in parts of each, so that none ends in the step in which it returns."""
+"""Micro-rocking: half-cycles of a few steps are followed in parts of each, so that none ends in the step in which it returns."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
 
-from harness.engines.pybullet.coming import ContactTimeEstimate
-from harness.engines.pybullet.march import StepState
+from harness.engines.pybullet.contact_time import ContactTimeEstimate
+from harness.engines.pybullet.step_state import StepState
 from harness.engines.pybullet.touch import NEAR_M, ContactGaps
 
 SHORT_STEPS: Final = 8.0
-"""A swing expected to be shorter than so many steps is followed in parts of its own."""
+"""A half-cycle expected to be shorter than so many steps is followed in parts of its own."""
 LEAST_STEPS: Final = 0.25
 """One shorter than this is left to whole steps, in which it dies out."""
 PARTS: Final = 5.0
-"""Parts of a swing as it is expected from its first one."""
+"""Parts of a half-cycle as it is expected from its first one."""
 MOST_PARTS: Final = 40
-"""Parts after which a swing that does not return is left to whole steps."""
+"""Parts after which a half-cycle that does not return is left to whole steps."""
 LEAST_FIRST, MOST_FIRST = 0.02, 0.5
-"""Shares of a step between which the first part lies: the forces of a swing are known only after it."""
+"""Shares of a step between which the first part lies: the forces of a half-cycle are known only after it."""
 CLOSE_PARTS: Final = 1.2
 """A foot that returns within so many times the coming part is met."""
 TAIL_PARTS: Final = 0.4
@@ -26,52 +26,54 @@ TAIL_PARTS: Final = 0.4
 
 
 @dataclass(slots=True)
-class Swing:
-    """A swing since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known yet."""
+class HalfCycle:
+    """A half-cycle since the impact at `start_s` that left a foot rising: the length of its parts, s, and whether it is known
+    yet.
+    """
 
-    coming: ContactTimeEstimate
+    contact_time: ContactTimeEstimate
     start_s: float
     part_s: float
     known: bool = False
     parts: int = 0
 
 
-def after_impact(march: StepState, touch: ContactGaps) -> Swing | None:
-    """The swing that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
-    stepper, step_s = march.stepper, march.step_s
-    heights = touch.heights(march.row, stepper.table_place[2], stepper.table_rate[2])
+def after_impact(state: StepState, touch: ContactGaps) -> HalfCycle | None:
+    """The half-cycle that an impact begins; None where it is sure to be long, or the foot that rises did not stand."""
+    stepper, step_s = state.stepper, state.step_s
+    heights = touch.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
     foot = min(range(len(heights)), key=lambda index: heights[index][1])
     gap, closing = heights[foot]
     soonest_s = -2.0 * closing / float(touch.bounds[foot])
     if abs(gap) > NEAR_M or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
         return None
-    return Swing(
-        ContactTimeEstimate(march, touch, foot),
-        march.t_s,
+    return HalfCycle(
+        ContactTimeEstimate(state, touch, foot),
+        state.t_s,
         min(max(soonest_s, LEAST_FIRST * step_s), MOST_FIRST * step_s),
     )
 
 
-def follow(march: StepState, swing: Swing) -> bool | None:
-    """Make the next part of a swing. True, with none made, where its impact is due within it; None where it is no short one."""
-    step_s, back_s = march.step_s, 0.0
-    if swing.parts > 0:
-        back_s = swing.coming()
-        if not swing.known:
-            whole_s = march.t_s - swing.start_s + back_s
+def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
+    """Make the next part of a half-cycle. True, with none made, where its impact is due within it; None: it is no short one."""
+    step_s, back_s = state.step_s, 0.0
+    if half_cycle.parts > 0:
+        back_s = half_cycle.contact_time()
+        if not half_cycle.known:
+            whole_s = state.t_s - half_cycle.start_s + back_s
             if not LEAST_STEPS * step_s <= whole_s <= SHORT_STEPS * step_s:
                 return None
-            swing.part_s, swing.known = whole_s / PARTS, True
-        if swing.parts > MOST_PARTS:
+            half_cycle.part_s, half_cycle.known = whole_s / PARTS, True
+        if half_cycle.parts > MOST_PARTS:
             return None
-    end_s = march.t_s + min(swing.part_s, step_s)
-    whole = end_s > march.next_s - TAIL_PARTS * swing.part_s
-    end_s = march.next_s if whole else end_s
-    if swing.parts > 0 and back_s <= CLOSE_PARTS * (end_s - march.t_s):
+    end_s = state.t_s + min(half_cycle.part_s, step_s)
+    whole = end_s > state.next_s - TAIL_PARTS * half_cycle.part_s
+    end_s = state.next_s if whole else end_s
+    if half_cycle.parts > 0 and back_s <= CLOSE_PARTS * (end_s - state.t_s):
         return True
-    swing.parts += 1
+    half_cycle.parts += 1
     if whole:
-        march.to_next()
+        state.to_next()
     else:
-        march.to(end_s, max(0.5 * (march.t_s + end_s), march.kick_s))
+        state.to(end_s, max(0.5 * (state.t_s + end_s), state.kick_s))
     return False

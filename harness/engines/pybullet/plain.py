@@ -30,7 +30,7 @@ from harness.model.scene import Scene
 if TYPE_CHECKING:
     from harness.engines.pybullet.course import Setup
     from harness.engines.pybullet.full import FullShape
-    from harness.engines.pybullet.stepper import Record
+    from harness.engines.pybullet.stepper import StepLog
 
 LEVELS: Final = (
     (2e-3, 1e-2),
@@ -100,7 +100,7 @@ class PlainBullet3D(Engine):
         finer = _settings(scene, FINER * own.dt_s, FINER * own.expected_error_rad)
         return (replace(finer, reversed_bodies=not own.reversed_bodies),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
@@ -109,7 +109,7 @@ class PlainBullet3D(Engine):
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
         setup = course.prepare(scene)
-        record, full = _integrate(scene, own, setup, want)
+        record, full = _integrate(scene, own, setup, options)
         path = trajectory(scene, record, setup.axes, own.dt_s)
         report = Report(
             engine=self.name,
@@ -118,7 +118,7 @@ class PlainBullet3D(Engine):
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
-            with_history=want.history or not want.allows("no_history"),
+            with_history=options.history or not options.allows("no_history"),
             validity={
                 "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
                 "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
@@ -142,7 +142,7 @@ def _own(settings: Settings) -> BulletSettings:
     return settings
 
 
-def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOptions) -> tuple[Record, str | None]:
+def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
@@ -152,30 +152,30 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, want: RunOp
 
     def ended(t_s: float, row: tuple[float, ...]) -> bool:
         x, y, z = axis_of(row, axis)
-        if want.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
+        if options.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
             return True
-        return want.stop is not None and want.stop(t_s, math.atan2(x, z))
+        return options.stop is not None and options.stop(t_s, math.atan2(x, z))
 
     friction, p = floor_friction(scene, settings.dt_s), scene.pedestal
     if p is None:
         return _stepped(scene, settings, setup, None, _Course(friction, False, ended, None)), None
     half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
-    if want.allows("base_only"):
+    if options.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
         record = _stepped(scene, settings, setup, None, _Course(friction, friction.switches, ended, edge))
         if not edge(record.last):
             return record, None
     # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
     full = full_shape(scene, settings.full_shape)
-    return _stepped(scene, settings, setup, full, _Course(friction, friction.switches, ended, None)), full.told
+    return _stepped(scene, settings, setup, full, _Course(friction, friction.switches, ended, None)), full.note
 
 
-def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, course: _Course) -> Record:
+def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, course: _Course) -> StepLog:
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     import pybullet
 
     from harness.engines.pybullet.schedule import Schedule
-    from harness.engines.pybullet.stepper import Record, reader
+    from harness.engines.pybullet.stepper import StepLog, reader
     from harness.engines.pybullet.world import World
 
     statue = scene.statue
@@ -193,7 +193,7 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
             world.bounce(scene.contact.restitution)
         read, client, acting = reader(world), world.client, course.friction.static
         row = read()
-        record = Record(len(row))
+        record = StepLog(len(row))
         record.keep(0.0, 0.0, row)
         for step, gravity in enumerate(Schedule(scene, dt, 0, count).coarse, 1):
             pybullet.setGravity(*gravity, client)

@@ -55,14 +55,14 @@ def start(scene: Scene, feet_m: Array, rest: Rest, axes: Array) -> Body:
     rested = feet_m @ rest.rotation.T
     turned = about_y(initial.theta_rad) @ rest.rotation
     side = math.copysign(1.0, initial.theta_rad if initial.theta_rad != 0.0 else initial.theta_rate_rad_s)
-    standing = feet_m @ turned.T
-    low = standing[:, 2] - side * 1e-9 * standing[:, 0]
+    turned_feet_m = feet_m @ turned.T
+    low = turned_feet_m[:, 2] - side * 1e-9 * turned_feet_m[:, 0]
     pivot = int(np.argmin(low))
-    shift = rested[pivot] - standing[pivot]
-    shift[2] = height - standing[pivot, 2]
+    shift = rested[pivot] - turned_feet_m[pivot]
+    shift[2] = height - turned_feet_m[pivot, 2]
     place = turned @ centroid + shift
     rate = np.array([0.0, initial.theta_rate_rad_s, 0.0])
-    velocity = np.cross(rate, place - (standing[pivot] + shift))
+    velocity = np.cross(rate, place - (turned_feet_m[pivot] + shift))
     return Body(_triple(place), quaternion(turned @ axes), _triple(velocity), _triple(rate))
 
 
@@ -85,14 +85,14 @@ def quaternion(rotation: Array) -> tuple[float, float, float, float]:
     r = rotation
     skew = (r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1])
     if k == 3:
-        found = np.array([*skew, size * size]) / (2.0 * size)
+        quaternion = np.array([*skew, size * size]) / (2.0 * size)
     else:
-        found = np.empty(4)
+        quaternion = np.empty(4)
         for j in range(3):
-            found[j] = size / 2.0 if j == k else (r[j, k] + r[k, j]) / (2.0 * size)
-        found[3] = skew[k] / (2.0 * size)
-        found = found if found[3] >= 0.0 else -found
-    return float(found[0]), float(found[1]), float(found[2]), float(found[3])
+            quaternion[j] = size / 2.0 if j == k else (r[j, k] + r[k, j]) / (2.0 * size)
+        quaternion[3] = skew[k] / (2.0 * size)
+        quaternion = quaternion if quaternion[3] >= 0.0 else -quaternion
+    return float(quaternion[0]), float(quaternion[1]), float(quaternion[2]), float(quaternion[3])
 
 
 def advanced(row: tuple[float, ...], seconds: float) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ STDERR: Final = 2
 def _without_banner() -> Iterator[None]:
     """Keep the line that pybullet's C code writes to stderr at its first import from the user's terminal."""
     try:
-        kept = os.dup(STDERR)
+        stderr_copy = os.dup(STDERR)
     except OSError:  # stderr is closed: nothing to keep from it
         yield
         return
@@ -23,8 +23,8 @@ def _without_banner() -> Iterator[None]:
             os.dup2(nowhere.fileno(), STDERR)
         yield
     finally:
-        os.dup2(kept, STDERR)
-        os.close(kept)
+        os.dup2(stderr_copy, STDERR)
+        os.close(stderr_copy)
 
 
 # Where it is not installed, the engine is still listed, and says so itself (`Bullet3D.missing`).

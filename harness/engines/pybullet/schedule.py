@@ -65,8 +65,8 @@ class Schedule:
     def _parts(self) -> list[tuple[int, Excitation]]:
         """The axes along which the frame is accelerated, with their motions."""
         base_excitation = self.scene.base_excitation
-        found = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
-        return [(axis, part) for axis, part in found if not isinstance(part, ZeroExcitation)]
+        parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
+        return [(axis, part) for axis, part in parts if not isinstance(part, ZeroExcitation)]
 
     def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step and its mean velocity in it."""

@@ -13,13 +13,13 @@ REFERENCE_DT_S: Final = 2.5e-4
 
 @dataclass(frozen=True)
 class BulletSettings(Settings):
-    """One rung: step, whether events inside a step are met by shorter ones, solver, contact.
+    """One level: step, whether events inside a step are met by shorter ones, solver, contact.
 
-    `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which sweeps end early (0: never);
+    `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which solver iterations end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
     spheres at the base's vertices, `reach` the gap, in radii of the body, up to which they are contacts while it turns slowly.
-    `reversed_bodies` puts the statue before its pedestal: the same solution, by more sweeps. `full_shape` is what meets a
-    pedestal's edge: what the scene needs (harness/statics/collision_shape.py), or one of two whatever it needs.
+    `reversed_bodies` puts the statue before its pedestal: the same solution, by more solver iterations. `full_shape` is what
+    meets a pedestal's edge: what the scene needs (harness/statics/collision_shape.py), or one of two whatever it needs.
     """
 
     events: bool = True
@@ -35,7 +35,7 @@ class BulletSettings(Settings):
     full_shape: Literal["needed", "hull", "parts"] = "needed"
 
     def residual_for(self) -> float:
-        """Threshold for this rung's step."""
+        """Threshold for this level's step."""
         return self.residual * (self.dt_s / REFERENCE_DT_S) ** 2
 
     def erp_for(self, step_s: float) -> float:

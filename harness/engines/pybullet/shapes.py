@@ -155,8 +155,8 @@ def inset(points_m: Array) -> Array:
         inside, radius = _innermost(planes)
         if radius < LEAST_THICKNESS_M:
             return np.empty((0, 3))
-    found = HalfspaceIntersection(planes, inside).intersections
-    return np.unique(np.round(found[np.all(np.isfinite(found), axis=1)], 9), axis=0)
+    corners = HalfspaceIntersection(planes, inside).intersections
+    return np.unique(np.round(corners[np.all(np.isfinite(corners), axis=1)], 9), axis=0)
 
 
 def _innermost(planes: Array) -> tuple[Array, float]:
@@ -164,10 +164,10 @@ def _innermost(planes: Array) -> tuple[Array, float]:
     from scipy.optimize import linprog
 
     bounds = [(None, None)] * 4
-    found = linprog([0.0, 0.0, 0.0, -1.0], np.c_[planes[:, :3], np.ones(len(planes))], -planes[:, 3], bounds=bounds)
-    if found.x is None:
-        raise EngineFailure(f"a convex body could not be drawn inside: {found.message}")
-    return np.asarray(found.x[:3]), float(found.x[3])
+    solution = linprog([0.0, 0.0, 0.0, -1.0], np.c_[planes[:, :3], np.ones(len(planes))], -planes[:, 3], bounds=bounds)
+    if solution.x is None:
+        raise EngineFailure(f"a convex body could not be drawn inside: {solution.message}")
+    return np.asarray(solution.x[:3]), float(solution.x[3])
 
 
 def _write_points(file: Path, points_m: Array) -> None:

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Row = tuple[float, ...]
 
 SATURATED: Final = 0.998
-"""Friction counts as at its limit from this share of it: the solver's sweeps end before the last digits."""
+"""Friction counts as at its limit from this share of it: the solver's iterations end before the last digits."""
 GRIP: Final = 0.5
 """Share of the statue's friction limit from which on its feet are not taken to stand, and"""
 GRIP_AGAIN: Final = 0.35
@@ -35,14 +35,14 @@ WIDER: Final = 4.0
 """How many times as wide it is made as that, when it is too narrow, and"""
 NARROWER: Final = 256.0
 """how many times too wide it may be."""
-RELEASE: Final = "friction_release"
+SLIP_ONSET: Final = "friction_release"
 """Kind of what is written where static friction gives way."""
-HALTED: Final = 0.3
-"""Share of a step's loss of velocity that may be left of it when the pedestal counts as halted."""
+STICKS_BELOW: Final = 0.3
+"""Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
 
 @dataclass(eq=False)
-class Record:
+class StepLog:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
     `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
@@ -114,11 +114,11 @@ def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
     return advance
 
 
-def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], Record], Row]:
+def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
     """The same for several steps: their rows are kept in the record, the last is returned. At least one step."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
-    def run(pulls: Sequence[Vector], record: Record) -> Row:
+    def run(pulls: Sequence[Vector], record: StepLog) -> Row:
         row: Row = ()
         keep, pack = record.flat.frombytes, record.pack
         for gravity in pulls:
@@ -149,7 +149,7 @@ class Stepper:
         self.grip_limit, self.grips = contact.statue, False
         self._anchor(held=world.feet_over)
         self.least_reach = world.reach
-        self.just_released = False
+        self.just_slipped = False
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
@@ -160,25 +160,25 @@ class Stepper:
             self.table_before = self.table_rate
             self.table_place, self.table_rate = self.schedule.table(t_s, step_s)
             self.world.move_table(self.table_place, self.table_rate)
-        self.just_released = False
+        self.just_slipped = False
         row = self.advance(gravity)
         if not self.switches:
             return row
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
         if self.stuck:
-            row = self._released(gravity, pull, before, row)
-            self.just_released = not self.stuck
+            row = self._slip_onset(gravity, pull, before, row)
+            self.just_slipped = not self.stuck
             return row
-        if not self._saturated(self.kinetic, pull, before, row) and self._halted(before, row):
+        if not self._saturated(self.kinetic, pull, before, row) and self._sticks(before, row):
             self._hold(self.static)
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
             self._hold(self.static)
             self._again(before)
-            row = self._released(gravity, pull, before, self.advance(gravity))
+            row = self._slip_onset(gravity, pull, before, self.advance(gravity))
         return row
 
-    def _released(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+    def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
         """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction."""
         gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
         if not gaining or not self._saturated(self.static, pull, before, row):
@@ -190,7 +190,7 @@ class Stepper:
     def _again(self, before: Row) -> None:
         """Back to where the step began, which is to be solved again."""
         self.writer.restore(before)
-        self.writer.ledger.of(RELEASE).steps_again += 1
+        self.writer.ledger.of(SLIP_ONSET).steps_again += 1
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """After whole steps under `pulls`: what the bodies' contacts need next."""
@@ -252,10 +252,10 @@ class Stepper:
     def _speed(self, row: Row, table: Vector) -> float:
         return math.hypot(row[20] - table[0], row[21] - table[1])
 
-    def _halted(self, before: Row, row: Row) -> bool:
-        """Whether friction took nearly all of the velocity that it could take in this step: sweeps leave a little."""
+    def _sticks(self, before: Row, row: Row) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
         here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
-        return here <= HALTED * max(there - here, 0.0)
+        return here <= STICKS_BELOW * max(there - here, 0.0)
 
     def _reversed(self, before: Row, row: Row) -> bool:
         x, y = self.table_rate[0], self.table_rate[1]

@@ -19,18 +19,18 @@ Four = tuple[float, float, float, float]
 LEAST_RATE_RAD_S: Final = 3e-3
 """The highest rate about the other end of the base at which a foot may close and stand all the same:"""
 HELD: Final = 0.02
-"""this share of the statue's own rate, as the sweeps leave as much where friction changes, but not less than"""
+"""this share of the statue's own rate, as the solver iterations leave as much where friction changes, but not less than"""
 LEAST_RAD_S: Final = 5e-4
 """this rate, which they leave in a statue at rest on a pedestal that tips, or"""
 LEAST_RAD_S2: Final = 0.2
-"""this acceleration times the step: an impact at a lower rate begins a swing of a fraction of a step."""
+"""this acceleration times the step: an impact at a lower rate begins a half-cycle of a fraction of a step."""
 DRIFT: Final = 4.0
 """A foot that falls faster than this many times its drift in a step comes down; a slower one stands."""
 NEAR_M: Final = 5e-6
 """A foot nearer than this stands: the circle on which it turns takes it so far off its support within a step. In slow turning it
 takes it less far, but"""
 REST_M: Final = 1e-7
-"""so far the sweeps may leave one that rests."""
+"""so far the solver iterations may leave one that rests."""
 LATE: Final = 0.05
 """A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
 FEW: Final = 12
@@ -102,10 +102,10 @@ class ContactGaps:
         soonest_s = float(np.min((np.sqrt(rate * rate + 2.0 * bound * near) - rate) / bound, initial=math.inf))
         if not falls.any():
             return math.inf, soonest_s, -1
-        coming_s = np.full(gap.size, math.inf)
-        coming_s[falls] = np.maximum(gap[falls], 0.0) / closing[falls]
-        foot = int(np.argmin(coming_s))
-        first_s = float(coming_s[foot])
+        contact_s = np.full(gap.size, math.inf)
+        contact_s[falls] = np.maximum(gap[falls], 0.0) / closing[falls]
+        foot = int(np.argmin(contact_s))
+        first_s = float(contact_s[foot])
         return first_s, soonest_s, foot if first_s < math.inf else -1
 
     def stands(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> bool:
@@ -115,12 +115,12 @@ class ContactGaps:
             abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
         )
 
-    def drift_m(self, row: Row, floor_m: float = 0.0, *, coming_s: float = 0.0) -> float:
-        """How high feet near their support are above it, at most, with those that come down within `coming_s`; 0 for none."""
+    def drift_m(self, row: Row, floor_m: float = 0.0, *, within_s: float = 0.0) -> float:
+        """How high feet near their support are above it, at most, with those that come down within `within_s`; 0 for none."""
         falling = self.falling_m_s(row)
         highest = 0.0
         for gap, closing in self.heights(row, floor_m, 0.0):
-            if highest < gap < (NEAR_M if closing < falling else closing * coming_s):
+            if highest < gap < (NEAR_M if closing < falling else closing * within_s):
                 highest = gap
         return highest
 

@@ -24,7 +24,7 @@ ALOFT_M: Final = 1e3
 """Height at which bodies touch nothing, and above each other."""
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 MIRRORED_RESIDUAL: Final = 1e-2
-"""Share of a rung's residual in a mirrored world: started from the last step's impulses the sweeps get there soon."""
+"""Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""
 FACE, BOX = 0, 1
 """Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
 OVER, BESIDE = 0, 1
@@ -88,7 +88,7 @@ class World:
     def set_length(self, step_s: float) -> None:
         """The length of the steps that follow; what is a share of a penetration for each step goes with it.
 
-        A step of another length than the rung's holds an event, whose impulses are solved more tightly.
+        A step of another length than the level's holds an event, whose impulses are solved more tightly.
         """
         s, erp = self.settings, self.settings.erp_for(step_s)
         tight, share = step_s != s.dt_s, step_s / s.dt_s

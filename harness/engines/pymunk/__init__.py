@@ -19,7 +19,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
 
-RUNGS: Final = (
+LEVELS: Final = (
     (4e-3, 90, 4e-4),
     (2e-3, 120, 2e-4),
     (1e-3, 120, 6e-5),
@@ -31,7 +31,8 @@ RUNGS: Final = (
 )
 """(step in s, iterations, error in rad reached where tuned): the paper's four cases with a pedestal, μ_s = 0.15 and 0.20,
 μ_k = 0.15, first second, against the analytic model. A statue on a pedestal needs many iterations at any step: with fewer the
-sweeps leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the step."""
+solver iterations leave more than the step does. They grow as the step shrinks, because what they leave does not fall with the
+step."""
 ALONE_SHARE, ALONE_LEAST = 0.5, 90
 """Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling; but at
 rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and a later start (skip `quiet_start`) decided a borderline outcome."""
@@ -39,7 +40,7 @@ TURNING_SHARE: Final = 0.25
 TURNING_LEAST: Final = 24
 """Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
 IMPACT_ITERATIONS: Final = 400
-"""Least iterations of a step in which all contacts meet an impact or a halt: it starts from impulses of another state."""
+"""Least iterations of a step in which all contacts meet an impact or a stick onset: it starts from impulses of another state."""
 DEPTH_RAD_S: Final = 0.002
 """Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
 SLOP_DEPTHS: Final = 50.0
@@ -50,7 +51,7 @@ would have by then, or an outcome far on may be another (with 64 of them two of 
 
 @final
 class Munk2D(Engine):
-    """Chipmunk's contact of polygons, its steps ended at impacts and halts."""
+    """Chipmunk's contact of polygons, its steps ended at impacts and stick onsets."""
 
     name: ClassVar[str] = "pymunk"
     capabilities: ClassVar[Capabilities] = Capabilities(
@@ -77,11 +78,11 @@ class Munk2D(Engine):
 
     def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 4 ms to 0.02 ms; iterations grow because a finer step needs them to show."""
-        return tuple(_settings(scene, *level) for level in RUNGS)
+        return tuple(_settings(scene, *level) for level in LEVELS)
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
-        """The nearest rung's iterations with the given step."""
-        dt, iterations, error = min(RUNGS, key=lambda level: abs(math.log(level[0] / dt_s)))
+        """The nearest level's iterations with the given step."""
+        dt, iterations, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
         return _settings(scene, dt_s, iterations, error * dt_s / dt)
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
@@ -102,21 +103,21 @@ class Munk2D(Engine):
             ),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
         from harness.engines.pymunk import drive as driving
         from harness.engines.pymunk import loop, world
-        from harness.engines.pymunk.standing import SupportVertex
+        from harness.engines.pymunk.support_vertex import SupportVertex
 
         own = _own(settings)
         begin = time.perf_counter()
         try:
             built = world.build(scene, own)
             grid = loop.grid_of(scene, own.dt_s)
-            first, skipped = _first_step(scene, own, want, len(grid.gravity))
+            first, skipped = _first_step(scene, own, options, len(grid.gravity))
             drive = driving.start(scene, own, built, first * own.dt_s)
-            standing = SupportVertex(drive)
-            rested = loop.run(drive, standing, grid, first, want)
+            support = SupportVertex(drive)
+            rested = loop.run(drive, support, grid, first, options)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
         states, t_s = np.concatenate(drive.states), np.array(drive.times_s)
@@ -131,7 +132,7 @@ class Munk2D(Engine):
             resolution_rad=loop.resolution_rad(scene, own),
             stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
             rested=rested,
-            with_history=want.history or not want.allows("no_history"),
+            with_history=options.history or not options.allows("no_history"),
             validity={} if drive.aligned else _plain_throughout(drive.times_s),
             work=drive.work,
             interventions=drive.ledger.record(),
@@ -143,7 +144,7 @@ class Munk2D(Engine):
 
 
 def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
-    """A rung for this scene: the depth of contact is a rotation of the base, in proportion to the step."""
+    """A level for this scene: the depth of contact is a rotation of the base, in proportion to the step."""
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     if scene.pedestal is None:
         iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
@@ -162,8 +163,8 @@ def _own(settings: Settings) -> MunkSettings:
     return settings
 
 
-def _first_step(scene: Scene, settings: MunkSettings, want: RunOptions, total: int) -> tuple[int, tuple[str, ...]]:
-    quiet = first_motion_s(scene) if want.allows("quiet_start") else 0.0
+def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total: int) -> tuple[int, tuple[str, ...]]:
+    quiet = first_motion_s(scene) if options.allows("quiet_start") else 0.0
     first = min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
     if first == 0:
         return 0, ()
@@ -175,9 +176,9 @@ def _plain_throughout(times_s: list[float]) -> dict[str, object]:
 
 
 def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
-    found = []
+    ignored = []
     if scene.form.friction_normal == "static":
-        found.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")
+        ignored.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")
     if scene.form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None:
-        found.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
-    return tuple(found)
+        ignored.append("model.pedestal_at_impact = unchanged is ignored: the impact is the engine's own")
+    return tuple(ignored)

@@ -27,7 +27,7 @@ from harness.model.scene import Scene
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
-RELEASE: Final = "friction_release"
+SLIP_ONSET: Final = "friction_release"
 """Kind of what is written where static friction gives way."""
 
 
@@ -170,7 +170,7 @@ def step_with_friction(drive: RunState, gravity: Pair) -> None:
         if drive.moving:
             writing.place_table(floor, (floor_place.x, floor_place.y))
         native.step(space, dt)
-        drive.ledger.of(RELEASE).steps_again += 1
+        drive.ledger.of(SLIP_ONSET).steps_again += 1
 
 
 def broke_loose(drive: RunState, velocities: Sequence[Pair], gravity: Pair) -> bool:
@@ -179,7 +179,7 @@ def broke_loose(drive: RunState, velocities: Sequence[Pair], gravity: Pair) -> b
     return _at_limit(drive, velocities, [(item.x, item.y) for item in after], gravity, stuck=True)
 
 
-def release_share(drive: RunState, gravity: Sequence[Pair]) -> float:
+def slip_onset_share(drive: RunState, gravity: Sequence[Pair]) -> float:
     """Share of the coming step after which static friction gives way, from the two whole steps before it under these gravities.
 
     The floor's friction over its limit is a straight line through the two; 0 where it does not grow, as after an event. Less

@@ -91,13 +91,13 @@ class PlainMunk2D(Engine):
             ),
         )
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
         own = _own(settings)
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
         try:
-            path, steps, resolution = _integrate(scene, own, want)
+            path, steps, resolution = _integrate(scene, own, options)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
         report = Report(
@@ -107,7 +107,7 @@ class PlainMunk2D(Engine):
             wall_s=0.0,
             resolution_rad=resolution,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
-            with_history=want.history or not want.allows("no_history"),
+            with_history=options.history or not options.allows("no_history"),
         )
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
@@ -126,7 +126,7 @@ def _own(settings: Settings) -> MunkSettings:
     return settings
 
 
-def _integrate(scene: Scene, settings: MunkSettings, want: RunOptions) -> tuple[Trajectory, int, float]:
+def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> tuple[Trajectory, int, float]:
     """Trajectory, number of steps, and the rotation that the contact's slop can leave at rest."""
     from harness.engines.pymunk import loop, native, world
 
@@ -152,9 +152,9 @@ def _integrate(scene: Scene, settings: MunkSettings, want: RunOptions) -> tuple[
         if steps % BLOCK_STEPS == 0:
             states.append(recorder.take())
             angle = native.get_angle(statue)
-            if want.allows("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
+            if options.allows("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
                 break
-            if want.stop is not None and want.stop(steps * dt, -angle):
+            if options.stop is not None and options.stop(steps * dt, -angle):
                 break
     states.append(recorder.take())
     rows = np.concatenate(states)

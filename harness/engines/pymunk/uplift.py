@@ -12,7 +12,7 @@ from typing import Final
 
 from harness.engines.pymunk import native
 from harness.engines.pymunk.drive import RunState, slip_rate
-from harness.engines.pymunk.standing import SupportVertex
+from harness.engines.pymunk.support_vertex import SupportVertex
 
 LOOK: Final = 64
 """Steps in which an uplift must have become a rotation that can end in an impact."""
@@ -25,15 +25,15 @@ OUTSIDE: Final = 0.75
 taken as a half."""
 
 
-def follow(drive: RunState, standing: SupportVertex, whole: int) -> bool:
+def follow(drive: RunState, support: SupportVertex, whole: int) -> bool:
     """Correct the statue's motion if it has just begun to rock, `whole` steps after the last event.
 
     Returns False where one more step must be seen first. A correction replaces the state recorded last, unless that was taken.
     """
-    world, body = drive.world, standing.statue
-    # The moment on a sliding pedestal is its kinetic friction's: it begins at once, with the slip or a halt.
+    world, body = drive.world, support.statue
+    # The moment on a sliding pedestal is its kinetic friction's: it begins at once, with the slip onset or a stick onset.
     slides = abs(slip_rate(drive)) > drive.friction.stuck_below_m_s
-    if slides or _from_level(standing, native.get_angle(body)) > FLAT_RAD:
+    if slides or _from_level(support, native.get_angle(body)) > FLAT_RAD:
         return True
     back, spins = 0, [native.get_spin(body)]
     while back == 0 or abs(spins[back]) > QUIET * abs(spins[back - 1]):
@@ -51,31 +51,31 @@ def follow(drive: RunState, standing: SupportVertex, whole: int) -> bool:
     begun = 0.5 - first / grows
     if abs(begun) > OUTSIDE:
         return True
-    _give(drive, standing, grows, min(max(begun, -0.5), 0.5), back - 2)
+    _give(drive, support, grows, min(max(begun, -0.5), 0.5), back - 2)
     drive.work["uplifts_met"] += 1
     if world.recorder.drop():
         native.each_body(native.space_of(world.space), world.recorder.each, world.recorder.target)
     return True
 
 
-def _give(drive: RunState, standing: SupportVertex, grows_rad_s: float, begun: float, since: int) -> None:
+def _give(drive: RunState, support: SupportVertex, grows_rad_s: float, begun: float, since: int) -> None:
     """Add what the first two steps are owed, carried through the `since` whole steps after them.
 
     `grows_rad_s`: what the spin gains more in a step than in the one before; `begun`: t₀ from the first's beginning, in steps.
     """
-    dt, body = drive.settings.dt_s, standing.statue
+    dt, body = drive.settings.dt_s, support.statue
     spin = 0.5 * grows_rad_s * begun**2
     # Positions are read half a step before velocities: (1.5 dt − s)³ j/6 less what one step has moved.
     turn = dt * grows_rad_s * ((1.5 - begun) ** 3 / 6.0 - (0.5 - begun)) + spin * since * dt
     before = native.state_of(body)
     x, z, angle, u, w, rate = before
-    arm_x, arm_z = standing.arm(standing.standing_vertex(angle), angle)
+    arm_x, arm_z = support.arm(support.vertex_at(angle), angle)
     # About the vertex: x' = ω z, z' = −ω x of the arm from the centroid to it, as in `events`.
     turned = (x + turn * arm_z, z - turn * arm_x, angle + turn)
     drive.writers[0].write("uplift", before, (*turned, u + spin * arm_z, w - spin * arm_x, rate + spin))
 
 
-def _from_level(standing: SupportVertex, angle_rad: float) -> float:
+def _from_level(support: SupportVertex, angle_rad: float) -> float:
     """Rotation from the nearest facet's."""
-    turned = angle_rad - standing.tilt()
-    return min(abs(turned - level) for level in standing.level_rad)
+    turned = angle_rad - support.tilt()
+    return min(abs(turned - level) for level in support.level_rad)

@@ -27,9 +27,9 @@ class MunkSettings(Settings):
     """Chipmunk's settings for one run.
 
     `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
-    from step to step, `impact_iterations` in a step that is an impact, a halt at rest or a change of sliding;
+    from step to step, `impact_iterations` in a step that is an impact, a stick onset at rest or a change of sliding;
     `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
-    which bodies are added (results depend on it); `align` ends steps at impacts and halts.
+    which bodies are added (results depend on it); `align` ends steps at impacts and stick onsets.
     """
 
     iterations: int

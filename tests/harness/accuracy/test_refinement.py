@@ -1,4 +1,4 @@
-"""The climb to an accuracy: cheapest rung first, honest when it cannot be met, never by another model."""
+"""The climb to an accuracy: cheapest level first, honest when it cannot be met, never by another model."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Fake(Engine):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         return (Settings(0.5 * settings.dt_s, 0.5 * settings.expected_error_rad),)
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         error = 0.5 * settings.dt_s * np.exp(self.growth * TIMES)
         if self.blow:
             error = self.blow * settings.dt_s**2 * (TIMES > 0.3)
@@ -68,7 +68,7 @@ class Fake(Engine):
         )
         end = Outcome.STANDS if self.no_return_s is None else Outcome.OVERTURNED_RIGHT
         outcome = Outcome.DIVERGED if settings.dt_s > self.diverges_above_s else end
-        asked = (k for k in range(0, TIMES.size, 10) if want.stop is not None and want.stop(TIMES[k], theta[k]))
+        asked = (k for k in range(0, TIMES.size, 10) if options.stop is not None and options.stop(TIMES[k], theta[k]))
         kept = next(asked, TIMES.size - 1) + 1
         cosine = 0.35 * np.cos(7.0 * TIMES)
         slip = self.slide * settings.dt_s * TIMES
@@ -94,7 +94,7 @@ def error_of(run: Run) -> float:
 
 
 @pytest.mark.parametrize("accuracy", [2e-2, 2e-3, 2e-4])
-def test_cheapest_rung_that_meets_the_target(accuracy: float) -> None:
+def test_cheapest_level_that_meets_the_target(accuracy: float) -> None:
     run = run_to_accuracy(Fake(), paestum(), accuracy, RunOptions())
     assert run.numerical_uncertainty_rad is not None
     assert error_of(run) <= run.numerical_uncertainty_rad <= accuracy
@@ -132,10 +132,10 @@ def test_two_runs_that_agree_by_chance_do_not_belie_the_comparison_before() -> N
     class Lucky(Fake):
         agreements: ClassVar[int] = 1
 
-        def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
-            run = super().simulate(scene, settings, want)
+        def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
+            run = super().simulate(scene, settings, options)
             assert run.history is not None
-            # Off by 4 mrad on the first rung, and by the same half a millirad on the next two.
+            # Off by 4 mrad on the first level, and by the same half a millirad on the next two.
             shift = 4e-3 if settings.dt_s > 9e-4 else 5e-4
             return replace(run, history=replace(run.history, theta_rad=TRUTH + shift))
 
@@ -171,8 +171,8 @@ class Chance(Fake):
 
     agreements: ClassVar[int] = 1
 
-    def simulate(self, scene: Scene, settings: Settings, want: RunOptions) -> Run:
-        run = super().simulate(scene, settings, want)
+    def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
+        run = super().simulate(scene, settings, options)
         assert run.history is not None
         shift = run.history.theta_rad - TRUTH[: run.history.t_s.size]
         wrong = 3e-3 if settings.dt_s > 4e-4 else 0.0
@@ -248,7 +248,7 @@ def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
     assert run.work["steps_of_all_runs"] < 2.0 * whole
 
 
-def test_a_coarse_rung_that_diverges_is_climbed_over() -> None:
+def test_a_coarse_level_that_diverges_is_climbed_over() -> None:
     run = run_to_accuracy(Fake(diverges_above_s=7e-3), paestum(), 2e-2, RunOptions())
     assert run.outcome is Outcome.STANDS
     assert run.numerical_uncertainty_rad is not None

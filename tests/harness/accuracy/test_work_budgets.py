@@ -51,15 +51,15 @@ def test_steps_of_a_contact_engine(forced: Scene, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
-def test_a_target_accuracy_takes_few_runs_steps_and_sweeps(name: str) -> None:
+def test_a_target_accuracy_takes_few_runs_steps_and_iterations(name: str) -> None:
     engine = ready(name)
     scene = scene_of("easy", {"duration_s": 0.5, "statue": PAESTUM, "motion": harmonic(0.2, 3.0)})
     run = run_to_accuracy(engine, scene, 1e-3, RunOptions())
     assert 2 <= run.work["runs"] <= budgets.ACCURACY_RUNS
     assert run.steps <= run.work["steps_of_all_runs"] <= budgets.ACCURACY_STEPS
-    assert run.work["steps_of_all_runs"] * run.settings["iterations"] <= budgets.SWEEPS[name]
+    assert run.work["steps_of_all_runs"] * run.settings["iterations"] <= budgets.MOST_ITERATIONS[name]
     finer = run_to_accuracy(engine, scene, 1e-5, RunOptions())
-    assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer rung"
+    assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer level"
 
 
 @pytest.mark.parametrize(("name", "duration_s"), [("analytic", 20.0), ("pymunk", 2.0), ("pybullet", 2.0)])
@@ -68,10 +68,10 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     longer = forced.but(duration_s=duration_s)
     sizes = {}
     for history in (False, True):
-        want = RunOptions(history=history)
-        engine.simulate(longer, engine.refinement_levels(longer)[0], want)
+        options = RunOptions(history=history)
+        engine.simulate(longer, engine.refinement_levels(longer)[0], options)
         tracemalloc.start()
-        engine.simulate(longer, engine.refinement_levels(longer)[0], want)
+        engine.simulate(longer, engine.refinement_levels(longer)[0], options)
         sizes[history] = tracemalloc.get_traced_memory()[1] / 1024.0
         tracemalloc.stop()
     assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB[name]
@@ -99,8 +99,8 @@ simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harm
 
 def modules(code: str) -> set[str]:
     """What a fresh interpreter has loaded after some code."""
-    told = [sys.executable, "-c", f"{code}\nimport sys\nprint(*sys.modules)"]
-    return set(subprocess.run(told, capture_output=True, text=True, check=True).stdout.split())
+    command = [sys.executable, "-c", f"{code}\nimport sys\nprint(*sys.modules)"]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
 
 
 def test_help_imports_no_simulator() -> None:

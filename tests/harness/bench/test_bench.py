@@ -45,7 +45,7 @@ ROWS = [
 ]
 
 
-def test_the_choice_is_compared_with_the_fixed_rung_that_meets_every_scene() -> None:
+def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() -> None:
     found = sentences.choice(ROWS, 1e-3)[0]
     assert found.fixed_s == pytest.approx(0.2)
     assert found.share == pytest.approx(0.202 / 0.2)
@@ -53,13 +53,13 @@ def test_the_choice_is_compared_with_the_fixed_rung_that_meets_every_scene() -> 
     assert found.met == 2
 
 
-def test_a_rung_is_known_by_its_place_in_the_ladder() -> None:
+def test_a_level_is_known_by_its_place() -> None:
     other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "ladder"]
     asked = [item for item in ROWS if item.group != "ladder"]
     assert sentences.choice([*other, *asked], 1e-3) == sentences.choice(ROWS, 1e-3)
 
 
-def test_no_fixed_rung_is_said() -> None:
+def test_no_fixed_level_is_said() -> None:
     worse = [replace(item, error_rad=1.0) if item.scene == "hard" else item for item in ROWS]
     found = sentences.choice(worse, 1e-3)[0]
     assert found.fixed_s is None
@@ -67,7 +67,7 @@ def test_no_fixed_rung_is_said() -> None:
     assert found.met == 1
 
 
-def test_the_slowest_scene_of_the_fastest_rung_that_meets_the_target() -> None:
+def test_the_slowest_scene_of_the_fastest_level_that_meets_the_target() -> None:
     assert sentences.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
     assert sentences.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
 
@@ -118,7 +118,7 @@ def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
     assert [PrecisionRow(**asdict(item)) for item in rows] == rows
 
 
-def test_a_failing_rung_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failing_level_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     from harness.engines.pymunk import Munk2D
 
     def refuses(*args: object) -> None:
@@ -205,8 +205,8 @@ def test_the_rows_of_a_study_are_summed_by_engine() -> None:
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     engine, scene = engines.load("pymunk"), FREE.scene()
     run = skips.simulate(engine, scene, skips.NONE, alone.RESOLVED_RAD)
-    (probe,) = engine.verification_settings(scene, skips.level(engine, scene, alone.RESOLVED_RAD))
-    finer = engine.simulate(scene, probe, skips.NONE)
+    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, alone.RESOLVED_RAD))
+    finer = engine.simulate(scene, verification, skips.NONE)
     assert alone.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
 
 

@@ -1,4 +1,4 @@
-"""Seeded scenes: how often a statement held, and what the target takes there beside each fixed rung."""
+"""Seeded scenes: how often a statement held, and what the target takes there beside each fixed level."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def seeded(seed: int, coarse_rad: float, fine_rad: float, cpu_s: float) -> Cover
     return Coverage("pymunk", seed, 1e-3, stated(1e-5), cpu_s, levels)
 
 
-def test_seeded_scenes_that_meet_the_target_are_compared_with_their_rungs() -> None:
+def test_seeded_scenes_that_meet_the_target_are_compared_with_their_levels() -> None:
     unmet, died = Coverage("pymunk", 4, 1e-3, stated(1e-5), 1.0), Coverage("pymunk", 5, 1e-3)
     rows = [seeded(1, 1e-4, 1e-5, 2e-3), seeded(2, 1e-2, 1e-5, 5e-3), unmet, died]
     (found,) = sentences.choice(cover.choice_rows(rows), 1e-3)
@@ -42,7 +42,7 @@ def test_seeded_scenes_that_meet_the_target_are_compared_with_their_rungs() -> N
     ]
 
 
-def test_the_rungs_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
+def test_the_levels_of_a_seeded_scene_are_judged_by_its_finer_run() -> None:
     (plain,) = cover.compute("pymunk: seeds 20703 to 20703")
     row = cover.read(json.loads(json.dumps(plain)))
     assert row.met_whole

@@ -65,7 +65,7 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
     )
     assert course.quiet_start_s(straight, course.prepare(straight)) == pytest.approx(2.0 * 0.0881 / 0.4, abs=0.01)
     assert course.quiet_start_s(oblique, course.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
-    moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, want=RunOptions(skips=frozenset()))
+    moved = harness.simulate(oblique.but(duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset()))
     assert moved.history is not None
     first = moved.history.t_s[
         np.argmax(np.hypot(moved.history.theta_rad, moved.history.extra["out_of_plane_rad"]) > 1e-5)

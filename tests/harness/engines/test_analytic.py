@@ -21,11 +21,11 @@ ENGINE = TwoBlock()
 EVERYTHING = RunOptions(skips=frozenset())
 
 
-def run(each: Scene, want: RunOptions = EVERYTHING, settings: Settings | None = None) -> Run:
-    return ENGINE.simulate(each, settings or ENGINE.refinement_levels(each)[1], want)
+def run(each: Scene, options: RunOptions = EVERYTHING, settings: Settings | None = None) -> Run:
+    return ENGINE.simulate(each, settings or ENGINE.refinement_levels(each)[1], options)
 
 
-def test_it_is_always_there_and_its_ladder_aims_finer_and_finer() -> None:
+def test_it_is_always_there_and_its_levels_aim_finer_and_finer() -> None:
     assert ENGINE.missing() is None
     each = paestum()
     errors = [level.expected_error_rad for level in ENGINE.refinement_levels(each)]
@@ -46,16 +46,16 @@ def test_it_gives_what_the_library_gives() -> None:
     assert ours.validity["energy_lost_j"] == theirs.energy_lost_j
 
 
-def test_probes_are_finer_and_agree_within_what_is_stated() -> None:
+def test_verification_runs_are_finer_and_agree_within_what_is_stated() -> None:
     each = paestum(duration_s=0.8)
     first = ENGINE.refinement_levels(each)[1]
     base = run(each, settings=first)
-    finer, shorter = (run(each, settings=probe) for probe in ENGINE.verification_settings(each, first))
+    finer, shorter = (run(each, settings=verification) for verification in ENGINE.verification_settings(each, first))
     assert base.numerical_uncertainty_rad is not None
-    for probe in (finer, shorter):
-        assert probe.history is not None
+    for verification in (finer, shorter):
+        assert verification.history is not None
         assert base.history is not None
-        assert np.max(np.abs(probe.history.theta_rad - base.history.theta_rad)) <= base.numerical_uncertainty_rad
+        assert np.max(np.abs(verification.history.theta_rad - base.history.theta_rad)) <= base.numerical_uncertainty_rad
     assert shorter.steps > base.steps
 
 

@@ -42,8 +42,8 @@ def engine(request: pytest.FixtureRequest) -> Engine:
     return found
 
 
-def run(engine: Engine, on: Scene, want: RunOptions | None = None) -> Run:
-    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), want or RunOptions())
+def run(engine: Engine, on: Scene, options: RunOptions | None = None) -> Run:
+    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), options or RunOptions())
 
 
 def shaken(engine: Engine, *args: float, pedestal: bool = True, **scene_is: Any) -> Scene:
@@ -55,7 +55,7 @@ def test_name_is_that_of_the_registry(engine: Engine) -> None:
     assert engines.load(engine.name).name == engine.name
 
 
-def test_ladder_goes_from_coarse_to_fine(engine: Engine) -> None:
+def test_levels_go_from_coarse_to_fine(engine: Engine) -> None:
     levels = engine.refinement_levels(shaken(engine))
     assert len(levels) >= 2
     assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))

@@ -1,4 +1,5 @@
-"""Rocking in swings of a few milliseconds: steps longer than these must follow it, and it must come to rest in finite work."""
+"""Rocking in half-cycles of a few milliseconds: steps longer than these must follow it, and it must come to rest in finite
+work."""
 
 from __future__ import annotations
 
@@ -18,22 +19,22 @@ ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda e
 
 @ENGINES
 @pytest.mark.parametrize("seed", [10129, 20399, 20809, 20866])
-def test_a_rattle_is_followed_by_steps_that_are_a_fraction_of_its_swings(engine: Engine, seed: int) -> None:
+def test_a_micro_rocking_is_followed_by_steps_that_are_a_fraction_of_its_half_cycles(engine: Engine, seed: int) -> None:
     for row in rows(engine, [seed], [1e-3]):
         assert row.sensitive_rad < 1e-5, "the scene itself is sensitive"
-        assert row.error_rad[1e-3] <= budget.RATTLE_RAD
+        assert row.error_rad[1e-3] <= budget.MICRO_ROCKING_RAD
 
 
 @ENGINES
-def test_ever_shorter_swings_end_in_finite_work(engine: Engine) -> None:
+def test_ever_shorter_half_cycles_end_in_finite_work(engine: Engine) -> None:
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
     run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions(skips=frozenset()))
     assert run.history is not None
-    assert abs(run.history.theta_rad[-1]) <= budget.RATTLED_OUT_RAD
-    assert run.steps <= budget.RATTLED_OUT_STEPS * 500
+    assert abs(run.history.theta_rad[-1]) <= budget.AFTER_MICRO_ROCKING_RAD
+    assert run.steps <= budget.AFTER_MICRO_ROCKING_STEPS * 500
 
 
-def test_a_swing_in_the_last_steps_of_a_run_ends_with_it() -> None:
+def test_a_half_cycle_in_the_last_steps_of_a_run_ends_with_it() -> None:
     """Its impact fell into the last whole step, and the part that follows it had no step left to end on (an IndexError)."""
     on = GENERATORS["wide"](730074)
     engine = Munk2D()

@@ -77,12 +77,12 @@ def ready(name: str) -> Engine:
     return engine
 
 
-def run(engine: Engine, scene: Scene, want: RunOptions) -> Run:
-    # The coarsest rung that is expected to resolve what a skip may change: a coarser one differs by its own error.
+def run(engine: Engine, scene: Scene, options: RunOptions) -> Run:
+    # The coarsest level that is expected to resolve what a skip may change: a coarser one differs by its own error.
     settings = next(
         (item for item in engine.refinement_levels(scene) if item.expected_error_rad <= budgets.SKIP_RAD), None
     )
-    return engine.simulate(scene, settings or engine.refinement_levels(scene)[-1], want)
+    return engine.simulate(scene, settings or engine.refinement_levels(scene)[-1], options)
 
 
 def left_out(skip: str, on: Run, off: Run) -> bool:
@@ -111,10 +111,10 @@ def test_a_skip_leaves_something_out_and_changes_nothing(name: str, skip: str) -
 @pytest.mark.parametrize("name", NAMES)
 def test_an_engine_asks_about_the_skips_that_it_declares_and_no_others(name: str) -> None:
     engine = ready(name)
-    want = Watching(history=False)
+    options = Watching(history=False)
     for scene in (shaken("no_history"), shaken("base_only").but(duration_s=0.1)):
-        engine.simulate(scene, engine.refinement_levels(scene)[0], want)
-    assert want.asked == set(engine.capabilities.skips), "declare what is used in Capabilities.skips"
+        engine.simulate(scene, engine.refinement_levels(scene)[0], options)
+    assert options.asked == set(engine.capabilities.skips), "declare what is used in Capabilities.skips"
 
 
 def test_the_plan_lists_every_skip_that_there_is() -> None:

@@ -106,7 +106,9 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     history = doubles.rocking()
     asked: list[tuple[str, float | None]] = []
 
-    def answer(engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, want: RunOptions) -> Run:
+    def answer(
+        engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, options: RunOptions
+    ) -> Run:
         asked.append((engine.name, accuracy_rad))
         wrong = engine.name == "pymunk" and accuracy_rad is None
         path = doubles.raised(history, off) if wrong else history

@@ -38,7 +38,7 @@ def test_pymunk_moves_a_rough_base_under_a_push_that_leaves_its_corners_alone() 
     each = scene(statue(BASES["bulging"]), PUSH, 1.5)
     peaks = [
         simulate(
-            each, "pymunk", accuracy_rad=None, dt_s=1e-3, want=RunOptions(history=False, skips=skips)
+            each, "pymunk", accuracy_rad=None, dt_s=1e-3, options=RunOptions(history=False, skips=skips)
         ).peak_theta_rad
         for skips in (frozenset(SKIPS), frozenset[str]())
     ]

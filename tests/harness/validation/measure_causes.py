@@ -46,11 +46,11 @@ CAUSES: Final = (
 
 
 def _analytic(scene: Scene, *, history: bool = False) -> Run:
-    return simulate(scene, "analytic", want=RunOptions(history=history))
+    return simulate(scene, "analytic", options=RunOptions(history=history))
 
 
 def _pymunk(scene: Scene, dt_s: float, *, history: bool = False) -> Run:
-    return simulate(scene, "pymunk", accuracy_rad=None, dt_s=dt_s, want=RunOptions(history=history))
+    return simulate(scene, "pymunk", accuracy_rad=None, dt_s=dt_s, options=RunOptions(history=history))
 
 
 @contextmanager

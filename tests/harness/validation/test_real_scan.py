@@ -37,7 +37,7 @@ def write_posed(folder: Path, data_dir: Path) -> Path:
             rows.append(row | {"observed": "stands", "share": "fit" if len(rows) % 2 else "rest"})
     path = write_table(folder / "posed.csv", rows)
     for row, trial in zip(rows, read_table(path), strict=True):
-        true = simulate(scene_of(trial, Variant(azimuth=TRUE_POSE)), "analytic", want=RunOptions(history=False))
+        true = simulate(scene_of(trial, Variant(azimuth=TRUE_POSE)), "analytic", options=RunOptions(history=False))
         row["observed"] = FELL if true.outcome.overturned else "stands"
     return write_table(path, rows)
 

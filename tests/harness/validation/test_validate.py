@@ -57,7 +57,7 @@ def measured(folder: Path) -> Path:
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", want=RunOptions(history=False))
+        true = simulate(scene_of(trial, Variant(azimuth=TRUE_AZIMUTH)), "analytic", options=RunOptions(history=False))
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "rest" if number % 3 == 2 else "fit"
     return write_table(path, rows)
@@ -84,7 +84,7 @@ def test_what_was_fitted_on_one_share_is_scored_by_the_falls_of_the_other(tmp_pa
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     for number, (row, trial) in enumerate(zip(rows, read_table(path), strict=True)):
-        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", want=RunOptions(history=False))
+        true = simulate(scene_of(trial, Variant(azimuth=2)), "analytic", options=RunOptions(history=False))
         row["observed"] = FELL if true.outcome.overturned else true.outcome.value
         row["share"] = "fit" if number % 2 else "rest"
     rest = rows[::2]

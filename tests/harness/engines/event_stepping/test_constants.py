@@ -19,8 +19,8 @@ from tests.scenes_for_tests import paestum
 STEP_S = 1e-3
 FIFTH = 0.2
 MODULES = {
-    "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "standing", "uplift"),
-    "pybullet": ("coming", "loop", "march", "meeting", "micro_rocking", "release", "stepper", "touch"),
+    "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "support_vertex", "uplift"),
+    "pybullet": ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch"),
 }
 BOUNDS = {"MOST_AHEAD": 3.0, "APPROACH": 1.0, "SHORT": 1.0, "SATURATED": 1.0, "MOST_FRICTION": 1.0}
 """Constants that must stay below a bound, as a split impact takes three steps and an approach ends before its event: of these
@@ -28,7 +28,7 @@ what they leave to it is changed."""
 SCENES = {
     "two coefficients": paestum(0.429, 3.0, mu=(0.20, 0.15)),
     "on the floor": paestum(0.334, 2.0, pedestal=False),
-    "rattles": random_scene(10_129),
+    "micro-rocking": random_scene(10_129),
 }
 
 

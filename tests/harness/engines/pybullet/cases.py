@@ -24,12 +24,12 @@ def _engine(name: str) -> Any:
     return load(name)
 
 
-def bullet(scene: Scene, dt_s: float = 2.5e-4, want: RunOptions | None = None, **changes: Any) -> Run:
-    """pybullet on a scene with the rung of `dt_s`, or a variation of it."""
+def bullet(scene: Scene, dt_s: float = 2.5e-4, options: RunOptions | None = None, **changes: Any) -> Run:
+    """pybullet on a scene with the level of `dt_s`, or a variation of it."""
     engine = _engine("pybullet")
     settings = engine.settings_for_dt(scene, dt_s)
     assert isinstance(settings, BulletSettings)
-    run: Run = engine.simulate(scene, replace(settings, **changes), want or RunOptions())
+    run: Run = engine.simulate(scene, replace(settings, **changes), options or RunOptions())
     return run
 
 

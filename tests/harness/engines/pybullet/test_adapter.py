@@ -22,7 +22,7 @@ CASES = [(0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0)]
 def test_floor(amplitude_g: float, frequency_hz: float) -> None:
     case = paestum(amplitude_g, frequency_hz, pedestal=False)
     assert apart(bullet(case), exact(case)) <= budget.FLOOR_RAD
-    run = bullet(case, want=WHOLE)
+    run = bullet(case, options=WHOLE)
     assert apart(run, exact(case)) <= budget.WHOLE_FLOOR_RAD
     assert run.validity["out_of_plane_rad"] <= budget.PLANAR_RAD
     assert run.validity["yaw_rad"] <= budget.PLANAR_RAD
@@ -31,7 +31,7 @@ def test_floor(amplitude_g: float, frequency_hz: float) -> None:
 @pytest.mark.parametrize(("amplitude_g", "frequency_hz"), CASES)
 def test_pedestal(amplitude_g: float, frequency_hz: float) -> None:
     case = paestum(amplitude_g, frequency_hz)
-    half, run = bullet(case), bullet(case, want=WHOLE)
+    half, run = bullet(case), bullet(case, options=WHOLE)
     assert apart(half, exact(case)) <= budget.PEDESTAL_RAD
     assert apart(half, exact(case), "slip_m") <= budget.PEDESTAL_SLIP_M
     assert apart(run, exact(case)) <= budget.WHOLE_PEDESTAL_RAD
@@ -56,15 +56,15 @@ def test_order_before_the_first_impact(pedestal: bool, frequency_hz: float, unti
     reference = exact(case)
     steps = tuple(coarsest_s / halving for halving in (1, 2, 4, 8))
     tight = {"residual": 1e-14, "iterations": 2000}
-    for want in (RunOptions(), WHOLE):
-        errors = [apart(bullet(case, dt_s, want, **tight), reference) for dt_s in steps]
+    for options in (RunOptions(), WHOLE):
+        errors = [apart(bullet(case, dt_s, options, **tight), reference) for dt_s in steps]
         order = float(np.polyfit(np.log2(steps), np.log2(errors), 1)[0])
         assert order >= budget.LEAST_ORDER, errors
 
 
 @pytest.mark.parametrize("name", ["free rocking", "one sine pulse", "harmonic, pedestal, two friction coefficients"])
 def test_impacts_cost_no_order(name: str) -> None:
-    """Over several impacts and slips the error falls with the step, from one that a coarse rung is allowed."""
+    """Over several impacts and slips the error falls with the step, from one that a coarse level is allowed."""
     case = next(item for item in standard_set() if item.name == name).scene()
     coarse, fine = (apart(bullet(case, dt_s), exact(case)) for dt_s in (4e-3, 2.5e-4))
     assert coarse <= budget.COARSEST_RAD
@@ -77,7 +77,7 @@ def test_impacts_are_met_at_steps_that_no_foot_crosses_quickly() -> None:
     assert apart(bullet(case, 2e-5), exact(case)) <= budget.SMALL_RAD
 
 
-def test_finest_rung_stays_in_the_plane() -> None:
+def test_finest_level_stays_in_the_plane() -> None:
     from harness.engines import load
 
     case = paestum(0.429, 3.0, duration_s=0.3)
@@ -117,7 +117,7 @@ def test_imposed_ratio_lets_a_pedestal_slide(amplitude_g: float, ratio: float, d
 @pytest.mark.parametrize("pedestal", [True, False])
 def test_moving_table_is_the_accelerating_frame(pedestal: bool) -> None:
     case = paestum(0.429, 3.0, pedestal=pedestal, duration_s=0.6)
-    frame, moving = bullet(case, want=WHOLE), bullet(case.but(table="moving"))
+    frame, moving = bullet(case, options=WHOLE), bullet(case.but(table="moving"))
     assert apart(frame, moving) <= budget.TABLE_RAD
     assert apart(frame, moving, "slip_m") <= budget.WHOLE_SLIP_M
 
@@ -197,7 +197,7 @@ def test_pedestal_tips() -> None:
 
 
 @pytest.mark.parametrize("pedestal", [True, False])
-def test_creep_at_rest_on_the_finest_rung(pedestal: bool) -> None:
+def test_creep_at_rest_on_the_finest_level(pedestal: bool) -> None:
     from harness.engines import load
 
     case = paestum(0.0, 1.0, pedestal=pedestal, duration_s=budget.REST_S)
@@ -212,7 +212,7 @@ def test_creep_at_rest_on_the_finest_rung(pedestal: bool) -> None:
 
 @pytest.mark.parametrize("pedestal", [True, False])
 @pytest.mark.parametrize("level", range(5))
-def test_no_rung_creeps_in_half_of_a_scene(pedestal: bool, level: int) -> None:
+def test_no_level_creeps_in_half_of_a_scene(pedestal: bool, level: int) -> None:
     from harness.engines import load
 
     engine = load("pybullet")

@@ -108,7 +108,7 @@ def test_a_bent_base_starts_on_the_face_that_carries_it() -> None:
     rest = feet.rest(statue)
     # It stands on the raised right edge and on the last row of base vertices left of the centroid.
     lean = 2e-3 / (statue.corner_right_m - np.max(vertices[base & (vertices[:, 0] <= 0.0), 0]))
-    assert rest.found
+    assert rest.stable
     assert rest.lean_rad == pytest.approx(math.atan(lean), rel=1e-6)
     still = bullet(scene(statue, duration_s=0.2), 1e-3, NOTHING_SKIPPED)
     assert still.history is not None
@@ -188,7 +188,7 @@ def test_no_result_depends_on_what_ran_before() -> None:
         assert np.array_equal(values, again.history.columns()[name]), name
 
 
-def test_the_order_of_bodies_changes_the_sweeps_not_the_solution() -> None:
+def test_the_order_of_bodies_changes_the_iterations_not_the_solution() -> None:
     case = paestum(0.429, 3.0, duration_s=0.4)
     solved = {"residual": 0.0, "iterations": 1000}
     assert apart(bullet(case, 1e-3), bullet(case, 1e-3, reversed_bodies=True)) > 0.0
@@ -196,16 +196,16 @@ def test_the_order_of_bodies_changes_the_sweeps_not_the_solution() -> None:
     assert apart(one, other) <= budget.SOLVED_RAD
 
 
-def test_probes_are_finer_and_solved_more_tightly() -> None:
+def test_verification_runs_are_finer_and_solved_more_tightly() -> None:
     case = paestum(0.429, 3.0)
     engine = load("pybullet")
     for level in engine.refinement_levels(case):
-        for probe in engine.verification_settings(case, level):
-            assert probe.dt_s < 0.5 * level.dt_s
-            assert probe.as_dict()["residual"] <= level.as_dict()["residual"]
-            assert probe.as_dict()["iterations"] > level.as_dict()["iterations"]
+        for verification in engine.verification_settings(case, level):
+            assert verification.dt_s < 0.5 * level.dt_s
+            assert verification.as_dict()["residual"] <= level.as_dict()["residual"]
+            assert verification.as_dict()["iterations"] > level.as_dict()["iterations"]
             solved = level.as_dict()["residual"] == 0.0
-            assert (probe.as_dict()["reversed_bodies"] != level.as_dict()["reversed_bodies"]) == solved
+            assert (verification.as_dict()["reversed_bodies"] != level.as_dict()["reversed_bodies"]) == solved
 
 
 def test_memory_does_not_grow() -> None:

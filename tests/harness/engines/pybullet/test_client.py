@@ -27,8 +27,8 @@ CASES: dict[str, tuple[Scene, RunOptions]] = {
 
 
 def run(name: str) -> Run:
-    case, want = CASES[name]
-    return bullet(case, 1e-3, want)
+    case, options = CASES[name]
+    return bullet(case, 1e-3, options)
 
 
 def bits(result: Run) -> bytes:
@@ -65,7 +65,7 @@ def test_a_kept_client_gives_the_bits_of_a_new_one(alone: dict[str, bytes], orde
 
 
 def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
-    case, want = CASES["pedestal"]
+    case, options = CASES["pedestal"]
     run("floor")
     before = list(client._idle)
 
@@ -73,14 +73,14 @@ def test_a_client_whose_run_failed_is_not_kept(alone: dict[str, bytes]) -> None:
         raise ArithmeticError("stopped from outside")
 
     with pytest.raises(ArithmeticError):
-        bullet(case, 1e-3, replace(want, stop=fails))
+        bullet(case, 1e-3, replace(options, stop=fails))
     assert client._idle == before[:-1]
     assert not pybullet.isConnected(before[-1][1])
     assert bits(run("pedestal")) == alone["pedestal"]
 
 
 def test_a_run_inside_a_run_and_runs_in_threads_do_not_meet(alone: dict[str, bytes]) -> None:
-    case, want = CASES["pedestal"]
+    case, options = CASES["pedestal"]
     inner: list[bytes] = []
 
     def looks(t_s: float, theta_rad: float) -> bool:
@@ -88,7 +88,7 @@ def test_a_run_inside_a_run_and_runs_in_threads_do_not_meet(alone: dict[str, byt
             inner.append(bits(run("floor")))
         return False
 
-    assert bits(bullet(case, 1e-3, replace(want, stop=looks))) == alone["pedestal"]
+    assert bits(bullet(case, 1e-3, replace(options, stop=looks))) == alone["pedestal"]
     assert inner == [alone["floor"]]
     with ThreadPoolExecutor(3) as pool:
         names = list(CASES) * 2

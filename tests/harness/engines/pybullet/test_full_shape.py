@@ -264,7 +264,7 @@ def test_the_same_run_with_parts_made_and_parts_kept(tmp_path: Path, monkeypatch
 def test_the_full_shape_changes_nothing_where_it_touches_nothing(seed: int) -> None:
     """On a box, sought by iteration, these were 4e-4 to 1.5e-2 rad off, no less than at 1 ms."""
     case = random_scene(seed, 2.0)
-    feet_alone, full = bullet(case), bullet(case, want=FULL)
+    feet_alone, full = bullet(case), bullet(case, options=FULL)
     assert full.validity["full_shape_from_s"] == 0.0
     assert apart(feet_alone, full) <= budget.UNTOUCHED_RAD
     assert abs(worst(feet_alone, "slip_m") - worst(full, "slip_m")) <= budget.UNTOUCHED_M

@@ -36,7 +36,7 @@ def test_half_of_a_scene_tells_the_whole(pedestal: bool) -> None:
 def test_random_scenes_are_the_same_by_half_and_by_the_whole(seed: int) -> None:
     """With the top's plane and the pedestal's spheres in one shape the whole turned about the vertical: 9e-4 rad off in 103."""
     case = random_scene(seed, 2.0)
-    half, whole = bullet(case), bullet(case, want=WHOLE)
+    half, whole = bullet(case), bullet(case, options=WHOLE)
     assert apart(half, whole) <= budget.UNTOUCHED_RAD
     assert whole.validity["yaw_rad"] <= budget.UNTOUCHED_RAD
 

@@ -219,7 +219,7 @@ def test_settings_of_another_engine_are_refused() -> None:
         ENGINE.simulate(paestum(), model.refinement_levels(paestum())[0], RunOptions())
 
 
-def test_ladder_is_ordered() -> None:
+def test_levels_are_ordered() -> None:
     levels = ENGINE.refinement_levels(paestum())
     assert all(isinstance(level, MunkSettings) for level in levels)
     assert all(a.dt_s > b.dt_s for a, b in pairwise(levels))

@@ -18,7 +18,7 @@ DT_S = 1e-4
 
 
 def ratio(widths: float, restitution: float, patch: pytest.MonkeyPatch) -> float:
-    """Angular velocity after the first impact, with all its bounces, over that before, from the heights of both swings."""
+    """Angular velocity after the first impact, with all its bounces, over that before, from the heights of both half-cycles."""
 
     def bouncing(*given: Any) -> world.World:
         built = world.build(*given)

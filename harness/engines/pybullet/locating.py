@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from harness.engines.pybullet.march import SHORTEST, TOGETHER, StepState
+from harness.engines.pybullet.step_state import SHORTEST, TOGETHER, StepState
 from harness.engines.pybullet.touch import ContactGaps
 
 FAR: Final = 0.06
@@ -21,8 +21,8 @@ SHORT: Final = 0.9
 """Share of that time that Bullet's step takes: a contact within a step is felt before it is reached."""
 
 
-def meet(
-    march: StepState,
+def locate_event(
+    state: StepState,
     touch: ContactGaps,
     until: Callable[[], float],
     act: Callable[[], None],
@@ -33,39 +33,39 @@ def meet(
     `speeds` gives the time at the present velocities, s, and what these grow to over them up to the event; without it they are
     taken not to change. Where the event comes later than it seemed the step is taken to its end instead.
     """
-    step_s, floor = march.step_s, march.stepper
-    coming = until()
+    step_s, floor = state.step_s, state.stepper
+    contact_s = until()
     for _ in range(MOST_APPROACHES):
         # A gap is closed at the speed that closes it within the step, whatever its length: before short steps there must be none.
-        march.lower(touch.drift_m(march.row, floor.table_place[2]))
-        if coming <= FAR * step_s:
+        state.lower(touch.drift_m(state.row, floor.table_place[2]))
+        if contact_s <= FAR * step_s:
             break
-        end = min(march.t_s + APPROACH * coming, march.next_s - ASIDE * step_s)
-        if end < march.t_s + SHORTEST * step_s:
+        end = min(state.t_s + APPROACH * contact_s, state.next_s - ASIDE * step_s)
+        if end < state.t_s + SHORTEST * step_s:
             break
-        march.to(end, max(0.5 * (march.t_s + end), march.kick_s))
-        coming = until()
-    if march.t_s + coming > march.next_s:
-        march.to_next()
+        state.to(end, max(0.5 * (state.t_s + end), state.kick_s))
+        contact_s = until()
+    if state.t_s + contact_s > state.next_s:
+        state.to_next()
         return
-    room, there_s = max(coming, ROOM * step_s), march.t_s + coming
-    plain, grown = (coming, 1.0) if speeds is None else speeds()
+    room, there_s = max(contact_s, ROOM * step_s), state.t_s + contact_s
+    plain, grown = (contact_s, 1.0) if speeds is None else speeds()
     # Back to where the velocities of the instant, not the present ones, take it down in that time: short of it they are stopped.
     back = room * grown - plain
     if back != 0.0:
-        march.coast(-back)
-    forward, march.t_s, instant = coming + back - SHORT * room, there_s - room, max(there_s, march.kick_s)
-    march.kick(SHORT * room, instant)
-    if touch.stands(march.row, floor.table_place[2], floor.table_rate[2]):
+        state.coast(-back)
+    forward, state.t_s, instant = contact_s + back - SHORT * room, there_s - room, max(there_s, state.kick_s)
+    state.kick(SHORT * room, instant)
+    if touch.stands(state.row, floor.table_place[2], floor.table_rate[2]):
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
-        march.turn(room)
-    coming = until()
-    if abs(coming) > room:
+        state.turn(room)
+    contact_s = until()
+    if abs(contact_s) > room:
         # What came down no longer does.
-        march.coast(forward)
-        march.t_s = instant
-        march.jolt(march.row)
+        state.coast(forward)
+        state.t_s = instant
+        state.jolt(state.row)
         return
-    march.coast(coming)
-    march.lower(touch.drift_m(march.row, floor.table_place[2], coming_s=TOGETHER * step_s))
+    state.coast(contact_s)
+    state.lower(touch.drift_m(state.row, floor.table_place[2], within_s=TOGETHER * step_s))
     act()

@@ -1,15 +1,16 @@
-"""When a foot comes down that gathers speed: velocities are older than places, and a short swing's change much in that time."""
+"""When a foot comes down that gathers speed: velocities are older than places, and a short half-cycle's change much in that
+time."""
 
 from __future__ import annotations
 
 import math
 from typing import Final
 
-from harness.engines.pybullet.march import StepState
+from harness.engines.pybullet.step_state import StepState
 from harness.engines.pybullet.stepper import Row
 from harness.engines.pybullet.touch import ContactGaps
 
-SWINGS: Final = 0.25
+LEAST_TURNING_SHARE: Final = 0.25
 """A foot that closes at less than this share of the base's width times the rate of turning comes down from another cause (a
 contact lost for a step): its speed says nothing of how the statue turns, and is taken as it is."""
 
@@ -20,22 +21,22 @@ class ContactTimeEstimate:
     Where velocities are not older than places, the foot comes with its present one.
     """
 
-    def __init__(self, march: StepState, touch: ContactGaps, foot: int) -> None:
-        """Begin with what the last two samples show, unless an impact or a halt lies between them."""
-        self.march, self.touch, self.foot = march, touch, foot
+    def __init__(self, state: StepState, touch: ContactGaps, foot: int) -> None:
+        """Begin with what the last two samples show, unless an impact or a stick onset lies between them."""
+        self.state, self.touch, self.foot = state, touch, foot
         self.gained_m_s2 = 0.0
-        self.kick_s, self.closing_m_s = march.kick_s, self._height(march.row)[1]
-        kicks = march.record.kick_s
-        if len(kicks) > 1 and kicks[-2] < kicks[-1] and not march.jolted:
-            self._gain(self._height(march.record.row(-2))[1], kicks[-2])
+        self.kick_s, self.closing_m_s = state.kick_s, self._height(state.row)[1]
+        kicks = state.record.kick_s
+        if len(kicks) > 1 and kicks[-2] < kicks[-1] and not state.jolted:
+            self._gain(self._height(state.record.row(-2))[1], kicks[-2])
 
     def __call__(self) -> float:
-        march = self.march
+        state = self.state
         gap, closing = self._look()
-        if march.kick_s >= march.t_s:
-            return gap / closing if closing > self.touch.falling_m_s(march.row) else math.inf
+        if state.kick_s >= state.t_s:
+            return gap / closing if closing > self.touch.falling_m_s(state.row) else math.inf
         gained = self._gathers(closing)
-        now = closing + gained * (march.t_s - march.kick_s)
+        now = closing + gained * (state.t_s - state.kick_s)
         if gained <= 0.0:
             return gap / now if now > self.touch.least_m_s else math.inf
         return (math.sqrt(now * now + 2.0 * gained * max(gap, 0.0)) - now) / gained
@@ -43,17 +44,17 @@ class ContactTimeEstimate:
     def speeds(self) -> tuple[float, float]:
         """Time, s, until it would be down at its present speed, and that speed when it is down over the present one (≥ 1)."""
         gap, closing = self._look()
-        coming = self()
-        if coming == math.inf or closing <= self.touch.least_m_s:
-            return coming, 1.0
-        then = closing + self._gathers(closing) * (self.march.t_s + coming - self.march.kick_s)
+        contact_s = self()
+        if contact_s == math.inf or closing <= self.touch.least_m_s:
+            return contact_s, 1.0
+        then = closing + self._gathers(closing) * (self.state.t_s + contact_s - self.state.kick_s)
         return gap / closing, max(then / closing, 1.0)
 
     def _look(self) -> tuple[float, float]:
-        gap, closing = self._height(self.march.row)
-        if self.march.kick_s > self.kick_s:
+        gap, closing = self._height(self.state.row)
+        if self.state.kick_s > self.kick_s:
             before, self.closing_m_s = self.closing_m_s, closing
-            before_s, self.kick_s = self.kick_s, self.march.kick_s
+            before_s, self.kick_s = self.kick_s, self.state.kick_s
             self._gain(before, before_s)
         return gap, closing
 
@@ -62,10 +63,10 @@ class ContactTimeEstimate:
         self.gained_m_s2 = min(max((self.closing_m_s - before_m_s) / (self.kick_s - before_s), -most), most)
 
     def _gathers(self, closing_m_s: float) -> float:
-        row = self.march.row
+        row = self.state.row
         turning = self.touch.base_m * math.hypot(row[10], row[11])
-        return self.gained_m_s2 if abs(closing_m_s) >= SWINGS * turning else 0.0
+        return self.gained_m_s2 if abs(closing_m_s) >= LEAST_TURNING_SHARE * turning else 0.0
 
     def _height(self, row: Row) -> tuple[float, float]:
-        stepper = self.march.stepper
+        stepper = self.state.stepper
         return self.touch.heights(row, stepper.table_place[2], stepper.table_rate[2])[self.foot]

@@ -11,14 +11,14 @@ import math
 from array import array
 from typing import TYPE_CHECKING, Final
 
-from harness.engines.pybullet import release
+from harness.engines.pybullet import slip_onset
 from harness.engines.pybullet.pose import advanced
 from harness.engines.pybullet.schedule import Vector
-from harness.engines.pybullet.stepper import Record, Row, Stepper
+from harness.engines.pybullet.stepper import Row, StepLog, Stepper
 from harness.engines.pybullet.writing import ALONE
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.micro_rocking import Swing
+    from harness.engines.pybullet.micro_rocking import HalfCycle
 
 NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
@@ -37,7 +37,7 @@ class StepState:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
-    impact's, `jolts` how many there were since the last whole step. `swing` is the short swing in progress, if any.
+    impact's, `jolts` how many there were since the last whole step. `half_cycle` is the short half-cycle in progress, if any.
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
@@ -45,9 +45,9 @@ class StepState:
         self.step_s, self.number = stepper.schedule.step_s, start
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
-        self.record = Record(len(row), [self.t_s], [kick_s], array("d", row))
+        self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row))
         self.jolted, self.jolts, self.look_from = False, 0, start
-        self.swing: Swing | None = None
+        self.half_cycle: HalfCycle | None = None
 
     @property
     def next_s(self) -> float:
@@ -136,8 +136,8 @@ class StepState:
         else:
             for number, gravity in zip(numbers, pulls, strict=True):
                 row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
-                if stepper.just_released:
-                    row = stepper.let_loose(release.coefficient(stepper, record, step_s), gravity, self.row)
+                if stepper.just_slipped:
+                    row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
                 self.row = row
                 record.keep(number * step_s, (number - 0.5) * step_s, row)
         self.number += len(pulls)
@@ -146,14 +146,14 @@ class StepState:
             stepper.look(pulls, before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
-    def halt(self, halt_s: float) -> None:
-        """Velocities to the instant at which the pedestal halts."""
+    def stick_onset(self, stick_onset_s: float) -> None:
+        """Velocities to the instant at which the pedestal sticks."""
         shortest = LEAST_REST * self.step_s
-        end = self.t_s + max(2.0 * (halt_s - self.t_s), shortest)
+        end = self.t_s + max(2.0 * (stick_onset_s - self.t_s), shortest)
         if end > self.next_s - shortest:
-            self.to_next(halt_s)
+            self.to_next(stick_onset_s)
         else:
-            self.to(end, halt_s)
+            self.to(end, stick_onset_s)
 
     def lower(self, gap_m: float) -> None:
         """Take back what the standing foot has drifted off its support, as a step too short would not close the gap."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.engines.pybullet.stepper import Record, Stepper
+from harness.engines.pybullet.stepper import StepLog, Stepper
 
 WHOLE: Final = 0.5
 """Share of a step from which on a step tells the force that holds the pedestal."""
 
 
-def coefficient(stepper: Stepper, record: Record, step_s: float) -> float:
+def coefficient(stepper: Stepper, record: StepLog, step_s: float) -> float:
     """Coefficient of a whole step after the last sample, in which the pedestal breaks loose: up to the instant the force that
     holds it, from there on kinetic friction's, both over the normal force.
 
@@ -31,7 +31,7 @@ def coefficient(stepper: Stepper, record: Record, step_s: float) -> float:
     return max((hold_s * (now + 0.5 * slope * hold_s) + (step_s - hold_s) * kinetic) / step_s, 0.0)
 
 
-def _held(stepper: Stepper, record: Record, index: int) -> float:
+def _held(stepper: Stepper, record: StepLog, index: int) -> float:
     """Friction over normal force that would have held the pedestal in the step that ended at a sample.
 
     Near the limit it gives way a little, as its feet do not all bear the same: what its velocity gained is counted as held.

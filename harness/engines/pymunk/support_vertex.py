@@ -33,12 +33,12 @@ LEANING_RAD: Final = 2.0
 TIPPED_RAD: Final = 1e-3
 """A pedestal tilted by more has its own impacts: its statue is left to whole steps."""
 SLOW_DEPTHS: Final = 2.0
-"""A statue whose vertices move less than this many depths in a step stands on both of them where its pedestal halts."""
-SWINGS_STEPS: Final = 0.1
+"""A statue whose vertices move less than this many depths in a step stands on both of them where its pedestal sticks."""
+HALF_CYCLE_STEPS: Final = 0.1
 """Share of a step's fall by which a statue at rest does not turn: above that rate its impacts are met."""
 TURNING_DEPTH: Final = 0.05
-"""Depth of contact of a statue that turns slowly over that at rest: a vertex is let go, and felt, at its depth, and a swing that
-lifts it by less would end at its peak."""
+"""Depth of contact of a statue that turns slowly over that at rest: a vertex is let go, and felt, at its depth, and a half-cycle
+that lifts it by less would end at its peak."""
 CLEAR_DEPTHS: Final = 2.0
 """Depths of rest by which the other end of a facet must be up before the standing one comes up, too."""
 SETTLED: Final = 0.01
@@ -75,9 +75,9 @@ class SupportVertex:
 
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
     beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come; impacts are met at rates
-    above `swings_rad_s`, and at those below `least_of_all_rad_s` the statue stands on a whole facet in a halt. `depth_m` is the
-    depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and above; `gained_rad_s` what the spin gained in the
-    last whole step, `owed_m_s` what the last `hold` took from the velocity.
+    above `half_cycle_rad_s`, and at those below `least_of_all_rad_s` the statue stands on a whole facet at a stick onset.
+    `depth_m` is the depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and above; `gained_rad_s` what the
+    spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
     """
 
     def __init__(self, drive: RunState) -> None:
@@ -105,11 +105,11 @@ class SupportVertex:
         self.last_state: Row = native.state_of(self.statue)
         falls_rad_s = _fall_rad_s2(scene) * drive.settings.dt_s
         rising_rad_s = math.sqrt(SLOW_RISE * self.depth_m / self.height_m) / drive.settings.dt_s
-        self.swings_rad_s = SWINGS_STEPS * falls_rad_s
+        self.half_cycle_rad_s = HALF_CYCLE_STEPS * falls_rad_s
         self.slow_rad_s = min(SLOW_STEPS * falls_rad_s, rising_rad_s)
         self.fast_rad_s = max(FAST_RAD_S, self.slow_rad_s)
 
-    def coming(self, state: Row, below: Row | None, before_rad_s: float) -> int:
+    def next_facet(self, state: Row, below: Row | None, before_rad_s: float) -> int:
         """The facet whose impact is to be met now, at a rate that was another a step before; else `NEAR` or `FAR`.
 
         `FAR`: the statue turns on one vertex, no facet is met in the coming steps, and the one left behind is off its support.
@@ -169,7 +169,7 @@ class SupportVertex:
         slide, lift = along - spin * arm_z, rise + spin * arm_x
         return math.hypot(slide, lift) <= HELD_SHARE * abs(spin) * math.hypot(arm_x, arm_z)
 
-    def standing_vertex(self, angle_rad: float) -> int:
+    def vertex_at(self, angle_rad: float) -> int:
         """The vertex that a statue turned so stands on."""
         return bisect_left(self.level_rad, angle_rad - self.tilt())
 
@@ -210,7 +210,7 @@ class SupportVertex:
         self.owed_m_s = (0.0, 0.0)
         place_x, place_z, angle, rate_x, rate_z, spin = state
         if -self.slow_rad_s < spin < self.slow_rad_s:
-            at_rest = -self.swings_rad_s < spin < self.swings_rad_s
+            at_rest = -self.half_cycle_rad_s < spin < self.half_cycle_rad_s
             if at_rest and not slow:
                 return
             if self._in_reach(angle if below is None else angle - below[2]):
@@ -275,7 +275,7 @@ class SupportVertex:
         return self.depth_m if -self.fast_rad_s < spin_rad_s < self.fast_rad_s else self.rest_m
 
     def settle(self) -> None:
-        """Lay a statue at rest on its facet again, at the depth of rest: what it has turned there the solver's sweeps left."""
+        """Lay a statue at rest on its facet again, at the depth of rest; the iterations left what it has turned there."""
         tilt = self.tilt()
         leaning = native.get_angle(self.statue) - tilt
         facet = min(range(len(self.level_rad)), key=lambda i: abs(leaning - self.level_rad[i]))
@@ -318,9 +318,9 @@ def base_vertices(scene: Scene) -> Array:
     chain = lower_chain(scene.statue.section_m)
     steps = np.diff(chain, axis=0)
     base = np.flatnonzero(np.abs(np.arctan2(steps[:, 1], steps[:, 0])) < STEEPEST_RAD)
-    kept = chain[base[0] : base[-1] + 2]
-    found: Array = kept[::-1] - np.array([0.0, scene.statue.centroid_height_m])
-    return found
+    facets = chain[base[0] : base[-1] + 2]
+    from_centroid: Array = facets[::-1] - np.array([0.0, scene.statue.centroid_height_m])
+    return from_centroid
 
 
 def least_rate_rad_s(settings: MunkSettings, length_m: float) -> float:
