@@ -44,7 +44,7 @@ class Saying:
         """Whether progress is not told."""
         return self.quiet or self.as_json
 
-    def say(self, record: Mapping[str, Any] | Sequence[Any], text: str) -> None:
+    def say(self, record: Mapping[str, object] | Sequence[object], text: str) -> None:
         """What a command found: as JSON, or as text, or not at all."""
         if self.as_json:
             typer.echo(json_text(record))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from harness.command import Known, Surroundings
 from harness.input import paths
@@ -109,7 +109,7 @@ def _check_out(out: Path, account: Path, file: Path) -> None:
     check_listed(out, account)
 
 
-def _plain(found: Inspection, known: Known) -> dict[str, Any]:
+def _plain(found: Inspection, known: Known) -> dict[str, object]:
     """The account as it is written, with what the user said."""
     from dataclasses import asdict
 

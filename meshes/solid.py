@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,3 +214,11 @@ def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
             f" within {1000.0 * contact_tolerance_m:g} mm",
             "check the up axis and the base plane, or give a larger contact tolerance",
         )
+
+
+def write_glb(solid: Solid, path: Path) -> None:
+    """Write the solid's surface as binary glTF, in metres, z up as in the statue's frame."""
+    import trimesh
+
+    mesh = trimesh.Trimesh(solid.vertices_m, solid.faces, process=False)
+    mesh.export(path, file_type="glb")

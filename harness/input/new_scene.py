@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +21,7 @@ QUIET_AFTER_S = 5.0
 STONE_ON_STONE = 0.6
 """Friction assumed where nothing is said: stone on stone, dry."""
 
-Part = tuple[Sequence[str], Mapping[str, Any]]
+Part = tuple[Sequence[str], Mapping[str, object]]
 """Comments, and the keys that stand under them."""
 
 
@@ -73,7 +73,7 @@ def _statue(found: Inspection, scan: Path, mesh: Path, told: Told) -> Part:
     if told.density_kg_m3 is not None:
         density = f"{told.density_kg_m3:g} kg/m³, as given"
     placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2)}
-    keys: dict[str, Any] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
+    keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
     if told.mass_kg is not None:
         density, keys = f"from the weighed {told.mass_kg:g} kg", {"mass_kg": told.mass_kg, "mesh": placing}
     comments = [

@@ -255,7 +255,7 @@ def write_result(result: Result, folder: Path) -> Path:
             if run.history is not None:
                 run.history.write_csv(fresh / history_file(name))
         if result.scene.statue.solid is not None:
-            from meshes.export import write_glb
+            from meshes.solid import write_glb
 
             write_glb(result.scene.statue.solid, fresh / "statue.glb")
     return folder / RECORD

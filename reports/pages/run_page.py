@@ -21,7 +21,6 @@ from reports.source import RunSource, source_of
 from reports.text.glossary import BARE_PATTERNS, score_rows
 from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
 from reports.text.numbers import angle, digits, given, label, length, plain, short, unit
-from reports.text.toml_text import toml_text
 from reports.text.wording import run_verdict
 
 OUTCOME_ROWS: Final[Sequence[tuple[Callable[[EngineRunRecord], float | None], str, str]]] = (
@@ -202,3 +201,18 @@ def command(source: RunSource) -> str:
     file = source.scene.file or "scene.toml"
     engines: Sequence[str] = [f"-e {name}" for name in source.runs]
     return f"rockcheck run {shlex.quote(file)} {' '.join(engines)}"
+
+
+def toml_text(content: Mapping[str, object]) -> str:
+    """TOML of nested mappings of strings, numbers, booleans and lists; keys without a value are left out."""
+    import tomli_w
+
+    return tomli_w.dumps(_stated(content))
+
+
+def _stated(content: Mapping[str, object]) -> dict[str, object]:
+    return {
+        key: _stated(value) if isinstance(value, Mapping) else value
+        for key, value in content.items()
+        if value is not None
+    }

@@ -66,7 +66,7 @@ MUNK: Final[Mapping[str, Change]] = {
     "stick onset located": {_M + "drive:slid": _always(False)},
     "uplift corrected": {_M + "uplift:follow": _always(True)},
     "a turning statue held to its depth": {_M + "support_vertex:SupportVertex.hold": _always(None)},
-    "its velocity corrected beforehand": {_M + "support_vertex:SupportVertex._owed": _always((0.0, 0.0))},
+    "its velocity corrected beforehand": {_M + "support_vertex:velocity_owed": _always((0.0, 0.0))},
     "velocities turned on": {_M + "events:turn_on": _always(None)},
     "a statue at rest settled": {_M + "support_vertex:SupportVertex.settle": _always(None)},
     "slip onset at its share of the step": {_M + "drive:slip_onset_share": _always(0.0)},

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 
 from meshes import togatus
-from meshes.export import write_glb
+from meshes.solid import write_glb
 from tests.budgets_meshes import FLOAT32_ROUNDING_M
 
 

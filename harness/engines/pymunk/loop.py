@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -128,24 +128,18 @@ def _plain_steps(
     Returns the next step, what it holds (END: nothing) and, at a stick onset, the share of the step at which it comes.
     """
     world, friction, settings = drive.world, drive.friction, drive.settings
-    space, recorder, floor = native.space_of(world.space), world.recorder, native.body_of(world.floor)
-    step, set_gravity, each, last = native.step, native.set_gravity, native.each_body, recorder.last
-    record_with, record_to, hold = recorder.each, recorder.target, support.hold
-    dt, gravity, moving, rest = settings.dt_s, grid.gravity, drive.moving, friction.stuck_below_m_s
-    last_split = len(gravity) - EVENT_STEPS
-    switches, creep = friction.switches, CREEP_SHARE * rest
-    aligned, on_pedestal = drive.aligned, world.pedestal is not None
+    space, recorder, whole_step = native.space_of(world.space), world.recorder, _whole_step(drive, support, grid)
+    gravity, moving, rest = grid.gravity, drive.moving, friction.stuck_below_m_s
+    last_split, on_pedestal = len(gravity) - EVENT_STEPS, world.pedestal is not None
+    switches, creep, support.asked = friction.switches, CREEP_SHARE * rest, -2
     locates_stick_onset = settings.align and on_pedestal and rest > 0.0
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
-    lags = (0.5 * dt, 0.5 * dt)
-    least_spin = support.half_cycle_rad_s if aligned else math.inf
-    own, under = world.statue_slice, world.pedestal_slice
-    begin, event, share, spin, row, risen = k, END, 0.0, drive.spin_before_rad_s, last(), support.risen
+    own, under, least_spin = world.statue_slice, world.pedestal_slice, _least_spin_rad_s(drive, support)
+    begin, event, share, spin, row, risen = k, END, 0.0, drive.spin_before_rad_s, recorder.last(), support.risen
     state, below = row[own], row[under] if on_pedestal else None
-    rate, before, top, support.asked = driving.slip_rate(drive), drive.rate_before_m_s, None, -2
+    rate, before = driving.slip_rate(drive), drive.rate_before_m_s
     while k < stop:
-        spin_before, spin = spin, state[5]
-        wanted = many
+        spin_before, spin, wanted = spin, state[5], many
         if -least_spin <= spin <= least_spin:
             risen = False
         else:
@@ -156,10 +150,9 @@ def _plain_steps(
             facet = support.next_facet(state, below, spin_before)
             if facet == FAR:
                 wanted = few if support.held(k, state, gravity[k - 1]) else many
-            elif facet >= 0 and first_split <= k <= last_split and support.stands_on(facet + (spin < 0.0)):
-                short, support.facet = micro_rocking.is_short(drive, support, facet, float(grid.edges_s[k])), facet
-                if short is not None:
-                    event = MICRO_ROCKING if short else IMPACT
+            elif facet >= 0 and first_split <= k <= last_split:
+                event = _impact_on(drive, support, facet, spin, float(grid.edges_s[k]))
+                if event != END:
                     break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
         if (
@@ -172,34 +165,82 @@ def _plain_steps(
         if wanted != using:
             native.set_iterations(space, wanted)
             using = wanted
-        set_gravity(space, gravity[k])
-        if aligned:
-            if moving and not on_pedestal:
-                top = grid.table_place[k][1] + dt * grid.table_velocity[k][1]
-            hold(state, below, dt, lags, top, slow=k % SLOW_EVERY == 0)
-        if moving:
-            writing.move_table(floor, grid.table_place[k], grid.table_velocity[k])
-        step(space, dt)
-        each(space, record_with, record_to)
-        row = last()
+        row = whole_step(k, state, below)
         if on_pedestal:
             before, rate = rate, row[world.pedestal_column + 3] - (grid.table_velocity[k][0] if moving else 0.0)
             if switches and (abs(rate) > creep if drive.stuck else abs(rate) <= rest or rate * before < 0.0):
                 recorder.drop()
                 rate, using = _switch(drive, support, grid, k, rate), many
-                each(space, record_with, record_to)
-                row = last()
+                native.each_body(space, recorder.each, recorder.target)
+                row = recorder.last()
             below = row[under]
         state = row[own]
         k += 1
     native.set_iterations(space, many)
     drive.rate_before_m_s, drive.spin_before_rad_s, support.risen = before, spin, risen
-    drive.times_s.extend(grid.edges_s[begin + 1 : k + 1].tolist())
-    drive.lags_s.extend([0.5 * dt] * (k - begin))
-    drive.work["engine_steps"] += k - begin
-    drive.t_s = float(grid.edges_s[k])
-    drive.place_s = drive.t_s - 0.5 * dt
+    _note_steps(drive, grid, begin, k)
     return k, event, share
+
+
+def _least_spin_rad_s(drive: RunState, support: SupportVertex) -> float:
+    """Rate of turning above which events are looked for; none where the run's steps are all whole."""
+    return support.half_cycle_rad_s if drive.aligned else math.inf
+
+
+def _whole_step(
+    drive: RunState, support: SupportVertex, grid: Grid
+) -> Callable[[int, Sequence[float], Sequence[float] | None], list[float]]:
+    """What makes step k from the states of the statue and of what is below it, and returns the row that is recorded.
+
+    Everything it takes is looked up here, once: a step is made millions of times.
+    """
+    world, recorder, dt, gravity, moving = (
+        drive.world,
+        drive.world.recorder,
+        drive.settings.dt_s,
+        grid.gravity,
+        drive.moving,
+    )
+    space, floor = native.space_of(world.space), native.body_of(world.floor)
+    step, set_gravity, each, last = native.step, native.set_gravity, native.each_body, recorder.last
+    record_with, record_to, hold, aligned = recorder.each, recorder.target, support.hold, drive.aligned
+    on_table, lags, place, velocity = (
+        moving and world.pedestal is None,
+        (0.5 * dt, 0.5 * dt),
+        grid.table_place,
+        grid.table_velocity,
+    )
+
+    def whole_step(k: int, state: Sequence[float], below: Sequence[float] | None) -> list[float]:
+        set_gravity(space, gravity[k])
+        if aligned:
+            top = place[k][1] + dt * velocity[k][1] if on_table else None
+            hold(state, below, dt, lags, top, slow=k % SLOW_EVERY == 0)
+        if moving:
+            writing.move_table(floor, place[k], velocity[k])
+        step(space, dt)
+        each(space, record_with, record_to)
+        return last()
+
+    return whole_step
+
+
+def _impact_on(drive: RunState, support: SupportVertex, facet: int, spin: float, t_s: float) -> int:
+    """What the step holds in which a facet comes: MICRO_ROCKING, IMPACT, or END where the engine is left to meet it."""
+    if not support.stands_on(facet + (spin < 0.0)):
+        return END
+    short, support.facet = micro_rocking.is_short(drive, support, facet, t_s), facet
+    return END if short is None else MICRO_ROCKING if short else IMPACT
+
+
+def _note_steps(drive: RunState, grid: Grid, begin: int, end: int) -> None:
+    """Times and counts of the whole steps from `begin` to `end`: places are half a step older than velocities."""
+    dt = drive.settings.dt_s
+    drive.times_s.extend(grid.edges_s[begin + 1 : end + 1].tolist())
+    drive.lags_s.extend([0.5 * dt] * (end - begin))
+    drive.work["engine_steps"] += end - begin
+    drive.t_s = float(grid.edges_s[end])
+    drive.place_s = drive.t_s - 0.5 * dt
 
 
 def _switch(drive: RunState, support: SupportVertex, grid: Grid, k: int, rate: float) -> float:

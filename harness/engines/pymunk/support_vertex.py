@@ -11,23 +11,15 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from harness.engines.pymunk import native
+from harness.engines.pymunk.base_geometry import STEEPEST_RAD, base_vertices, fall_rad_s2, velocity_owed
 from harness.engines.pymunk.drive import RunState
-from harness.engines.pymunk.world import MunkSettings
-from harness.model.scene import Scene
-from meshes.footprint import lower_chain
 
-Array = NDArray[np.float64]
 Pair = tuple[float, float]
 Row = Sequence[float]
 
 LEVEL_RAD: Final = 1e-6
 """Nearer than this to a facet's rotation both of its ends stand."""
-STEEPEST_RAD: Final = 1.0
-"""Facets of the silhouette that are steeper belong to its flanks: a statue that lies on them has fallen."""
 LEANING_RAD: Final = 2.0
 """Beyond this rotation no vertex of the base stands any more."""
 TIPPED_RAD: Final = 1e-3
@@ -90,7 +82,8 @@ class SupportVertex:
         steps = points[:-1] - points[1:]
         self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in steps]
         self.length_m = [float(math.hypot(dx, dz)) for dx, dz in steps]
-        self.least_of_all_rad_s = min(least_rate_rad_s(drive.settings, length) for length in self.length_m)
+        # An impact below this rate is left to the engine: the far end of the longest facet moves less than its depth in a step.
+        self.least_of_all_rad_s = SLOW_DEPTHS * drive.settings.depth_m / (max(self.length_m) * drive.settings.dt_s)
         self.height_m, self.moving = scene.statue.centroid_height_m, drive.moving
         self.rest_m, self.slop_m = drive.settings.depth_m, drive.settings.slop_m
         self.depth_m = TURNING_DEPTH * self.rest_m
@@ -103,7 +96,7 @@ class SupportVertex:
         self.dt_s, self.most_friction = drive.settings.dt_s, MOST_FRICTION * scene.contact.statue
         self.asked = -2
         self.last_state: Row = native.state_of(self.statue)
-        falls_rad_s = _fall_rad_s2(scene) * drive.settings.dt_s
+        falls_rad_s = fall_rad_s2(scene) * drive.settings.dt_s
         rising_rad_s = math.sqrt(SLOW_RISE * self.depth_m / self.height_m) / drive.settings.dt_s
         self.half_cycle_rad_s = HALF_CYCLE_STEPS * falls_rad_s
         self.slow_rad_s = min(SLOW_STEPS * falls_rad_s, rising_rad_s)
@@ -242,14 +235,8 @@ class SupportVertex:
         ahead_x, ahead_z = 0.0, 0.0
         if lags_s is not None:
             arm_x, arm_z = x * cos - z * sin, x * sin + z * cos
-            owed_x, owed_z = self._owed(spin, turn, lags_s, arm_x, arm_z)
             slides = rate_x - spin * (arm_z - turn * arm_x) - (0.0 if below is None else below[3])
-            if abs(slides) <= HELD_SHARE * abs(spin) * self.height_m:
-                # Along the support, too, the arc from the tangent: else the statue would walk over it.
-                ahead_x = 0.5 * turn * turn * arm_x + owed_x * length_s
-            else:
-                # A vertex that slides along its support is tied to it in height alone.
-                owed_x = 0.0
+            ahead_x, owed_x, owed_z = self._ahead(spin, turn, length_s, lags_s, (arm_x, arm_z), slides)
             self.owed_m_s, ahead_z = (owed_x, owed_z), owed_z * length_s
             rate_x, rate_z = rate_x - owed_x, rate_z - owed_z
             self.drive.ledger.explain("hold", abs(spin) + abs(self.gained_rad_s), self.height_m, self.dt_s)
@@ -257,18 +244,17 @@ class SupportVertex:
             "hold", state, (place_x + ahead_x, place_z - excess + ahead_z, state[2], rate_x, rate_z, spin)
         )
 
-    def _owed(self, spin: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:
-        """What to take from the centroid's velocity before a turn so that support and spin have their own at its end, m/s.
-
-        A velocity is the tangent of the circle where its contact was solved, a lag behind its instant: it lacks lag ω² arm. A
-        pedestal that slides shares that momentum, and it and the spin are off by it at first order. What the lack changes by in
-        a turn, with arm' for ω × arm over ω, is ω² ((lag₁ − lag₀) arm + lag₀ turn arm') + 2 ω Δω lag₁ arm. Its part across the
-        arm is also what the spin would lose: a solution keeps of a velocity only what lies along the new tangent.
-        """
-        lag_s, after_s = lags_s
-        along = spin * (spin * (after_s - lag_s) + 2.0 * self.gained_rad_s * after_s)
-        across = spin * spin * lag_s * turn
-        return along * arm_x - across * arm_z, along * arm_z + across * arm_x
+    def _ahead(
+        self, spin: float, turn: float, length_s: float, lags_s: Pair, arm_m: Pair, slides_m_s: float
+    ) -> tuple[float, float, float]:
+        """How far the places go ahead along the support, m, and what is owed by the velocity, m/s (x, z)."""
+        arm_x, arm_z = arm_m
+        owed_x, owed_z = velocity_owed(spin, self.gained_rad_s, turn, lags_s, arm_x, arm_z)
+        if abs(slides_m_s) <= HELD_SHARE * abs(spin) * self.height_m:
+            # Along the support, too, the arc from the tangent: else the statue would walk over it.
+            return 0.5 * turn * turn * arm_x + owed_x * length_s, owed_x, owed_z
+        # A vertex that slides along its support is tied to it in height alone.
+        return 0.0, 0.0, owed_z
 
     def depth_at(self, spin_rad_s: float) -> float:
         """Depth, m, at which the standing vertex of a statue that turns so is kept."""
@@ -309,27 +295,3 @@ class SupportVertex:
         if self.pedestal is None:
             return top
         return top + (x_m - below[0] - below[3] * length_s) * tilt_rad
-
-
-def base_vertices(scene: Scene) -> Array:
-    """Vertices (k, 2) of the silhouette that a level support can touch while the statue stands, from right to left, m from the
-    centroid.
-    """
-    chain = lower_chain(scene.statue.section_m)
-    steps = np.diff(chain, axis=0)
-    base = np.flatnonzero(np.abs(np.arctan2(steps[:, 1], steps[:, 0])) < STEEPEST_RAD)
-    facets = chain[base[0] : base[-1] + 2]
-    from_centroid: Array = facets[::-1] - np.array([0.0, scene.statue.centroid_height_m])
-    return from_centroid
-
-
-def least_rate_rad_s(settings: MunkSettings, length_m: float) -> float:
-    """Rate below which an impact on a facet is left to the engine: its far end moves less than its depth of contact in a step."""
-    return SLOW_DEPTHS * settings.depth_m / (length_m * settings.dt_s)
-
-
-def _fall_rad_s2(scene: Scene) -> float:
-    """Greatest acceleration of a statue that stands on one corner of its base, under its weight."""
-    statue = scene.statue
-    arms = ((statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
-    return max(statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from reports.pages.run_page import toml_text
 from reports.text.numbers import digits, heading, label, length, listed, plain, spread
-from reports.text.toml_text import toml_text
 
 
 @pytest.mark.parametrize(

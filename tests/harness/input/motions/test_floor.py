@@ -60,7 +60,7 @@ def test_jumps_of_the_rigid_remainder_are_kept() -> None:
     assert float(after - before) == pytest.approx(1.5, abs=1e-3)
 
 
-def test_the_floor_is_followed_until_it_has_rung_down() -> None:
+def test_the_floor_is_followed_until_it_has_level_down() -> None:
     mode = Oscillator(period_s=0.5, damping=0.05)
     until = 1.0 + ring_down_s((mode,))
     found = floor_motion(Pulse("one_sine", 2.0, 1.0), (mode,), until)
