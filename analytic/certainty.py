@@ -117,43 +117,45 @@ def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:
 
 
 def _warnings(first: Solution, others: tuple[Solution, ...], uncertainty_rad: float, until: float) -> tuple[str, ...]:
-    told = []
+    messages = []
     if any(other.outcome is not first.outcome for other in others):
         ends = ", ".join(sorted({solution.outcome.value for solution in (first, *others)}))
-        told.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
+        messages.append(f"The outcome changes with the integrator's steps ({ends}): it is not to be trusted.")
     if until < first.end_s and first.t_s.size == 0 and until > 0.0:
-        told.append(
+        messages.append(
             f"Beyond {until:.4g} s the path depends on the integrator's rounding: the peak may be larger there."
         )
     elif until < first.end_s and first.t_s.size == 0:
-        told.append(f"The peak depends on the integrator's rounding: it may be off by {uncertainty_rad:.1e} rad.")
+        messages.append(f"The peak depends on the integrator's rounding: it may be off by {uncertainty_rad:.1e} rad.")
     elif until < first.end_s:
-        told.append(f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted.")
-    return (*told, *_doubts(first), *_limits(first))
+        messages.append(
+            f"Beyond {until:.4g} s the history depends on the integrator's rounding: it is not to be trusted."
+        )
+    return (*messages, *_doubts(first), *_limits(first))
 
 
 def _doubts(run: Solution) -> list[str]:
-    told, doubts = [], run.doubts
+    messages, doubts = [], run.doubts
     if doubts.gave_up:
-        told.append(f"The run made no more progress at {run.end_s:.6g} s and was given up.")
+        messages.append(f"The run made no more progress at {run.end_s:.6g} s and was given up.")
     if doubts.near_tangent_steps:
-        told.append(
+        messages.append(
             f"In {doubts.near_tangent_steps} steps an event was nearly tangent: its neighbours may lose or gain it."
         )
     if doubts.ambiguous_states:
-        told.append(
+        messages.append(
             f"{doubts.ambiguous_states} times several states of motion were possible; the stuck one was taken, an engine may "
             "take another."
         )
     if doubts.dropped_rebounds:
-        told.append(f"{doubts.dropped_rebounds} sequences of ever smaller impacts were cut off.")
+        messages.append(f"{doubts.dropped_rebounds} sequences of impacts of vanishing size were ended (chattering).")
     if doubts.outcome_margin is not None and doubts.outcome_margin < 1e-3:
-        told.append(
+        messages.append(
             f"The energy that decides the outcome is within {doubts.outcome_margin:.1e} of the barrier: a near tie."
         )
     if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
-        told.append(f"Impacts of this form of the model gained {run.energy_gained_j:.3g} J in all.")
-    return told
+        messages.append(f"Impacts of this form of the model gained {run.energy_gained_j:.3g} J in all.")
+    return messages
 
 
 def _limits(run: Solution) -> list[str]:

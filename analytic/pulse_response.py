@@ -66,14 +66,14 @@ class _Piece:
         """θ/α at t."""
         tau = t - self.start
         half = 0.5 * self.omega * tau
-        swing = 2.0 * math.cos(self.omega * self.start + self.phase + half) * math.sin(half)
-        return self.growth * math.expm1(tau) + self.decay * math.expm1(-tau) - self.forced * swing
+        oscillation = 2.0 * math.cos(self.omega * self.start + self.phase + half) * math.sin(half)
+        return self.growth * math.expm1(tau) + self.decay * math.expm1(-tau) - self.forced * oscillation
 
     def rate(self, t: float) -> float:
         """d(θ/α)/d(pt) at t."""
         tau = t - self.start
-        swing = self.forced * self.omega * math.cos(self.omega * t + self.phase)
-        return self.growth * math.exp(tau) - self.decay * math.exp(-tau) - swing
+        oscillation = self.forced * self.omega * math.cos(self.omega * t + self.phase)
+        return self.growth * math.exp(tau) - self.decay * math.exp(-tau) - oscillation
 
 
 def _piece(t: float, rate: float, side: int, amplitude: float, omega: float, phase: float) -> _Piece:

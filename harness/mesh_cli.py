@@ -69,7 +69,7 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
     """
     from harness.input.motions.readers import read_record
-    from harness.input.new_scene import Told, scene_text
+    from harness.input.new_scene import UserInput, scene_text
     from harness.input.scene_file import load_scene
 
     if out.suffix != ".toml":
@@ -79,17 +79,17 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
     if not paths.is_file(motion):
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     around = around or Surroundings()
-    told = Told(
+    user_input = UserInput(
         known.density_kg_m3, known.mass_kg, around.pedestal_keys(), around.friction, around.scale, around.motion_unit
     )
-    shaking = read_record(motion, unit=told.motion_unit)
+    shaking = read_record(motion, unit=user_input.motion_unit)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
     found, account = prepare(scan, mesh, known)
     try:
-        record.write_text(out, scene_text(found, scan, mesh, shaking, motion, told))
+        record.write_text(out, scene_text(found, scan, mesh, shaking, motion, user_input))
         load_scene(out)
     except Exception:
         for written in (out, mesh, account):

@@ -135,7 +135,7 @@ def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int,
 
 
 _FAILED: Final[dict[bytes, str]] = {}
-"""Searches that ended without an answer: every rung of a climb would end so again."""
+"""Searches that ended without an answer: every level of a climb would end so again."""
 
 
 def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:

@@ -134,12 +134,12 @@ class Reconciled:
     agrees: bool
     used: str
 
-    def told(self, name: str) -> str:
+    def compared(self, name: str) -> str:
         """The comparison under a name of the caller's."""
         return agreement(name, self.survey, self.mesh)
 
     def __str__(self) -> str:
-        return f"{self.told(self.name)}; used: {self.used}"
+        return f"{self.compared(self.name)}; used: {self.used}"
 
 
 def agreement(name: str, survey: float, mesh: float) -> str:

@@ -74,7 +74,7 @@ def kind_of(record: Record | Mapping[str, Any]) -> str:
 
 
 @contextmanager
-def telling_damage(folder: Path, record: Record | Mapping[str, Any], page: str = "") -> Iterator[None]:
+def naming_damage(folder: Path, record: Record | Mapping[str, Any], page: str = "") -> Iterator[None]:
     """Turn what a page meets where a part of a record without a class is absent or of another form into an `InputError`.
 
     A record that has a class was validated when it was read: what a page trips over there is its own fault, and is seen as one.
@@ -87,10 +87,10 @@ def telling_damage(folder: Path, record: Record | Mapping[str, Any], page: str =
     except InputError:
         raise
     except DAMAGE as error:
-        told = f"{type(error).__name__}: {error}"
+        came = f"{type(error).__name__}: {error}"
         advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
         wanted = f"a whole record for {page}" if page else "a whole record"
-        raise InputError(Mistake(str(folder / RECORD_NAME), "", wanted, told, advice)) from error
+        raise InputError(Mistake(str(folder / RECORD_NAME), "", wanted, came, advice)) from error
 
 
 def run_source(folder: Path) -> RunSource:

@@ -5,7 +5,7 @@ from __future__ import annotations
 REFERENCES_RAD = 1e-9
 """Two references: DOP853 at rtol 1e-12 and collocation of order 8 at 0.5 to 2 ms each err below 1e-12 rad
 between events; impacts and slip changes of 2 s multiply that by less than 100 (largest difference measured: 3e-11 rad, and
-2e-10 rad after a sequence of ever smaller impacts cut off at 1e-10 rad/s)."""
+2e-10 rad after chattering ended at 1e-10 rad/s)."""
 
 REFERENCES_M = 1e-9
 """Slip obeys the same bound: it is driven by the rotation through lengths below 1 m."""

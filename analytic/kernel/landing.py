@@ -1,4 +1,4 @@
-"""Landing on a facet: the impact, and the end of a sequence of ever smaller ones."""
+"""Landing on a facet: the impact, and the end of chattering, a sequence of impacts of vanishing size."""
 
 from __future__ import annotations
 

@@ -143,7 +143,7 @@ def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: 
     return scipy_run(model, accel, case.theta0_rad, case.at_s, tolerance, RECORD_STEP_S, stops_s, longest_step_s)
 
 
-def _told(stops: bool, longest_step_s: float) -> str:
+def _setting_words(stops: bool, longest_step_s: float) -> str:
     """How scipy is set, in words."""
     held = f"steps up to {longest_step_s:g} s" if longest_step_s < math.inf else ""
     return "stopping at kinks" if stops else held
@@ -161,7 +161,7 @@ def measure(repeats: int = REPEATS) -> list[SolverRow]:
         rows += take_turns(case.name, exact, quick, 40 * repeats)
         on_record = isinstance(case.motion, SampledAcceleration)
         slow = [
-            Entry("scipy DOP853", setting[0], partial(scipy_of, case, *setting), _told(*setting[1:]))
+            Entry("scipy DOP853", setting[0], partial(scipy_of, case, *setting), _setting_words(*setting[1:]))
             for setting in (SCIPY_RECORD if on_record else SCIPY_HARMONIC)
         ]
         # a record costs seconds: the first call's import is lost in them, and spent on the scene before

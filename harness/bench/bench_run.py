@@ -22,16 +22,16 @@ CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wal
 def run(
     folder: Path,
     quick: bool = False,
-    told: Callable[[str], None] = lambda text: None,
+    on_progress: Callable[[str], None] = lambda text: None,
     only: Sequence[str] | None = None,
 ) -> Row:
     """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes the first of each kind.
 
-    What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
+    What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
     written, or an unknown part.
     """
     listed = all_parts(quick)
-    measured = parts.session(folder, listed, quick, only, told)
+    measured = parts.session(folder, listed, quick, only, on_progress)
     return parts.written(folder, as_file(assembled(listed, measured, parts.command("bench", quick, measured))))
 
 
@@ -62,7 +62,7 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: st
     target_rad, counts, spent = precision.TARGET_RAD, cover.counted(seeded), parts.seconds(measured)
     standard = sentences.choice(timed, target_rad)
     on_seeds = sentences.choice(cover.choice_rows(seeded), target_rad)
-    told = [
+    texts = [
         *sentences.speeds(timed, target_rad),
         *sentences.choices(standard, on_seeds, target_rad),
         *sentences.coverage(counts),
@@ -77,6 +77,6 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: st
     return BenchRecord(
         command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
         coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(others),
-        parts=[PartRow(**item) for item in spent], sentences=told, seconds=sum(item["wall_s"] for item in spent),
+        parts=[PartRow(**item) for item in spent], sentences=texts, seconds=sum(item["wall_s"] for item in spent),
         versions=versions(), machine=machine(),
     )  # fmt: skip

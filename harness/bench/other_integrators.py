@@ -62,7 +62,7 @@ def collected(rows: Sequence[Row]) -> Others:
 
 def sentences(found: Others) -> list[str]:
     """What these rows say."""
-    told = [
+    sentences = [
         text
         for case in dict.fromkeys(row.case for row in found.solvers)
         for ours, other in COMPARED
@@ -71,21 +71,21 @@ def sentences(found: Others) -> list[str]:
     if found.throughput:
         rate, area = found.throughput["two_block"], found.throughput["map"]
         size = math.isqrt(area.runs)
-        told += [
+        sentences += [
             f"Outcomes of 10 s on a pedestal at 1e-6: {rate.runs_per_core_s:.3g} a second and core.",
             f"A {size} × {size} overturning map on a pedestal takes {area.wall_s:.3g} s on {area.threads} cores.",
         ]
     if found.startup is not None:
-        told += [
+        sentences += [
             f"Importing analytic takes {found.startup.import_ratio:.2f} times importing numpy and numba.",
             f"Its first call from the cache takes {found.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
         ]
-    told += [
+    sentences += [
         f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a bare loop."
         for name, ratio in found.overhead.items()
         if name.endswith("_ratio")
     ]
-    return told
+    return sentences
 
 
 def times_as_fast(ours: str, other: str, error_rad: float, rows: Sequence[SolverRow]) -> float | None:
@@ -109,12 +109,12 @@ def _against(case: str, ours: str, other: str, rows: Sequence[SolverRow]) -> lis
         return []
     if absent := [row.failed for row in rows if row.solver == other and row.failed]:
         return [f"{case}: {other} was not measured: {absent[0]}."]
-    told = []
+    sentences = []
     for error_rad in COMPARED[ours, other]:
         ratio = times_as_fast(ours, other, error_rad, rows)
         text = f"{case}: at {error_rad:g} rad {ours} is {ratio or 0.0:.3g} times as fast as {other}."
-        told.append(text if ratio is not None else _short_of(case, ours, other, error_rad, rows))
-    return told
+        sentences.append(text if ratio is not None else _short_of(case, ours, other, error_rad, rows))
+    return sentences
 
 
 def _short_of(case: str, ours: str, other: str, error_rad: float, rows: Sequence[SolverRow]) -> str:

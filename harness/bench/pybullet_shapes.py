@@ -88,8 +88,8 @@ def run_row(name: str, solid: Solid) -> str:
     costs = ", ".join(f"{step_us(scene, kind):.0f}" for kind in ("feet", "hull", "parts"))
     ends = [f"{run.outcome.value.replace('_', ' ')}, {run.end_s:.2f} s" for run in (hulled, parted)]
     begin = parted.validity["full_shape_from_s"]
-    told = "never" if begin is None else f"{begin:.3f} s"
-    return f"| {name} | {told} | {_parting(hulled, parted)} | {ends[0]} | {ends[1]} | {costs} µs |"
+    sentence = "never" if begin is None else f"{begin:.3f} s"
+    return f"| {name} | {sentence} | {_parting(hulled, parted)} | {ends[0]} | {ends[1]} | {costs} µs |"
 
 
 def _run(scene: Scene, kind: Literal["hull", "parts"]) -> Run:

@@ -145,8 +145,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     words.add_argument("--out", type=Path, default=Path("out") / "random_scenes.jsonl", help="rows that are kept")
     given = words.parse_args(arguments)
     seeds = range(given.first, given.first + given.count)
-    told = f"Seeds {seeds[0]} to {seeds[-1]} of each generator, target 1e-3 rad:"
-    renew("coverage.md", MODULE, f"{told}\n\n{tables(measured(given.out, seeds))}")
+    sentence = f"Seeds {seeds[0]} to {seeds[-1]} of each generator, target 1e-3 rad:"
+    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(measured(given.out, seeds))}")
 
 
 if __name__ == "__main__":

@@ -124,7 +124,7 @@ def _workers(jobs: int) -> tuple[float, float, float]:
 
 def sentences(rows: Sequence[ScalingRow]) -> list[str]:
     """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
-    told = []
+    sentences = []
     for engine, quantity in dict.fromkeys((row.engine, row.quantity) for row in rows):
         mine = sorted(
             (row for row in rows if (row.engine, row.quantity) == (engine, quantity)), key=lambda row: row.value
@@ -133,8 +133,10 @@ def sentences(rows: Sequence[ScalingRow]) -> list[str]:
             continue
         (less, more), words = mine[-2:], quantity.removesuffix("_s").replace("_", " ")
         if quantity == "workers":
-            told.append(f"{more.value:g} workers are {less.wall_s / more.wall_s:.2g} times as fast as {less.value:g}")
+            sentences.append(
+                f"{more.value:g} workers are {less.wall_s / more.wall_s:.2g} times as fast as {less.value:g}"
+            )
             continue
         power = math.log(more.wall_s / less.wall_s) / math.log(more.value / less.value)
-        told.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
-    return [f"Scaling: {'; '.join(told)}."] if told else []
+        sentences.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
+    return [f"Scaling: {'; '.join(sentences)}."] if sentences else []

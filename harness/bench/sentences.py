@@ -78,11 +78,11 @@ def speeds(rows: Sequence[PrecisionRow], target_rad: float) -> list[str]:
 
 def choices(standard: Sequence[Choice], seeded: Sequence[Choice], target_rad: float) -> list[str]:
     """What the target takes on the standard set, and on the seeded scenes that meet it to the end."""
-    told = [
+    lines = [
         f"--accuracy {target_rad:g} with {item.engine}: {item.met} of {item.scenes} scenes met, {_cost(item)}."
         for item in standard
     ]
-    return told + [
+    return lines + [
         f"On {item.scenes} seeded scenes that {item.engine} meets to the end, --accuracy {target_rad:g} takes {_cost(item)}."
         for item in seeded
     ]

@@ -150,7 +150,7 @@ def sentences(rows: Sequence[SkipRow]) -> list[str]:
     if not measured:
         return []
     idle = [f"{row.skip} ({row.engine}, {row.gain:.2g})" for row in measured if row.gain < GAINS]
-    told = f"Alone {len(measured) - len(idle)} of {len(measured)} skips gain a twentieth or more of the time"
+    sentence = f"Alone {len(measured) - len(idle)} of {len(measured)} skips gain a twentieth or more of the time"
     moved = [
         f"{row.skip} ({row.engine}) parts rotations by {row.apart_rad:.1e} rad, finer settings without it by "
         f"{row.own_rad:.1e} rad."
@@ -158,7 +158,7 @@ def sentences(rows: Sequence[SkipRow]) -> list[str]:
         if row.apart_rad is not None and row.own_rad is not None and row.apart_rad > max(row.own_rad, LEAST_RAD)
     ]
     changed = [f"{row.skip} ({row.engine}): {'; '.join(row.changed)}." for row in measured if row.changed]
-    return [f"{told} where they were measured{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
+    return [f"{sentence} where they were measured{'; not ' + ', '.join(idle) if idle else ''}.", *changed, *moved]
 
 
 def _imports() -> SkipRow:

@@ -111,19 +111,19 @@ def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
 
 def sentences(rows: Sequence[SkipRow]) -> list[str]:
     """What all skips together gain, and change."""
-    told = []
+    sentences = []
     for row in rows:
         if row.failed:
-            told.append(f"The skips were not measured: {row.failed}.")
+            sentences.append(f"The skips were not measured: {row.failed}.")
             continue
         same = "; ".join(row.changed) or "no outcome changed"
         if row.unsettled:
             same += f", but for {len(row.unsettled)} that the engine's own finer settings without skips change as well"
-        told.append(
+        sentences.append(
             f"All skips together on {row.scenes} outcomes under the real records, {row.engine}: {row.gain:.2g} times faster; "
             f"{same}."
         )
-    return told
+    return sentences
 
 
 def other_outcome(scene: Scene, on: Run, off: Run) -> str:

@@ -36,8 +36,8 @@ def timed(first: str, second: str, collecting: bool) -> tuple[float, float]:
     # an installed package has its bytecode, so a source tree must be let keep it: else each start translates the sources again
     surroundings = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     command = [sys.executable, "-c", program]
-    told = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=True).stdout.split()
-    return float(told[0]), float(told[1])
+    printed = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=True).stdout.split()
+    return float(printed[0]), float(printed[1])
 
 
 def startup(repeats: int = STARTS) -> Start:

@@ -150,12 +150,12 @@ class LocalPool:
 
     def run(self, work: Work, tasks: Iterable[Any], done: Done) -> None:
         """See `Pool.run`; one task or one job still runs in a process of its own."""
-        coming = (_Order(work, task) for task in tasks)
+        upcoming = (_Order(work, task) for task in tasks)
         again: list[_Order] = []
         under_way = 0
         try:
             while True:
-                while under_way < AHEAD * self._jobs and (order := next(coming, None)) is not None:
+                while under_way < AHEAD * self._jobs and (order := next(upcoming, None)) is not None:
                     under_way += 1
                     self._submit(order, under_way)
                 if not under_way and again:

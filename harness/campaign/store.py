@@ -114,7 +114,7 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        with self._telling("opened"):
+        with self._naming_damage("opened"):
             path.parent.mkdir(parents=True, exist_ok=True)
             self._db = sqlite3.connect(path, isolation_level=None, timeout=BUSY_MS / 1000.0)
         try:
@@ -125,7 +125,7 @@ class Store:
             raise
 
     def _prepare(self, path: Path) -> None:
-        with self._telling("read"):
+        with self._naming_damage("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
             self._db.execute("PRAGMA journal_mode=WAL")
             # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
@@ -153,7 +153,7 @@ class Store:
             "SELECT key FROM result WHERE NOT has_history "
             "OR EXISTS (SELECT 1 FROM history WHERE history.key = result.key)"
         )
-        with self._telling("read"):
+        with self._naming_damage("read"):
             return {key for (key,) in self._db.execute(query)}
 
     def put(self, results: Sequence[tuple[str, Run]], histories: bool = False) -> None:
@@ -168,7 +168,7 @@ class Store:
         """
         histories = [(item.key, *item.history) for item in results if item.history is not None]
         seconds = [(item.key, item.seconds, clock_s / len(results)) for item in results]
-        with self._telling("written"), self._transaction():
+        with self._naming_damage("written"), self._transaction():
             self._db.executemany("INSERT OR IGNORE INTO result VALUES (?,?,?,?,?)", [item.columns for item in results])
             self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?,?)", seconds)
             self._db.executemany("INSERT OR IGNORE INTO history VALUES (?,?,?,?,?)", histories)
@@ -176,13 +176,13 @@ class Store:
     def remove(self, keys: Iterable[str]) -> None:
         """Remove results, to have them computed anew."""
         gone = [(key,) for key in keys]
-        with self._telling("written"), self._transaction():
+        with self._naming_damage("written"), self._transaction():
             for table in ("result", "timing", "history"):
                 self._db.executemany(f"DELETE FROM {table} WHERE key=?", gone)
 
     def get(self, key: str) -> Row | None:
         """The stored result of a key, or None."""
-        with self._telling("read"):
+        with self._naming_damage("read"):
             row = self._db.execute("SELECT kind, record, has_history, crc32 FROM result WHERE key=?", (key,)).fetchone()
         return None if row is None else Row(key, self._decoded_record(key, *row))
 
@@ -202,13 +202,13 @@ class Store:
 
     def timing(self, key: str) -> tuple[float, float] | None:
         """What the result took when it was computed: its own seconds, and its share of the clock's."""
-        with self._telling("read"):
+        with self._naming_damage("read"):
             row = self._db.execute("SELECT seconds, clock_s FROM timing WHERE key=?", (key,)).fetchone()
         return None if row is None else (float(row[0]), float(row[1]))
 
     def history(self, key: str) -> History | None:
         """The stored history of a key, or None."""
-        with self._telling("read"):
+        with self._naming_damage("read"):
             query = "SELECT columns, samples, data, crc32 FROM history WHERE key=?"
             row = self._db.execute(query, (key,)).fetchone()
         if row is None:
@@ -235,13 +235,13 @@ class Store:
             (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
             for n, engine, key, why, what in rows
         )
-        with self._telling("written"), self._transaction():
+        with self._naming_damage("written"), self._transaction():
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
 
     def rows(self, study: str) -> Iterator[dict[str, Any]]:
         """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
-        with self._telling("read"):
+        with self._naming_damage("read"):
             query = (
                 "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, "
                 "result.kind, result.record, result.has_history, result.crc32 FROM plan "
@@ -256,7 +256,7 @@ class Store:
 
     def check(self) -> str | None:
         """What SQLite says of the file's integrity: None when whole, else its first finding."""
-        with self._telling("read"):
+        with self._naming_damage("read"):
             finding = self._db.execute("PRAGMA quick_check(1)").fetchone()[0]
         return None if finding == "ok" else str(finding)
 
@@ -283,7 +283,7 @@ class Store:
             ) from error
 
     @contextmanager
-    def _telling(self, done: str) -> Iterator[None]:
+    def _naming_damage(self, done: str) -> Iterator[None]:
         try:
             yield
         except (sqlite3.Error, OSError, UnicodeDecodeError) as error:  # a damaged schema is quoted as it stands

@@ -106,12 +106,12 @@ def _hollowed(solid: Solid, mesh: MeshTable, weighed_kg: float | None) -> str:
     inner = mesh.inner
     inside = inner.density_kg_m3 if inner is not None else 0.0
     what = f"filled at {inside:g} kg/m³" if inside else "left empty"
-    told = (
+    sentence = (
         f"statue.mesh.inner: the space in {inner.file if inner is not None else ''} is {what}: {solid.mass_kg:.6g} kg"
     )
     if weighed_kg is not None:
-        told += " as weighed, which sets the density around it"
-    return f"{told}; {solid.density_kg_m3:.5g} kg/m³ in the mean, centroid at {solid.centroid_height_m:.4g} m"
+        sentence += " as weighed, which sets the density around it"
+    return f"{sentence}; {solid.density_kg_m3:.5g} kg/m³ in the mean, centroid at {solid.centroid_height_m:.4g} m"
 
 
 def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[str]) -> Solid:
@@ -119,8 +119,8 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[s
     from meshes.survey import agreement, reconcile, with_mass
 
     if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
-        told = agreement("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3)
-        notes.append(f"statue.mesh.{told} as weighed; used: the weighed mass")
+        sentence = agreement("density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3)
+        notes.append(f"statue.mesh.{sentence} as weighed; used: the weighed mass")
     given = {key: value for key in SURVEYED if (value := getattr(table, key)) is not None}
     missing = [key for key in mesh.use_survey if key not in given]
     if missing:
@@ -128,7 +128,7 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, notes: list[s
         raise InputError(Mistake("scene", "statue.mesh.use_survey", wanted, "no such number"))
     rows = reconcile(solid, {SURVEYED[key]: value for key, value in given.items()})
     for key, row in zip(given, rows, strict=True):
-        notes.append(f"statue.{row.told(key)}; used: {'the survey' if key in mesh.use_survey else row.used}")
+        notes.append(f"statue.{row.compared(key)}; used: {'the survey' if key in mesh.use_survey else row.used}")
     if not mesh.use_survey:
         return solid
     height = given["centroid_height_m"] if "centroid_height_m" in mesh.use_survey else solid.centroid_height_m

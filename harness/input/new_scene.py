@@ -26,7 +26,7 @@ Part = tuple[Sequence[str], Mapping[str, object]]
 
 
 @dataclass(frozen=True)
-class Told:
+class UserInput:
     """What a user says beside scan and record; None is assumed, and said so."""
 
     density_kg_m3: float | None = None
@@ -37,7 +37,9 @@ class Told:
     motion_unit: str | None = None
 
 
-def scene_text(found: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, told: Told) -> str:
+def scene_text(
+    found: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput
+) -> str:
     """A commented scene (TOML): the weakest direction towards +x, the strongest horizontal channel along x, the
     others kept."""
     import tomli_w
@@ -54,14 +56,14 @@ def scene_text(found: Inspection, scan: Path, mesh: Path, shaking: RecordFile, m
             ],
             top,
         ),
-        _statue(found, scan, mesh, told),
-        *_support(told),
-        *_motion(channels, shaking, motion, mesh.parent, told),
+        _statue(found, scan, mesh, user_input),
+        *_support(user_input),
+        *_motion(channels, shaking, motion, mesh.parent, user_input),
     ]
     return "\n".join("".join(f"# {line}\n" for line in comments) + tomli_w.dumps(keys) for comments, keys in parts)
 
 
-def _statue(found: Inspection, scan: Path, mesh: Path, told: Told) -> Part:
+def _statue(found: Inspection, scan: Path, mesh: Path, user_input: UserInput) -> Part:
     from meshes import footprint as base
 
     solid = found.solid
@@ -70,12 +72,12 @@ def _statue(found: Inspection, scan: Path, mesh: Path, told: Told) -> Part:
     weakest = base.weakest_azimuth_deg(solid.footprint_m)
     slender = float(np.rad2deg(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
     density = f"ASSUMED: marble, {solid.density_kg_m3:g} kg/m³; give --density or --mass for another"
-    if told.density_kg_m3 is not None:
-        density = f"{told.density_kg_m3:g} kg/m³, as given"
+    if user_input.density_kg_m3 is not None:
+        density = f"{user_input.density_kg_m3:g} kg/m³, as given"
     placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2)}
     keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
-    if told.mass_kg is not None:
-        density, keys = f"from the weighed {told.mass_kg:g} kg", {"mass_kg": told.mass_kg, "mesh": placing}
+    if user_input.mass_kg is not None:
+        density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}
     comments = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
         *(f"  {change}" for change in found.prepared.account.changes),
@@ -86,14 +88,14 @@ def _statue(found: Inspection, scan: Path, mesh: Path, told: Told) -> Part:
     return comments, {"statue": keys}
 
 
-def _support(told: Told) -> Iterator[Part]:
+def _support(user_input: UserInput) -> Iterator[Part]:
     """What the statue stands on, and the friction there."""
-    said = "As given." if told.friction is not None else "ASSUMED: stone on stone, dry."
+    said = "As given." if user_input.friction is not None else "ASSUMED: stone on stone, dry."
     statue = f"{said} The analytic model takes the statue not to slip and reports what friction that needed."
-    mu = STONE_ON_STONE if told.friction is None else told.friction
+    mu = STONE_ON_STONE if user_input.friction is None else user_input.friction
     contact = {"statue": mu}
-    if told.pedestal is not None:
-        yield ["As given."], {"pedestal": dict(told.pedestal)}
+    if user_input.pedestal is not None:
+        yield ["As given."], {"pedestal": dict(user_input.pedestal)}
         statue += " ASSUMED: the pedestal on the floor has the same, at rest and sliding."
         contact |= {"floor_static": mu, "floor_kinetic": mu}
     yield [statue], {"contact": contact}
@@ -113,7 +115,7 @@ def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
 
 
 def _motion(
-    channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, told: Told
+    channels: Mapping[str, Channel], shaking: RecordFile, motion: Path, folder: Path, user_input: UserInput
 ) -> Iterator[Part]:
     """The components of the floor's motion, and which channels of the record make them."""
     comments = []
@@ -125,8 +127,11 @@ def _motion(
     unknown = [c.name for c in channels.values() if c.orientation.azimuth_deg is None and not c.orientation.vertical]
     if len(shaking.channels) > 1 and unknown:
         comments.append(f"ASSUMED: level, for the file does not say where they point: {', '.join(unknown)}.")
-    if told.scale is not None:
-        yield [*comments, "As given: every component is this many times the record."], {"motion": {"scale": told.scale}}
+    if user_input.scale is not None:
+        yield (
+            [*comments, "As given: every component is this many times the record."],
+            {"motion": {"scale": user_input.scale}},
+        )
         comments = []
     why = {
         "x": "ASSUMED: the strongest horizontal channel in the rocking plane",
@@ -136,8 +141,8 @@ def _motion(
     for axis, channel in channels.items():
         file = os.path.relpath(motion.resolve(), folder.resolve())
         keys = {"kind": "record", "file": file, "column": channel.name}
-        if told.motion_unit is not None:
-            keys["unit"] = told.motion_unit
+        if user_input.motion_unit is not None:
+            keys["unit"] = user_input.motion_unit
         peak = float(np.abs(channel.accel_m_s2).max())
         yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []

@@ -154,8 +154,8 @@ def _statue_once(table: StatueTable, path: Path, notes: list[str], statues: Stat
         return _statue(table, path, notes)
     text = table.model_dump_json()
     if text not in statues:
-        told: list[str] = []
-        statues[text] = _statue(table, path, told), told
+        own_notes: list[str] = []
+        statues[text] = _statue(table, path, own_notes), own_notes
     statue, said = statues[text]
     notes.extend(said)
     return statue

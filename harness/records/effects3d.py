@@ -18,7 +18,7 @@ Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "num
 class Amplitude:
     """The least peak acceleration of the floor, g, at which an engine's statue overturns under a condition at an azimuth.
 
-    None: it stands up to the most tried; `stands_at_g` is the largest tried below it at which it stands.
+    None: it does not overturn up to the most tried; `stands_at_g` is the largest tried below it at which it stands.
     """
 
     condition: str

@@ -69,8 +69,8 @@ def check_folder(folder: Path, kinds: tuple[str, ...] = KINDS, names: Iterable[s
             raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {existing}"))
         inside = sorted(path.name for path in folder.iterdir()) if existing == folder else []
     except (OSError, ValueError) as error:  # a name that is too long, or no name at all
-        told = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(Mistake("--out", "", "a folder that can be written", f"{str(folder)!r}: {told}")) from error
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(Mistake("--out", "", "a folder that can be written", f"{str(folder)!r}: {reason}")) from error
     kind = _kind(folder)
     others = [name for name in inside if name not in (*UNFINISHED, *INSPECTED) and not name.startswith(".")]
     if kind is None and others:

@@ -49,22 +49,22 @@ class Witness:
 
 def sentences(found: Mapping[str, Witness]) -> list[str]:
     """What the witnesses say, one sentence for each engine as it comes and kind of answer; for terminals and pages."""
-    told = []
+    sentences = []
     for item in found.values():
         name = item.engine.removesuffix(PLAIN)
         agree = {run: judged for run, judged in item.runs.items() if judged.agrees and judged.until_s > LEAST_S}
         if agree:
             until_s, to_rad = min(each.until_s for each in agree.values()), max(each.to_rad for each in agree.values())
             further = f" ({item.reason})" if item.reason else ""
-            told.append(
+            sentences.append(
                 f"{name} as it comes confirms {_and(agree)} until {until_s:.4g} s, to {to_rad:.1g} rad{further}."
             )
         parted = {run: judged for run, judged in item.runs.items() if not judged.agrees}
         if parted:
-            told.append(_parted(name, parted))
+            sentences.append(_parted(name, parted))
         if not agree and not parted:
-            told.append(f"{name} as it comes confirms nothing: {item.reason}.")
-    return told
+            sentences.append(f"{name} as it comes confirms nothing: {item.reason}.")
+    return sentences
 
 
 def _parted(name: str, parted: Mapping[str, Judged]) -> str:

@@ -185,15 +185,18 @@ def _base_only(scene: Scene, options: RunOptions) -> Decision:
 
     need = shape_needed(scene)
     if need.shape == "base":
-        told = "nothing but the base can touch before the statue has overturned"
-        return True, told if scene.wall is None else f"{told} but the wall, at vertices of the hull: {need.reason}"
+        sentence = "nothing but the base can touch before the statue has overturned"
+        return (
+            True,
+            sentence if scene.wall is None else f"{sentence} but the wall, at vertices of the hull: {need.reason}",
+        )
     body = "hull" if need.shape == "hull" else "convex parts"
-    told = (
+    sentence = (
         f"the base alone touches until the body can meet the pedestal's edge; from there on its {body}: {need.reason}"
     )
     if need.shape == "parts" and (reason := missing()):
-        told += f"; but {reason}, so its hull is taken"
-    return True, told if scene.wall is None else f"{told}; the wall is met at vertices of the hull"
+        sentence += f"; but {reason}, so its hull is taken"
+    return True, sentence if scene.wall is None else f"{sentence}; the wall is met at vertices of the hull"
 
 
 def _mirror(scene: Scene, options: RunOptions) -> Decision:
@@ -203,8 +206,8 @@ def _mirror(scene: Scene, options: RunOptions) -> Decision:
     if reason is not None:
         return False, reason
     whole = "base_only" not in options.skips and scene.pedestal is not None
-    told = "its bodies turn in the plane alone" if whole else "half of it is computed"
-    return True, f"the scene is its own mirror image across the rocking plane: {told}"
+    sentence = "its bodies turn in the plane alone" if whole else "half of it is computed"
+    return True, f"the scene is its own mirror image across the rocking plane: {sentence}"
 
 
 def _no_history(scene: Scene, options: RunOptions) -> Decision:

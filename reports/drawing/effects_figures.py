@@ -30,7 +30,7 @@ Point = tuple[float, float | None]
 
 @dataclass(frozen=True)
 class Curve:
-    """One closed curve of a rose: (azimuth in degrees, peak in g; None where the statue stands up to the most tried)."""
+    """One closed curve of a rose: (azimuth in degrees, peak in g; None: it does not overturn up to the most tried)."""
 
     name: str
     points: Sequence[Point]
@@ -52,7 +52,7 @@ def curves(record: EffectsRecord) -> list[Curve]:
 
 
 def rose(record: EffectsRecord) -> Markup:
-    """The least peak that overturns by direction; curves end on the rim where the statue stands up to the most tried."""
+    """The least peak that overturns by direction; curves end on the rim where it does not overturn up to the most tried."""
     most = record.study.search.most_g
     lifts = [_place(row.azimuth_deg, row.lifts_g, most) for row in record.static]
     shapes = [*_rings(most), *_base(record), *_band(record.bands, most), area(lifts, "#cdd3da", opacity=0.55)]

@@ -15,7 +15,7 @@ from reports.charts.static_svg import picture
 from reports.charts.study_figures import panels_figure
 from reports.drawing.shapes import Picture, Text, moved
 from reports.export.paper import pixels_across, write_picture
-from reports.source import RunSource, kind_of, read_record, source_of, telling_damage
+from reports.source import RunSource, kind_of, naming_damage, read_record, source_of
 
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
@@ -43,7 +43,7 @@ def write_figures(
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
     record = read_record(folder)
-    with telling_damage(folder, record):
+    with naming_damage(folder, record):
         pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:
         raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {kind_of(record)} without"))

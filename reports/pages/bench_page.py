@@ -26,7 +26,12 @@ HEADS: Final = (
     "times real time",
     "stated ± [rad]",
 )
-WORDS: Final = {"ladder": "", "accuracy": "to the target", "default": "own defaults", "peer": "nearest peer's settings"}
+WORDS: Final = {
+    "ladder": "",
+    "accuracy": "to the target",
+    "default": "own defaults",
+    "peer": "another project's settings",
+}
 
 
 def context(_folder: Path, record: BenchRecord) -> dict[str, object]:

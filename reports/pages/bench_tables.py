@@ -53,9 +53,9 @@ def _choice(items: Sequence[Choice], caption: str) -> Table:
     heads = [
         "met",
         "all scenes [s]",
-        "one fixed rung that meets it [s]",
+        "one fixed level that meets it [s]",
         "share",
-        "over the best rung: half",
+        "over the best level: half",
         "most",
         "on",
     ]

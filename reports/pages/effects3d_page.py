@@ -73,7 +73,7 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
 
 
 def _peaks(record: EffectsRecord, engine: str) -> dict[float, float]:
-    """Overturning peak by direction of one engine, infinite where it stands up to the most tried."""
+    """Overturning peak by direction of one engine, infinite where it does not overturn up to the most tried."""
     rows = record.amplitudes(engine, BASELINE)
     return {row.azimuth_deg: math.inf if row.peak_g is None else row.peak_g for row in rows}
 

@@ -13,7 +13,7 @@ from harness.model.terminal import printable
 from harness.records.base import Record
 from reports.charts.library import chart_library
 from reports.pages.assets import environment, source_text
-from reports.source import kind_of, read_record, telling_damage
+from reports.source import kind_of, naming_damage, read_record
 
 Content = Record | dict[str, Any]
 """A record as its class, or as plain values where its kind has none."""
@@ -48,7 +48,7 @@ def write_report(folder: Path) -> Path:
     mistakes: list[Mistake] = []
     for name, build in _pages(record).items():
         try:
-            with telling_damage(folder, record, name):
+            with naming_damage(folder, record, name):
                 text = build(folder, record)
         except InputError as error:
             mistakes += error.mistakes

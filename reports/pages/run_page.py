@@ -178,8 +178,8 @@ def motion_rows(motion: MotionRecord, scene: SceneRecord) -> list[tuple[str, str
     for axis, where in (("x", "in the rocking plane"), ("y", "across it"), ("z", "vertical")):
         if axis in motion.accel_m_s2:
             peak = motion.peak_m_s2(axis) / scene.gravity_m_s2
-            told = plain(asked[axis]) if isinstance(asked, dict) and axis in asked else motion.words(axis)
-            rows.append((f"Floor {axis}, {where}", f"peak {unit(peak, 'g')} — {told}"))
+            sentence = plain(asked[axis]) if isinstance(asked, dict) and axis in asked else motion.words(axis)
+            rows.append((f"Floor {axis}, {where}", f"peak {unit(peak, 'g')} — {sentence}"))
     return rows
 
 

@@ -45,7 +45,7 @@ def interventions_row(written: Mapping[str, Intervention], validity: Table) -> l
     kinds = listed(f"{kind.replace('_', ' ')} {item.count or item.steps_again}" for kind, item in written.items())
     lost = validity.get("lost_in_impacts_j")
     beside = f", where impacts lost {digits(lost, 2)} J" if isinstance(lost, float) else ""
-    told = (
+    sentence = (
         f"{kinds} times: in all {digits(sum(item.moved_m for item in every), 2)} m, "
         f"{digits(sum(item.velocity_m_s for item in every), 2)} m/s, "
         f"{digits(sum(item.rate_rad_s for item in every), 2)} rad/s; "
@@ -53,7 +53,7 @@ def interventions_row(written: Mapping[str, Intervention], validity: Table) -> l
         f"{digits(sum(item.taken_j for item in every), 2)} J taken"
         f"{beside}; {sum(item.steps_again for item in every)} steps solved again"
     )
-    return [("written to its bodies", told)]
+    return [("written to its bodies", sentence)]
 
 
 def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, float]:

@@ -97,7 +97,7 @@ def test_paestum_landing_left_needs_the_printed_friction() -> None:
 
 
 def test_rocking_that_dies_out_needs_no_more_friction_than_its_impacts() -> None:
-    """The sequence of ever smaller impacts that is cut off is not one impact that stops the statue at once."""
+    """Chattering that is ended is not one impact that stops the statue at once."""
     block = Block.rectangle(width_m=0.2, height_m=1.0)
     early = simulate(block, Rest(), theta0_rad=0.05, duration_s=1.0, gravity_m_s2=GRAVITY)
     whole = simulate(block, Rest(), theta0_rad=0.05, duration_s=20.0, gravity_m_s2=GRAVITY)

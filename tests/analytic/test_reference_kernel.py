@@ -18,7 +18,7 @@ from tests.analytic.test_closed_form import ALPHA, P, assert_printed, rectangula
 END_S, GRID_S = 2.0, 0.02
 RANDOM_SEEDS = tuple(range(300, 318))
 DWINDLING_SEEDS = (15, 19, 126, 229)
-"""Sequences of ever smaller impacts on a pedestal whose momentum the form does not keep: dropping their last rebounds at
+"""Chattering on a pedestal whose momentum the form does not keep: dropping their last rebounds at
 1e-14 rad of height cost up to 2.7e-7 rad."""
 ENDING_SEEDS = {12: "overturned_right", 135: "overturned_left", 156: "lift_off", 211: "lift_off", 250: "lift_off"}
 """Runs that meet a break (12) or slip (135) while they lose their corner in the fall, press no more on the floor in the fall

@@ -93,10 +93,10 @@ def energy(scene: Scene, run: Run) -> Finding:
     share = ENERGY_SHARE + TABLE_STEPS * float(run.settings.get("dt_s") or 0.0) * _frequency_hz(scene)
     beyond = beyond_plane_j(scene, run)
     allowed = max(share * exchanged_j(scene, run), LEAST_ENERGY_J) + beyond
-    told = f"contacts add {gained:.1e} J of {allowed:.1e} J allowed"
+    sentence = f"contacts add {gained:.1e} J of {allowed:.1e} J allowed"
     if beyond > LEAST_ENERGY_J and beyond > 0.1 * allowed:
-        told += f", of which {beyond:.1e} J may come back from motion out of the plane"
-    return Finding("energy", gained <= allowed, told)
+        sentence += f", of which {beyond:.1e} J may come back from motion out of the plane"
+    return Finding("energy", gained <= allowed, sentence)
 
 
 def depth(scene: Scene, run: Run) -> Finding:
@@ -153,10 +153,10 @@ def allowed_rad(exact: Run) -> float:
 def agrees(scene: Scene, run: Run, exact: Run) -> Finding:
     """The rotation is the exact one, and on a pedestal its slip too, while the two-block model holds."""
     off, allowed = error_rad(run, exact), allowed_rad(exact)
-    told, good = f"error {off:.1e} rad of {allowed:.1e} rad allowed", off <= allowed
+    sentence, good = f"error {off:.1e} rad of {allowed:.1e} rad allowed", off <= allowed
     until = holds_until_s(exact)
     if until < 0.99 * exact.end_s:
-        told += f" until {until:.3g} s, where the two-block model ends"
+        sentence += f" until {until:.3g} s, where the two-block model ends"
     if scene.pedestal is not None and run.history is not None and exact.history is not None:
         t_s = run.history.t_s[run.history.t_s <= until]
         slip = np.interp(t_s, exact.history.t_s, exact.history.slip_m)
@@ -164,8 +164,8 @@ def agrees(scene: Scene, run: Run, exact: Run) -> Finding:
             float(np.max(np.abs(run.history.slip_m[: t_s.size] - slip))),
             AGREES_SHARE * exact.peak_slip_m + CREEP_M,
         )
-        told, good = f"{told}, slip {slid:.1e} m off of {most:.1e} m", good and slid <= most
-    return Finding("exact", good, told)
+        sentence, good = f"{sentence}, slip {slid:.1e} m off of {most:.1e} m", good and slid <= most
+    return Finding("exact", good, sentence)
 
 
 def upright(scene: Scene, run: Run) -> Finding:

@@ -35,10 +35,10 @@ def explained(row: Sequence[Cell], converged: Callable[[], Cell | None] = lambda
         elif stable := _finer(row[index + 1 :]):
             yield replace(cell, explained=f"the step is too long for this scene: {stable.setting} is stable")
         elif last is not None and last.category == "stable" and not last.short:
-            told = (
+            sentence = (
                 f"no step alone avoids it, the solver ends each too early: {last.setting} is stable ({last.evidence})"
             )
-            yield replace(cell, explained=told)
+            yield replace(cell, explained=sentence)
         else:
             yield cell
     if last is not None:

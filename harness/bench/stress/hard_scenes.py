@@ -66,9 +66,9 @@ def row_of(hard: Hard) -> HardRow:
         bad = [item for item in findings if not item.holds]
         said += [f"{name}: {item.sentence}" for item in findings if item.name != "finite"]
         if bad and hard.converged_s is not None:
-            avoids, told = _converged(engine, scene, hard, exact)
+            avoids, sentence = _converged(engine, scene, hard, exact)
             wrong = "; ".join(item.sentence for item in bad)
-            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {told}"
+            known[name] = f"{wrong} at {1e3 * hard.dt_s:g} ms; {sentence}"
             bad = [] if avoids else bad
         outcome = run.outcome.value
         got[name] = outcome if not bad else f"{outcome}, but {'; '.join(item.sentence for item in bad)}"
@@ -97,6 +97,6 @@ def _converged(engine: Engine, scene: Scene, hard: Hard, exact: Run | None) -> t
     run = engine.simulate(shorter, settings, RunOptions(skips=frozenset()))
     findings = judged(hard, shorter, run, exact, shorter.duration_s / scene.duration_s)
     bad = [item for item in findings if not item.holds]
-    told = "; ".join(item.sentence for item in bad or findings if item.name != "finite")
+    sentence = "; ".join(item.sentence for item in bad or findings if item.name != "finite")
     avoids = run.outcome.value == hard.wanted and not bad
-    return avoids, f"with {iterations(settings)} a step ({shorter.duration_s:g} s of it): {told}"
+    return avoids, f"with {iterations(settings)} a step ({shorter.duration_s:g} s of it): {sentence}"

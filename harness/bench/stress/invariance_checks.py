@@ -154,8 +154,8 @@ def _refined() -> HardRow:
     for engine in _here(CONTACT):
         errors = [error_rad(_run(engine, scene, step), judge) for step in steps]
         order = math.log2(errors[0] / errors[-1]) / (len(steps) - 1)
-        told = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
-        answers[engine.name] = order >= engine.order - ORDER_SHORT, told
+        sentence = f"order {order:.2f} (declared: {engine.order:g}), errors {errors[0]:.1e} to {errors[-1]:.1e} rad"
+        answers[engine.name] = order >= engine.order - ORDER_SHORT, sentence
     return _row("order of convergence over three halvings", answers)
 
 
@@ -170,8 +170,8 @@ def _touched() -> HardRow:
         sides[name] = scene, solution(scene)
     impacts = [run.work["impacts"] for _, run in sides.values()]
     apart = _apart(sides["missed"][1], sides["touched"][1])
-    told = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
-    answers = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, told)}
+    sentence = f"{impacts[0]} and {impacts[1]} impacts, {apart:.1e} rad apart"
+    answers = {exact.name: (impacts == [0, 1] and apart <= TOUCH_APART_RAD, sentence)}
     for engine in _here(CONTACT):
         checked = [checks.agrees(scene, _run(engine, scene), truth) for scene, truth in sides.values()]
         answers[engine.name] = all(item.holds for item in checked), "; ".join(item.sentence for item in checked)

@@ -27,16 +27,16 @@ QUICK_INPUTS: Final = 500
 def run(
     folder: Path,
     quick: bool = False,
-    told: Callable[[str], None] = lambda text: None,
+    on_progress: Callable[[str], None] = lambda text: None,
     only: Sequence[str] | None = None,
 ) -> StressRecord:
     """Run everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
 
-    What was interrupted goes on where it was. `told` hears what is at work. Raises `InputError` for a folder that cannot be
+    What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
     written, or an unknown part.
     """
     listed = all_parts(quick)
-    measured = parts.session(folder, listed, quick, only, told)
+    measured = parts.session(folder, listed, quick, only, on_progress)
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
     cells = [Cell(**row) for row in rows["maps"]]
@@ -76,28 +76,30 @@ def all_parts(quick: bool) -> list[Part]:
 def sentences(record: StressRecord) -> list[str]:
     """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
     wrong = [row for row in record.scenes if not row.holds]
-    told = []
+    sentences = []
     if record.scenes:
-        told.append(f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must.")
+        sentences.append(
+            f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must."
+        )
     for row in wrong:
         bad = "; ".join(f"{name}: {got}" for name, got in row.got.items() if got != row.wanted)
-        told.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
-    told += [f"{name} was not run: {why}." for name, why in record.absent.items()]
-    told += [
+        sentences.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
+    sentences += [f"{name} was not run: {why}." for name, why in record.absent.items()]
+    sentences += [
         f"Known failure, “{row.name}”, {name}: {text}." for row in record.scenes for name, text in row.known.items()
     ]
     counts = Counter(cell.category for cell in record.cells)
     if counts:
-        told.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
-    told += [
+        sentences.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
+    sentences += [
         f"Unexplained: {cell.engine}, {cell.setting}, {cell.difficulty}: {cell.category}, {cell.evidence}."
         for cell in record.cells
         if cell.unexplained
     ]
     if inputs := sum(item.inputs for item in record.fuzz):
         used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
-        told.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
-    told += [
+        sentences.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
+    sentences += [
         f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
     ]
-    return [*told, *parts.sentences([vars(part) for part in record.parts])]
+    return [*sentences, *parts.sentences([vars(part) for part in record.parts])]

@@ -127,7 +127,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
     gravity = frame.apparent_gravity(scene, edges)
-    states, again = _march(mujoco, model, scene, own, gravity, options, repeats=repeats)
+    states, again = _stepped(mujoco, model, scene, own, gravity, options, repeats=repeats)
     marched = len(states) - 1
     states = states[: _until_fallen(states)]
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
@@ -185,7 +185,7 @@ def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
         data.qpos[7:14] = [x, 0.0, pedestal.centroid_height_m, 1.0, 0.0, 0.0, 0.0]
 
 
-def _march(
+def _stepped(
     mujoco: Any, model: Any, scene: Scene, own: MujocoSettings, gravity: Array, options: RunOptions, *, repeats: bool
 ) -> tuple[Array, int]:
     """All steps: rows of positions and velocities, shape (n + 1, nq + nv), and how many were solved again."""

@@ -35,7 +35,7 @@ FIELDS: Final = (
 )
 WIDTH: Final = 6
 """Numbers for each body: x, z, angle (anticlockwise), their rates."""
-KEPT_ROWS: Final = 66
+ROWS_BACK: Final = 66
 """Rows that `Recorder.last` still knows when all were taken."""
 SPIN: Final = 5
 """Place of the last of them."""
@@ -81,7 +81,7 @@ class Recorder:
         self._floats.num = 0
 
     def last(self, back: int = 0) -> list[float]:
-        """The row recorded last, or one of those before it (`back` 1, 2, … `KEPT_ROWS` − 1); empty where there is none."""
+        """The row recorded last, or one of those before it (`back` 1, 2, … `ROWS_BACK` − 1); empty where there is none."""
         floats = self._floats
         end = floats.num - back * self.row
         if end > 0:
@@ -104,6 +104,6 @@ class Recorder:
         floats = self._floats
         recorded = ffi.buffer(floats.arr, floats.num * ffi.sizeof("cpFloat"))
         states = np.frombuffer(recorded, dtype=np.float64).reshape(-1, self.row).copy()
-        self._taken = np.concatenate([self._taken.reshape(-1, self.row), states[-KEPT_ROWS:]])[-KEPT_ROWS:].copy()
+        self._taken = np.concatenate([self._taken.reshape(-1, self.row), states[-ROWS_BACK:]])[-ROWS_BACK:].copy()
         floats.num = 0
         return states

@@ -68,8 +68,8 @@ class SupportVertex:
     `level_rad` (ascending, anticlockwise as Chipmunk counts) are the rotations at which the facets lie on a level support: turned
     beyond the first i of them the statue stands on vertex i. `facet` is the one that was found to come; impacts are met at rates
     above `half_cycle_rad_s`, and at those below `least_of_all_rad_s` the statue stands on a whole facet at a stick onset.
-    `depth_m` is the depth at which a vertex stands up to `fast_rad_s`, `rest_m` that at rest and above; `gained_rad_s` what the
-    spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
+    `depth_m` is the depth at which a vertex is kept at rates up to `fast_rad_s`, `rest_m` that at rest and above; `gained_rad_s`
+    what the spin gained in the last whole step, `owed_m_s` what the last `hold` took from the velocity.
     """
 
     def __init__(self, drive: RunState) -> None:

@@ -18,7 +18,7 @@ STOP_M_S = 1e-10
 """A sliding vertex stops at this speed: what is left of it is taken away."""
 SCAN_S = 1e-3
 SETTLED_M_S, SETTLED_M = 1e-7, 1e-9
-"""A vertex slower and nearer than this after an impact stays: ever smaller impacts end here."""
+"""A vertex slower and nearer than this after an impact stays: chattering ends here."""
 
 
 def direction_of(velocity: Array) -> Array:

@@ -113,7 +113,7 @@ def test_a_vertex_that_an_approach_has_stopped_is_taken_nowhere(data_dir: Path) 
         "unit": "m/s2",
     }
     statue = {"mesh": {"file": "togatus.ply", "unit": "m", "density_kg_m3": 2700.0}}
-    content = {"title": "rattle", "statue": statue, "pedestal": PEDESTAL, "contact": TWO, "motion": {"x": west}}
+    content = {"title": "micro-rocking", "statue": statue, "pedestal": PEDESTAL, "contact": TWO, "motion": {"x": west}}
     on = Base(SCENES / "scene.toml", {**content, "duration_s": 10.5}).scene({})
     found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
