@@ -172,3 +172,20 @@ def test_a_sliding_block_follows_newmark() -> None:
     stopped = [event for event in run.events if event.kind is spatial.EventKind.STICK_ONSET]
     assert [event.time_s for event in stopped] == pytest.approx([a * t1 / grip], abs=1e-9)
     assert run.energy_lost_by_sliding_j == pytest.approx(100.0 * grip * run.position_m[-1, 0], rel=budget.AUDIT)
+
+
+@pytest.mark.parametrize("friction", [0.8, 1.0, 5.0])
+def test_at_the_limit_of_friction_an_edge_is_left_by_a_lift(friction: float) -> None:
+    """Sliding is possible at that very instant, not after it: no mode of some microseconds may stand between."""
+    block = spatial.Body.block(500.0, 0.30, 0.40, 1.20)
+    run = spatial.simulate(block, BLOCK_X, BLOCK_Y, duration_s=0.1, friction_static=friction, dt_out_s=None)
+    assert [interval.mode for interval in run.intervals] == [Mode.REST, Mode.EDGE_STICK, Mode.VERTEX_STICK]
+
+
+@pytest.mark.parametrize("friction", [0.4, 0.8])
+def test_strong_motion_in_two_directions_runs_to_its_end(friction: float) -> None:
+    block = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
+    motions = (analytic.Harmonic(0.4 * GRAVITY, 1.5), analytic.Harmonic(0.35 * GRAVITY, 1.1))
+    problem = spatial.Problem(block, 10.0, friction, motion_x=motions[0], motion_y=motions[1])
+    found = spatial.outcomes(problem, {"scale": np.linspace(0.3, 1.2, 20)})
+    assert not (found.outcomes == spatial.Outcome.FRICTION_PARADOX).any()
