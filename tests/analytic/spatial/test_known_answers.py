@@ -180,12 +180,3 @@ def test_at_the_limit_of_friction_an_edge_is_left_by_a_lift(friction: float) -> 
     block = spatial.Body.block(500.0, 0.30, 0.40, 1.20)
     run = spatial.simulate(block, BLOCK_X, BLOCK_Y, duration_s=0.1, friction_static=friction, dt_out_s=None)
     assert [interval.mode for interval in run.intervals] == [Mode.REST, Mode.EDGE_STICK, Mode.VERTEX_STICK]
-
-
-@pytest.mark.parametrize("friction", [0.4, 0.8])
-def test_strong_motion_in_two_directions_runs_to_its_end(friction: float) -> None:
-    block = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
-    motions = (analytic.Harmonic(0.4 * GRAVITY, 1.5), analytic.Harmonic(0.35 * GRAVITY, 1.1))
-    problem = spatial.Problem(block, 10.0, friction, motion_x=motions[0], motion_y=motions[1])
-    found = spatial.outcomes(problem, {"scale": np.linspace(0.3, 1.2, 20)})
-    assert not (found.outcomes == spatial.Outcome.FRICTION_PARADOX).any()
