@@ -29,3 +29,6 @@ FRICTION_REL: Final = 5e-3
 
 SLIDE_M: Final = 1e-11
 """A second of sliding at a local error of 1e-13 m, with two events."""
+
+TWO_SOLVERS: Final = 1e-9
+"""Asked of two solvers up to the first impact, rad and m: local errors of 1e-13 and 1e-12, and a choice 1 µs after each onset."""

@@ -21,10 +21,11 @@ SYMMETRIC: Final = 1e-9
 @final
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Mass, kg, inertia tensor about the centroid (3, 3), kg m², and base vertices (n, 3) from the centroid, m, body's frame.
+    """Mass, kg, inertia tensor about the centroid (3, 3), kg m², and vertices (n, 3) from the centroid, m, body's frame.
 
-    The frame's z is the body's axis, up as it stands. The vertices are the corners of a convex polygon or lower hull, in any
-    order, n ≥ 3, all below the centroid; they need not be level. Raises AnalyticInputError for what is no such body.
+    The frame's z is the body's axis, up as it stands. The vertices are those that may touch the floor: the corners of the base,
+    or of the whole convex hull of a body that is thrown, in any order, n ≥ 3; they need not be level. Raises
+    AnalyticInputError for what is no such body.
     """
 
     mass_kg: float
@@ -51,8 +52,6 @@ class Body:
             )
         if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
             raise AnalyticInputError(f"vertices_m: at least three finite (x, y, z) are wanted, {vertices.shape} came.")
-        if (vertices[:, 2] >= 0.0).any():
-            raise AnalyticInputError("vertices_m: vertices below the centroid (z < 0) are wanted.")
         for name, value in (("mass_kg", float(mass_kg)), ("inertia_kg_m2", inertia), ("vertices_m", vertices)):
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)

@@ -26,7 +26,7 @@ class Problem:
     """A body on a shaking floor; SI units, table's frame, angular velocity in the body's frame.
 
     position_m of the centroid; None: standing on the lowest vertex at x = y = 0. friction_kinetic None: as friction_static; both
-    may be infinite. Raises AnalyticInputError for numbers that cannot be run.
+    may be infinite. overturn_rad ends a run; from π on nothing does. Raises AnalyticInputError for numbers that cannot be run.
     """
 
     body: Body

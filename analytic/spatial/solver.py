@@ -37,6 +37,7 @@ TOUCH_M: Final = 1e-10
 """Vertices whose gaps differ by less land together: far above what a symmetric body's rounding makes of equal gaps, far below
 what any contact resolves."""
 STILL_M_S: Final = 1e-9
+"""Slowest sliding; where the local error is larger, ten times that: a slower velocity has no direction but that of the error."""
 SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
 FIRST_EVENTS: Final = 256
@@ -71,11 +72,11 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
         "friction_static": min(problem.friction_static, 1e9),
         "friction_kinetic": min(problem.kinetic, 1e9),
         "duration_s": problem.duration_s,
-        "overturn_cos": math.cos(problem.overturn_rad),
+        "overturn_cos": math.cos(problem.overturn_rad) if problem.overturn_rad < math.pi else -math.inf,
         "stands_cos": math.cos(_slenderness(body)),
         "tolerance": tolerance,
         "touch_m": TOUCH_M,
-        "still_m_s": STILL_M_S,
+        "still_m_s": max(STILL_M_S, 10.0 * tolerance),
         "settle_m_s": math.sqrt(2.0 * problem.gravity_m_s2 * max(tolerance, SETTLE_M)),
         "step_cap_s": step_cap_s,
         "output_step_s": dt_out_s or 0.0,
@@ -103,8 +104,10 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
 
 
 def _slenderness(body: Body) -> float:
-    """Tilt up to which the upright body is inside all of its base's edges, rad: the least over them."""
-    r = body.vertices_m
+    """Tilt up to which the upright body is inside all of its base's edges, rad: the least over them; 0 without a base."""
+    r = body.vertices_m[body.vertices_m[:, 2] < 0.0]
+    if len(r) < 3:
+        return 0.0
     r = r[np.argsort(np.arctan2(*(r[:, :2] - r[:, :2].mean(axis=0)).T[::-1]))]
     a, b = r, np.roll(r, -1, axis=0)
     edge = b[:, :2] - a[:, :2]

@@ -18,7 +18,7 @@ from harness.engines.contact.spatial import planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
-from harness.model.scene import OVERTURN_RAD, Scene
+from harness.model.scene import OVERTURN_RAD, Pose, Scene
 
 if TYPE_CHECKING:
     from analytic.spatial import Certified, Problem, Solution
@@ -50,7 +50,7 @@ class Spatial(Engine):
     name: ClassVar[str] = "spatial"
     capabilities: ClassVar[Capabilities] = Capabilities(
         dimensions=3, certifies=True, uses_mesh=True, own_impact=True, statue_slips=True, flies=True, forces=True,
-        pedestal=False, edge_shape="the base's vertices alone",
+        pedestal=False, posed_start=True, edge_shape="the base's vertices alone",
     )  # fmt: skip
     order: ClassVar[float] = 8.0
 
@@ -115,18 +115,18 @@ def _refuse(scene: Scene) -> None:
 
 
 def problem_of(scene: Scene) -> Problem:
-    """The scene's statue on the vertices of its footprint, turned and turning about its lowest vertex as the scene begins."""
+    """The scene's statue on the vertices of its footprint as the scene begins, or on all its outer points where it is thrown."""
     from analytic import spatial
 
-    statue, motion = scene.statue, scene.base_excitation
-    vertices = np.asarray(statue.footprint_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
-    theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
-    c, s = math.cos(theta), math.sin(theta)
-    turned = vertices @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
-    # Upright both corners are as low: the rate says about which it turns.
-    side = math.copysign(1.0, theta or rate)
-    lowest = int(np.argmin(turned[:, 2] - 1e-9 * side * vertices[:, 0]))
-    place = np.array([vertices[lowest, 0], 0.0, 0.0]) - turned[lowest] * [1.0, 0.0, 1.0]
+    statue, pose = scene.statue, scene.initial.pose
+    # What is thrown may land on any of its points; what stands touches with its base.
+    vertices = (
+        np.asarray(statue.footprint_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
+        if pose is None
+        else statue.outer_points_m
+    )
+    start = _leaning(scene, vertices) if pose is None else _thrown(pose)
+    motion = scene.base_excitation
     return spatial.Problem(
         spatial.Body(statue.mass_kg, statue.inertia_tensor_kg_m2, vertices),
         scene.duration_s,
@@ -136,12 +136,37 @@ def problem_of(scene: Scene) -> Problem:
         motion.y,
         motion.z,
         gravity_m_s2=scene.gravity_m_s2,
-        position_m=tuple(place),
-        quaternion_wxyz=(math.cos(0.5 * theta), 0.0, math.sin(0.5 * theta), 0.0),
-        velocity_m_s=(-rate * turned[lowest, 2], 0.0, rate * turned[lowest, 0]),
-        angular_velocity_rad_s=(0.0, rate, 0.0),
-        overturn_rad=OVERTURN_RAD + BEYOND_RAD,
+        **start,
     )
+
+
+def _thrown(pose: Pose) -> dict[str, Any]:
+    """A start in space; no rotation ends it."""
+    return {
+        "position_m": pose.position_m,
+        "quaternion_wxyz": pose.quaternion_wxyz,
+        "velocity_m_s": pose.velocity_m_s,
+        "angular_velocity_rad_s": pose.angular_velocity_rad_s,
+        "overturn_rad": math.tau,
+    }
+
+
+def _leaning(scene: Scene, vertices: Array) -> dict[str, Any]:
+    """A start in the rocking plane, turned and turning about the lowest vertex."""
+    theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
+    c, s = math.cos(theta), math.sin(theta)
+    turned = vertices @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    # Upright both corners are as low: the rate says about which it turns.
+    side = math.copysign(1.0, theta or rate)
+    lowest = int(np.argmin(turned[:, 2] - 1e-9 * side * vertices[:, 0]))
+    place = np.array([vertices[lowest, 0], 0.0, 0.0]) - turned[lowest] * [1.0, 0.0, 1.0]
+    return {
+        "position_m": tuple(place),
+        "quaternion_wxyz": (math.cos(0.5 * theta), 0.0, math.sin(0.5 * theta), 0.0),
+        "velocity_m_s": (-rate * turned[lowest, 2], 0.0, rate * turned[lowest, 0]),
+        "angular_velocity_rad_s": (0.0, rate, 0.0),
+        "overturn_rad": OVERTURN_RAD + BEYOND_RAD,
+    }
 
 
 def _trajectory(scene: Scene, solution: Solution) -> Trajectory:

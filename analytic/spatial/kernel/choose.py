@@ -28,13 +28,12 @@ from analytic.spatial.kernel.contact import (
     columns,
     edge_margin,
     normal,
-    place,
     response,
     solve_columns,
-    solve_flat,
     tangent,
 )
 from analytic.spatial.kernel.directions import find_directions
+from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import rests, stops_all
 from analytic.spatial.kernel.vectors import Vector, dot, vector
@@ -66,10 +65,11 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
     limited = mode in (VERTEX_STICK, EDGE_PIVOT, FLAT_PIVOT) and m.stick_limit[a] < UNLIMITED
     if limited and tangent(m, rows, a) > m.stick_limit[a] * normal(m, rows, a):
         return False
-    if mode == EDGE_PIVOT:
+    # A vertex that slides already may be slowed down; one that begins to must move against its friction.
+    if mode == EDGE_PIVOT and m.known[b] == 0:
         return sign * dot(along_across(m, rows, a, b)[1], response(m, b)) >= -zero
-    if mode == FLAT_PIVOT:
-        j = m.touch[0] if m.touch[0] != a else m.touch[1]
+    j = m.touch[0] if m.touch[0] != a else m.touch[1]
+    if mode == FLAT_PIVOT and m.known[j] == 0:
         return sign * dot(along_across(m, rows, a, j)[1], response(m, j)) >= -zero
     return True
 

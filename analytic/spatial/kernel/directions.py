@@ -7,15 +7,8 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
-from analytic.spatial.kernel.contact import (
-    Rows,
-    along_across,
-    columns,
-    place,
-    response,
-    solve_columns,
-    solve_flat,
-)
+from analytic.spatial.kernel.contact import Rows, along_across, columns, response, solve_columns
+from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import dot, to_table
 
@@ -155,7 +148,8 @@ def flat_directions(s: Run, m: Memory, rows: Rows, size: float) -> bool:
         if change <= 1e-12 * size:
             right = ok
             for k in range(s.touching):
-                right = right and off_direction(m, rows, m.touch[k])[1] >= -zero
+                i = m.touch[k]
+                right = right and (m.known[i] != 0 or off_direction(m, rows, i)[1] >= -zero)
             return right
         if step > 8:
             share = 0.5

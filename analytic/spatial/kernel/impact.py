@@ -64,9 +64,8 @@ def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
 
 
 @jit
-def decide(s: Run, m: Memory) -> None:
-    """Choose the mode of the vertices that are down from their own accelerations, and put the state into it."""
-    rows, before = axes(m.y), s.mode
+def find_mode(s: Run, m: Memory) -> bool:
+    """Set the mode of the vertices that are down from their own accelerations; False if none is possible."""
     set_touch(s, m)
     limits(s, m, 10.0 * s.still_m_s, False)
     g = field(s, m, s.time_s)
@@ -74,12 +73,16 @@ def decide(s: Run, m: Memory) -> None:
     size = length(g)
     for k in range(s.touching):
         size = max(size, length(row3(m.u, m.touch[k])))
-    if not choose(s, m, rows, g, False, size):
+    return choose(s, m, axes(m.y), g, False, size)
+
+
+@jit
+def decide(s: Run, m: Memory) -> None:
+    """Choose the mode of the vertices that are down, and put the state into it."""
+    if find_mode(s, m):
+        enter(s, m)
+    else:
         s.outcome = NO_MODE
-        return
-    enter(s, m)
-    if before != s.mode:
-        s.fresh = True
 
 
 @jit

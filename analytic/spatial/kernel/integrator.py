@@ -5,101 +5,45 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.codes import HARMONIC, NONE, RECTANGULAR, SAMPLED
+from analytic.kernel.codes import HARMONIC, NONE, SAMPLED
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.memory import load_double
-from analytic.kernel.records import Floats
 from analytic.spatial.kernel.codes import (
     BREAK,
-    EDGE_STICK,
     END,
     FLAT_REST,
     GAVE_UP,
-    OVERTURN,
-    OVERTURNED,
     RUNNING,
-    SLIP_ONSET,
     STANDS,
     START,
-    STICK_ONSET,
     UNDECIDED,
-    UPLIFT,
-    WATCH_GAP,
-    WATCH_NORMAL,
-    WATCH_SPEED,
-    WATCH_TILT,
 )
-from analytic.spatial.kernel.contact import UNLIMITED, edge_friction, vertex_velocities
+from analytic.spatial.kernel.contact import vertex_velocities
+from analytic.spatial.kernel.happening import happen
 from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_heading, vertex_place
 from analytic.spatial.kernel.impact import collide, decide
 from analytic.spatial.kernel.motion import field, is_over, pass_breaks
-from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, rates
+from analytic.spatial.kernel.rates import kinetic_energy, rates
 from analytic.spatial.kernel.records import STATE, Memory, Run
-from analytic.spatial.kernel.rest import edge_distance, rests, thrust
-from analytic.spatial.kernel.tableau import E3, E5, STAGES, A, B, C
+from analytic.spatial.kernel.rest import rests
+from analytic.spatial.kernel.resting import hold, needed
+from analytic.spatial.kernel.steps import SAME_INSTANT_S, error, part, stages
+from analytic.spatial.kernel.tableau import STAGES
 from analytic.spatial.kernel.track import audit, note_event, note_peak, sample
 from analytic.spatial.kernel.vectors import axes, row3, to_table
 from analytic.spatial.kernel.watching import arm, lowest, watch
 
-DYNAMIC: Final = 13
-"""Items of the state that the error counts: all but the balance of energy."""
 SAFETY: Final = 0.9
 SHRINK: Final = 0.2
 GROW: Final = 5.0
 EXPONENT: Final = 1.0 / 8.0
 SHORTEST: Final = 1e-15
 """Shortest step, s: below it time does not advance."""
-SAME_INSTANT_S: Final = 1e-13
-"""Width to which an event is located."""
-STALLED: Final = 100
-"""Events at one instant after which a run is given up."""
 MOST: Final = 2_000_000
 """Steps rejected after which a run is given up."""
 FIRST_STEP_S: Final = 1e-3
-REST_STEPS: Final = 64.0
-"""Steps to a period of a sine in which a body at rest is looked at."""
-TWO_PI: Final = 2.0 * math.pi
 LOOKS: Final = 4
 """Places in a step at which the event functions are looked at."""
-
-
-@jit
-def stages(s: Run, m: Memory, k: Floats, h: float, out: Floats) -> None:
-    """A step of length h from the present state, its first stage being there."""
-    for i in range(1, STAGES):
-        for c in range(STATE):
-            total = 0.0
-            for j in range(i):
-                total += A[i, j] * k[j, c]
-            m.ys[c] = m.y[c] + h * total
-        rates(s, m, m.ys, s.time_s + C[i] * h, k[i])
-    for c in range(STATE):
-        total = 0.0
-        for j in range(STAGES):
-            total += B[j] * k[j, c]
-        out[c] = m.y[c] + h * total
-
-
-@jit
-def error(s: Run, m: Memory, h: float) -> float:
-    """The step's error over what is allowed (Hairer, Nørsett and Wanner, equation 10.17)."""
-    fine, coarse = 0.0, 0.0
-    for c in range(DYNAMIC):
-        e3, e5 = 0.0, 0.0
-        for j in range(STAGES):
-            e3, e5 = e3 + E3[j] * m.k[j, c], e5 + E5[j] * m.k[j, c]
-        allowed = s.tolerance * (1.0 + max(abs(m.y[c]), abs(m.y1[c])))
-        fine, coarse = fine + (e5 / allowed) ** 2, coarse + (e3 / allowed) ** 2
-    if fine == 0.0 and coarse == 0.0:
-        return 0.0
-    return h * fine / math.sqrt((fine + 0.01 * coarse) * DYNAMIC)
-
-
-@jit
-def part(s: Run, m: Memory, h: float, out: Floats) -> None:
-    """The state at a part of the present step, by a step of its own."""
-    m.k1[0] = m.k[0]
-    stages(s, m, m.k1, h, out)
 
 
 @inlined
@@ -171,21 +115,6 @@ def write_samples(s: Run, m: Memory, h: float) -> None:
 
 
 @jit
-def needed(s: Run, m: Memory) -> None:
-    """Keep the largest of the least friction that sticking needs."""
-    if s.mode == FLAT_REST:
-        g = field(s, m, s.time_s)
-        least = math.sqrt(g[0] * g[0] + g[1] * g[1]) / -g[2] if g[2] < 0.0 else math.inf
-    elif s.mode == EDGE_STICK:
-        rows = axes(m.y)
-        contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
-        least = edge_friction(m, rows, s.a, s.b)
-    else:
-        return
-    s.least_friction = max(s.least_friction, least)
-
-
-@jit
 def step(s: Run, m: Memory) -> None:
     """One step, up to its first event at most."""
     if s.fresh:
@@ -227,138 +156,6 @@ def step(s: Run, m: Memory) -> None:
     hold_velocity(s, m, m.y)
     take_heading(s, m, m.y)
     rates(s, m, m.y, s.time_s, m.k[0])
-
-
-@jit
-def happen(s: Run, m: Memory) -> None:
-    """What the event functions that are no longer positive say has happened."""
-    count = watch(s, m, m.y, s.time_s)
-    gap, first, kind = -1, -1, -1
-    for k in range(count):
-        if m.watch[k] + m.offset[k] <= 0.0:
-            if m.watch_kind[k] == WATCH_TILT:
-                s.outcome = OVERTURNED
-                note_event(s, m, OVERTURN, -1, 0.0, 0.0)
-                return
-            if m.watch_kind[k] == WATCH_GAP and gap < 0:
-                gap = m.watch_vertex[k]
-            if first < 0:
-                first, kind = m.watch_vertex[k], m.watch_kind[k]
-    s.stalled = s.stalled + 1 if s.time_s - s.event_s < 10.0 * SAME_INSTANT_S else 0
-    s.event_s = s.time_s
-    if s.stalled > STALLED:
-        s.outcome = GAVE_UP
-        return
-    if gap >= 0:
-        collide(s, m, gap)
-    elif kind == WATCH_SPEED:
-        _stop(s, m, first)
-    elif kind >= 0:
-        decide(s, m)
-        note_event(s, m, UPLIFT if kind == WATCH_NORMAL else SLIP_ONSET, first, 0.0, 0.0)
-    else:
-        s.fresh = True
-    audit(s, m, s.start_j)
-
-
-@jit
-def _stop(s: Run, m: Memory, vertex: int) -> None:
-    """A vertex' velocity along its direction has passed zero: it stops, unless it has only turned."""
-    moving = False
-    if vertex >= 0:
-        vertex_velocities(m, m.y)
-        x = to_table(axes(m.y), row3(m.u, vertex))
-        moving = math.sqrt(x[0] * x[0] + x[1] * x[1]) > 10.0 * s.still_m_s
-    if moving:
-        s.fresh = True
-        return
-    decide(s, m)
-    note_event(s, m, STICK_ONSET, vertex, 0.0, 0.0)
-
-
-@jit
-def rest_margin(s: Run, m: Memory, t: float) -> float:
-    """How far a body at rest is from its first limit, N: negative beyond it."""
-    rows = axes(m.y)
-    x, y, v, h = thrust(s, m, rows, field(s, m, t))
-    least = s.friction_static * v - h if s.friction_static < UNLIMITED else v
-    for k in range(s.touching):
-        least = min(least, edge_distance(s, m, rows, k, x, y) * v)
-    return least if v > 0.0 else -math.inf
-
-
-@jit
-def _rest_event(s: Run, m: Memory, low: float, high: float) -> float:
-    """When between two times the margin of rest becomes negative; it is so at the second."""
-    for _ in range(200):
-        if high - low <= max(SAME_INSTANT_S, 4.0 * 2.2e-16 * high):
-            break
-        at = 0.5 * (low + high)
-        if rest_margin(s, m, at) >= 0.0:
-            low = at
-        else:
-            high = at
-    return high
-
-
-@jit
-def _dip(s: Run, m: Memory, low: float, high: float) -> float:
-    """The time of the least margin between two times about a single minimum, by golden sections."""
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    a, b = high - share * (high - low), low + share * (high - low)
-    fa, fb = rest_margin(s, m, a), rest_margin(s, m, b)
-    for _ in range(60):
-        if min(fa, fb) < 0.0 or high - low < 1e-10:
-            break
-        if fa < fb:
-            high, b, fb = b, a, fa
-            a = high - share * (high - low)
-            fa = rest_margin(s, m, a)
-        else:
-            low, a, fa = a, b, fb
-            b = low + share * (high - low)
-            fb = rest_margin(s, m, b)
-    return a if fa < fb else b
-
-
-@jit
-def _rest_step_s(m: Memory) -> float:
-    """How finely a rest is looked through: between a record's samples all limits are convex, and their ends tell."""
-    longest = math.inf
-    for axis in range(3):
-        if m.kinds[axis] not in (NONE, SAMPLED, RECTANGULAR):
-            longest = min(longest, TWO_PI / m.motion[axis, 1] / REST_STEPS)
-    return longest
-
-
-@jit
-def hold(s: Run, m: Memory) -> None:
-    """Keep the body at rest up to the next break, or until it moves."""
-    until, step_s, found = s.limit_s, _rest_step_s(m), False
-    low, before, last = s.time_s, rest_margin(s, m, s.time_s), math.inf
-    start = low
-    while low < s.limit_s and not found:
-        high = min(low + step_s, s.limit_s)
-        now = rest_margin(s, m, high)
-        if now < 0.0:
-            until, found = _rest_event(s, m, low, high), True
-        elif before <= last and before <= now and step_s < math.inf:
-            at = _dip(s, m, start, high)
-            if rest_margin(s, m, at) < 0.0:
-                until, found = _rest_event(s, m, start, at), True
-        start, low, last, before = low, high, before, now
-    m.y1[:] = m.y
-    if s.output_step_s > 0.0:
-        while s.samples < m.instants - 1 and s.samples * s.output_step_s <= until:
-            sample(s, m, s.samples * s.output_step_s, m.y)
-    s.time_s = until
-    if s.keep_events:
-        needed(s, m)
-    if found:
-        g = field(s, m, s.time_s)
-        slips = s.friction_static < UNLIMITED and math.sqrt(g[0] ** 2 + g[1] ** 2) > s.friction_static * -g[2]
-        decide(s, m)
-        note_event(s, m, SLIP_ONSET if slips else UPLIFT, -1, 0.0, 0.0)
 
 
 @jit

@@ -17,13 +17,8 @@ from analytic.spatial.kernel.codes import (
     VERTEX_SLIDE,
     VERTEX_STICK,
 )
-from analytic.spatial.kernel.contact import (
-    Rows,
-    columns,
-    free_accelerations,
-    solve_columns,
-    solve_flat,
-)
+from analytic.spatial.kernel.contact import Rows, columns, free_accelerations, solve_columns
+from analytic.spatial.kernel.flat import solve_flat
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.records import LOST, WORK, Memory, Run
 from analytic.spatial.kernel.rest import spread_rest

@@ -12,7 +12,8 @@ from typing import Final
 
 from analytic.kernel.compiler import jit
 from analytic.kernel.records import Floats
-from analytic.spatial.kernel.contact import UNLIMITED, Rows, eliminate, place, respond
+from analytic.spatial.kernel.contact import UNLIMITED, Rows, eliminate, respond
+from analytic.spatial.kernel.flat import place
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import Vector, apply, cross, dot, plus, row3, times, to_body, to_table
 

@@ -22,17 +22,8 @@ from analytic.spatial.kernel.codes import (
     WATCH_SPEED,
     WATCH_TILT,
 )
-from analytic.spatial.kernel.contact import (
-    UNLIMITED,
-    Rows,
-    edge_margin,
-    flat_push,
-    flat_row,
-    normal,
-    place,
-    respond,
-    tangent,
-)
+from analytic.spatial.kernel.contact import UNLIMITED, Rows, edge_margin, normal, respond, tangent
+from analytic.spatial.kernel.flat import flat_push, flat_row, place
 from analytic.spatial.kernel.holding import vertex_place
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces, touches_flat

@@ -172,3 +172,11 @@ def test_a_sliding_block_follows_newmark() -> None:
     stopped = [event for event in run.events if event.kind is spatial.EventKind.STICK_ONSET]
     assert [event.time_s for event in stopped] == pytest.approx([a * t1 / grip], abs=1e-9)
     assert run.energy_lost_by_sliding_j == pytest.approx(100.0 * grip * run.position_m[-1, 0], rel=budget.AUDIT)
+
+
+@pytest.mark.parametrize("friction", [0.8, 1.0, 5.0])
+def test_at_the_limit_of_friction_an_edge_is_left_by_a_lift(friction: float) -> None:
+    """Sliding is possible at that very instant, not after it: no mode of some microseconds may stand between."""
+    block = spatial.Body.block(500.0, 0.30, 0.40, 1.20)
+    run = spatial.simulate(block, BLOCK_X, BLOCK_Y, duration_s=0.1, friction_static=friction, dt_out_s=None)
+    assert [interval.mode for interval in run.intervals] == [Mode.REST, Mode.EDGE_STICK, Mode.VERTEX_STICK]

@@ -175,3 +175,15 @@ def test_one_impact_of_a_cube_is_the_reference(root: Path, friction: float) -> N
     on = cube.but(contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
     wanted, found = exact(on), turned(run("pybullet", on, 1.25e-4))
     assert np.max((found * wanted.inv()).magnitude()) < budget.ONE_IMPACT_RAD
+
+
+@pytest.mark.parametrize("friction", [1.0, 0.18])
+def test_the_exact_body_thrown_follows_the_reference(root: Path, friction: float) -> None:
+    """A cube lands on one of its eight corners; and may turn over any angle."""
+    cube = load_scene(root / "scenes" / "cube_toss.toml")
+    w, x, y, z = (np.array([0.4, 0.5, 0.3, 0.7]) / math.sqrt(0.99)).tolist()
+    pose = Pose((0.0, 0.0, 0.15), (w, x, y, z), (-1.0, 0.5, 0.0), (-3.0, -1.0, 4.0))
+    contact = replace(cube.contact, statue=friction)
+    on = cube.but(contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
+    found = turned(run("spatial", on, 0.01))
+    assert np.max((found * exact(on).inv()).magnitude()) < budget.TWO_SOLVERS_RAD
