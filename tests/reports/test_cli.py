@@ -46,6 +46,16 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
+def test_a_model_that_refuses_a_scene_agrees_with_nobody(scene: Path, tmp_path: Path) -> None:
+    scene.write_text(SCENE.replace("[initial]", "height_m = 1.0\n[contact]\nrestitution = 0.9\n[initial]"))
+    done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "spatial", "--no-witness", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert "outcome: one model of 2 answered: the statue stands" in done.stdout
+    assert "spatial   the engine gave no answer: spatial does not compute a prescribed ratio at impact" in done.stdout
+    assert "agree" not in done.stdout
+    assert "crashed" not in done.stdout
+
+
 def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path) -> None:
     done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "pymunk", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
