@@ -91,6 +91,18 @@ def test_a_file_that_is_no_store_is_a_mistake_of_the_user(tmp_path: Path) -> Non
         Store(path)
 
 
+def test_another_programs_database_is_refused_and_keeps_its_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with sqlite3.connect(path) as db:
+        db.execute("CREATE TABLE notes (text TEXT)")
+    db.close()
+    before = path.read_bytes()
+    with pytest.raises(InputError, match="another program's database"):
+        Store(path)
+    assert path.read_bytes() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["store.sqlite"]
+
+
 def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     with Store(path):
