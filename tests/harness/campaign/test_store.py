@@ -143,6 +143,29 @@ def test_what_can_still_be_read_of_a_damaged_store_is_salvaged(tmp_path: Path) -
         recover(path, tmp_path / "fresh.sqlite")
 
 
+def test_of_a_store_that_was_cut_off_what_is_left_is_salvaged(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with Store(path) as store:
+        store.put([(f"key{i:04d}", run()) for i in range(400)], histories=True)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2 + 100])
+    saved = recover(path, tmp_path / "room" / "fresh.sqlite")
+    assert 100 < saved.results < 300
+    with Store(tmp_path / "room" / "fresh.sqlite") as fresh:
+        assert len(fresh.keys()) == saved.results
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["room", "store.sqlite"]
+
+
+def test_what_a_killed_process_left_beside_its_store_is_salvaged_too(tmp_path: Path) -> None:
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    with Store(tmp_path / "store.sqlite") as store:
+        store.put([(f"key{i:04d}", run()) for i in range(40)], histories=True)
+        for name in ("store.sqlite", "store.sqlite-wal"):
+            (killed / name).write_bytes((tmp_path / name).read_bytes())
+    assert recover(killed / "store.sqlite", tmp_path / "fresh.sqlite").results == 40
+
+
 def test_a_run_whose_history_is_lost_counts_as_none(tmp_path: Path) -> None:
     """67 histories of 201 deleted: what is left is taken over, and the others are computed again, not passed over."""
     path, fresh = tmp_path / "store.sqlite", tmp_path / "fresh.sqlite"
