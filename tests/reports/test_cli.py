@@ -98,6 +98,21 @@ def test_without_pybullet_the_engines_are_listed(tmp_path: Path) -> None:
     assert "pybullet cannot be imported" in missing["pybullet"]
 
 
+def test_without_any_contact_engine_the_model_runs_alone(scene: Path, tmp_path: Path) -> None:
+    without = WITHOUT_PYBULLET.replace("import sys; ", "import sys; sys.modules['pymunk'] = None; ")
+    done = [
+        subprocess.run(
+            [sys.executable, "-c", without, *asked], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        for asked in (("engines",), ("run", "block.toml"))
+    ]
+    for each in done:
+        assert each.returncode == 0, each.stderr
+        assert "pymunk cannot be imported" in each.stdout
+    assert "outcome: one model of 3 answered: the statue stands" in done[1].stdout
+    assert (tmp_path / "out" / "block" / "report.html").is_file()
+
+
 def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Path) -> None:
     done = rockcheck("run", "block.toml", "-e", "analytic", "--json", cwd=tmp_path)
     assert json.loads(done.stdout)["runs"]["analytic"]["outcome"] == "stands"

@@ -7,7 +7,8 @@ import time
 import numpy as np
 
 from harness.engines.contact import frame
-from harness.engines.pymunk.world import MunkSettings, build
+from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk.world import build
 from harness.model.scene import Scene
 
 

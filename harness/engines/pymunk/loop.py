@@ -15,8 +15,8 @@ from harness.engines.pymunk import drive as driving
 from harness.engines.pymunk import events, native, uplift, writing
 from harness.engines.pymunk import micro_rocking as rattle
 from harness.engines.pymunk.drive import RunState
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.standing import FAR, SupportVertex
-from harness.engines.pymunk.world import MunkSettings
 from harness.model.options import RunOptions
 from harness.model.scene import OVERTURN_RAD, Scene
 

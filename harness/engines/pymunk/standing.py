@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from harness.engines.pymunk import native
 from harness.engines.pymunk.drive import RunState
-from harness.engines.pymunk.world import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.model.scene import Scene
 from meshes.footprint import lower_chain
 
