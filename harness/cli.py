@@ -196,16 +196,16 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
-    from harness.assess.assessment import sentence
     from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
-    lines += [f"  {name}: the statue {sentence(item)}" for name, item in result.assessment.items()]
+    lines += [f"  {name}: the statue {item.sentence}" for name, item in result.assessment.items()]
     outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
     if len(result.runs) > 1 and outcomes:
-        ended = "all models agree: " + outcomes[0].sentence if len(outcomes) == 1 else "the models differ"
+        who = _who_agrees(len(result.runs), sum(not run.outcome.failed for run in result.runs.values()))
+        ended = f"{who}: {outcomes[0].sentence}" if len(outcomes) == 1 else "the models differ"
         if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
-            ended = "all models agree that the statue overturns; the side differs"
+            ended = f"{who} that the statue overturns; the side differs"
         given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
         lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
     width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
@@ -218,6 +218,13 @@ def summary(result: Result) -> str:
     lines += [f"  note: {note}" for note in result.scene.notes]
     lines += [f"  warning: {name}: {text}" for name, run in result.runs.items() for text in run.warnings]
     return "\n".join(map(printable, lines))
+
+
+def _who_agrees(asked: int, answered: int) -> str:
+    """The models that say the same: one that gave no answer agrees with nobody, nor does one alone."""
+    if answered == asked:
+        return "all models agree"
+    return f"one model of {asked} answered" if answered == 1 else f"{answered} of {asked} models answered and agree"
 
 
 def _details(run: Any) -> str:

@@ -305,3 +305,7 @@ def main() -> None:
         # The name of a file may be no text: what cannot be printed is printed as escapes.
         sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(guarded(app))
+
+
+if __name__ == "__main__":
+    main()

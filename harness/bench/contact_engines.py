@@ -64,7 +64,7 @@ def analytic_run(scene: Scene) -> Run:
 def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]:
     """Cost of a whole pymunk run (split steps, record, reduction) over a bare loop with the same settings and read-outs."""
     from harness.bench.pymunk_defaults import baseline_loop
-    from harness.engines.pymunk.world import MunkSettings
+    from harness.engines.pymunk.settings import MunkSettings
 
     engine = engines.load("pymunk")
     found: dict[str, float] = {}

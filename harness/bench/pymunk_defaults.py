@@ -10,7 +10,8 @@ import pymunk
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
-from harness.engines.pymunk.world import MunkSettings, build, rotated
+from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk.world import build, rotated
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from harness.campaign.store import Store, history_sum, record_sum
@@ -38,7 +40,10 @@ def recover(damaged: Path, fresh: Path) -> Recovered:
         raise InputError(Mistake(str(fresh), "", "a file that does not exist yet", "an existing one"))
     if not damaged.is_file():
         raise InputError(Mistake(str(damaged), "", "an existing store", "nothing"))
-    rows = {table: list(_readable(damaged, table)) for table in ("result", "timing", "history", "plan")}
+    room = next(path for path in fresh.absolute().parents if path.is_dir())
+    with TemporaryDirectory(dir=room, prefix=".salvage-") as folder:
+        whole = _copied(damaged, Path(folder))
+        rows = {table: list(_readable(whole, table)) for table in ("result", "timing", "history", "plan")}
     readable = len(rows["result"])
     rows["history"] = [row for row in rows["history"] if _is_whole(row, history_sum)]
     with_history = {row[0] for row in rows["history"]}
@@ -58,6 +63,27 @@ def recover(damaged: Path, fresh: Path) -> Recovered:
     return Recovered(len(rows["result"]), readable - len(rows["result"]))
 
 
+def _copied(damaged: Path, folder: Path) -> Path:
+    """A copy to read, with what a killed process left beside it; of a file that was cut off the header counts the pages left.
+
+    SQLite refuses every page of a file that is shorter than its header says.
+    """
+    copy = folder / damaged.name
+    shutil.copyfile(damaged, copy)
+    beside = damaged.with_name(f"{damaged.name}-wal")
+    if beside.is_file():
+        shutil.copyfile(beside, copy.with_name(beside.name))
+    with copy.open("r+b") as file:
+        header = file.read(32)
+        size = int.from_bytes(header[16:18], "big") or 1
+        size = 65_536 if size == 1 else size
+        pages = copy.stat().st_size // size
+        if int.from_bytes(header[28:32], "big") > pages:
+            file.seek(28)
+            file.write(pages.to_bytes(4, "big"))
+    return copy
+
+
 def _is_whole(row: tuple[Any, ...], checksum: Callable[..., int]) -> bool:
     """Whether a row has the checksum that it was stored with; not so one of another version, or of other types."""
     try:
@@ -71,7 +97,7 @@ def _readable(path: Path, table: str) -> Iterator[tuple[Any, ...]]:
     seen: set[tuple[Any, ...]] = set()
     for order in ("rowid ASC", "rowid DESC", "1 ASC", "1 DESC"):
         try:
-            with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)) as db:
+            with closing(sqlite3.connect(path)) as db:
                 for row in db.execute(f"SELECT * FROM {table} ORDER BY {order}"):
                     if row[:3] in seen:
                         break

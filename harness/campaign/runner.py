@@ -229,6 +229,13 @@ class LocalPool:
 _OPEN: Final[WeakSet[LocalPool]] = WeakSet()
 
 
+def kill_workers() -> None:
+    """Kill the processes of every pool, whatever they are at: threads that wait for their answers hear that they died."""
+    for pool in list(_OPEN):
+        for worker in list(pool._workers):
+            worker.process.kill()
+
+
 @atexit.register
 def _close_open() -> None:
     for pool in list(_OPEN):

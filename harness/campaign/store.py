@@ -58,6 +58,7 @@ CREATE VIEW IF NOT EXISTS run AS SELECT key, {
     )
 }, record, has_history, crc32 FROM result WHERE kind = '{RUN}';
 """
+_TABLES: Final = frozenset(("result", "timing", "history", "plan", "run"))
 
 
 @dataclass(frozen=True)
@@ -127,13 +128,15 @@ class Store:
     def _prepare(self, path: Path) -> None:
         with self._naming_damage("read"):
             self._db.execute(f"PRAGMA busy_timeout={BUSY_MS}")
+            # Before anything is written: 0 is the version of a new file, and of most other programs' databases.
+            version = self._db.execute("PRAGMA user_version").fetchone()[0]
+            names = {name for (name,) in self._db.execute("SELECT name FROM sqlite_master WHERE sql NOT NULL")}
+            if version not in (0, STORE_VERSION) or (version == 0 and not names <= _TABLES):
+                got = f"version {version}" if version else "another program's database"
+                raise InputError(Mistake(str(path), "", f"a store of version {STORE_VERSION}", got, "use another file"))
             self._db.execute("PRAGMA journal_mode=WAL")
             # In WAL mode NORMAL survives a killed process; only a power cut may lose the last results, never damage the file.
             self._db.execute("PRAGMA synchronous=NORMAL")
-            version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in (0, STORE_VERSION):
-                wanted = f"a store of version {STORE_VERSION}"
-                raise InputError(Mistake(str(path), "", wanted, f"version {version}", "use another file"))
             self._db.executescript(_SCHEMA)
             self._db.execute(f"PRAGMA user_version={STORE_VERSION}")
 

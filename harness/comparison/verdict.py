@@ -29,6 +29,9 @@ number that calls no pair of equal models different and misses no effect above t
 OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 """Verdicts with which outcomes that differ decide nothing between the two."""
 
+ACROSS: Final = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+"""Falls of which the rotation in the rocking plane tells nothing."""
+
 
 @dataclass(frozen=True)
 class Side:
@@ -36,7 +39,8 @@ class Side:
 
     `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
     model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
-    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `no_return_s` is when it fell for good.
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
+    left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
     """
 
     name: str
@@ -48,7 +52,7 @@ class Side:
     left_domain_s: float | None = None
     left_domain_by: str = ""
     axes: tuple[str, ...] | None = None
-    no_return_s: float | None = None
+    across_s: float | None = None
 
     @property
     def until_s(self) -> float:
@@ -87,8 +91,17 @@ def side_of(
         left_s,
         by,
         None if answer.motion_axes is None else tuple(answer.motion_axes),
-        answer.no_return_time_s,
+        _across_s(answer),
     )
+
+
+def _across_s(run: Run) -> float | None:
+    """When a run's statue left its balance across the rocking plane, untold by its rotation in that plane; else None."""
+    if run.outcome in ACROSS:
+        return run.no_return_time_s
+    if run.outcome is not Outcome.UNDECIDED or run.history is None or "roll_rad" not in run.history.extra:
+        return None
+    return run.end_s if abs(run.history.extra["roll_rad"][-1]) > abs(run.history.theta_rad[-1]) else None
 
 
 def left_domain(run: Run) -> tuple[float | None, str]:
@@ -180,8 +193,7 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
 
 def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
     """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
-    across = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
-    times = [side.no_return_s for side in (a, b) if side.outcome in across and side.no_return_s is not None]
+    times = [side.across_s for side in (a, b) if side.across_s is not None]
     return replace(facts, fallen_s=min(times, default=None))
 
 

@@ -73,7 +73,7 @@ _SENTENCES: Final[Mapping[Outcome, str]] = {
     Outcome.FRICTION_PARADOX: "the sliding equations have no solution (friction paradox): outside the model",
     Outcome.UNDECIDED: "the run ends while the statue leans beyond its balance point: undecided",
     Outcome.DIVERGED: "the engine's numbers diverged",
-    Outcome.CRASHED: "the engine crashed",
+    Outcome.CRASHED: "the engine gave no answer",
     Outcome.TIMED_OUT: "the engine did not finish in its time",
     Outcome.UNAVAILABLE: "the engine is not installed here",
 }

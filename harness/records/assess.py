@@ -24,6 +24,26 @@ class Assessment:
     engine_runs: int
     undecided: float = 0.0
 
+    @property
+    def most(self) -> float:
+        """The upper end of the interval were every draw that came to no end a fall."""
+        return min(self.high + self.undecided, 1.0)
+
+    @property
+    def sentence(self) -> str:
+        """`falls in 40 % of what may be true (39 to 41 %)`; says where a model came to no end, for that is no standing."""
+        if self.undecided >= 1.0:
+            return "may fall or stand: the model comes to no end in anything that may be true"
+        low, high = percent(self.low), percent(self.high)
+        said = f"falls in {percent(self.probability_overturned)} % of what may be true ({low} to {high} %)"
+        return said + (f", and in {percent(self.undecided)} % the model comes to no end" if self.undecided else "")
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits where it is small."""
+    value = 100.0 * share
+    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
+
 
 @dataclass(frozen=True)
 class NotAssessed:

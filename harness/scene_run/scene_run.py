@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
@@ -30,6 +30,9 @@ from harness.statics.standstill import standstill
 
 if TYPE_CHECKING:
     from harness.accuracy.horizon import Horizon
+
+KILLED_S: Final = 0.05
+"""Between two looks whether a process that was killed is gone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,15 +166,28 @@ def _runs(
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_apart, item.name, scene, target) for item in beside}
         here = dict(stored)
-        for engine in loaded:
-            on_progress(engine.name)
-            if engine.name not in waiting and engine.name not in here:
-                here[engine.name] = simulate_with(engine, scene, target.accuracy_rad, target.dt_s, target.options)
-        for name, future in waiting.items():
-            if not future.done():
-                on_progress(f"{name}, still")
-            here[name] = future.result()
+        try:
+            for engine in loaded:
+                on_progress(engine.name)
+                if engine.name not in waiting and engine.name not in here:
+                    here[engine.name] = simulate_with(engine, scene, target.accuracy_rad, target.dt_s, target.options)
+            for name, future in waiting.items():
+                if not future.done():
+                    on_progress(f"{name}, still")
+                here[name] = future.result()
+        except BaseException:
+            _give_up(waiting.values())
+            raise
     return {item.name: here[item.name] for item in loaded}
+
+
+def _give_up(waiting: Iterable[Future[Run]]) -> None:
+    """End what runs beside after an interrupt: else its threads would wait for the answer of a long or a stopped process."""
+    from harness.campaign.runner import kill_workers
+
+    while not all(future.cancel() or future.done() for future in waiting):
+        kill_workers()
+        time.sleep(KILLED_S)
 
 
 def _finer_runs(

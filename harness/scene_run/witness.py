@@ -62,12 +62,13 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     fine = fine.with_uncertainty(error.rotation_rad, error.slip_m, apart.until_s)
     judged = {each: _judged(scene, run, fine) for each, run in runs.items()}
     mine = judged[own.engine]
+    reasons = (_why_no_further(own, fine, apart.until_s, until_s, wanted_s), _in_the_plane(scene, engine, runs))
     return Witness(
         name,
         mine.until_s,
         mine.to_rad,
         mine.agrees,
-        _why_no_further(own, fine, apart.until_s, until_s, wanted_s),
+        "; ".join(filter(None, reasons)),
         finer.dt_s,
         error.rotation_rad,
         coarse.steps + fine.steps,
@@ -108,6 +109,15 @@ def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
         return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
     apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
+
+
+def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
+    """That what is compared is the rotation in the rocking plane, where one of both was not given all of the floor's motion."""
+    given = scene.base_excitation.axes(engine.capabilities.dimensions)
+    unlike = [name for name, run in runs.items() if run.motion_axes is not None and tuple(run.motion_axes) != given]
+    if not unlike:
+        return ""
+    return f"of the rocking plane alone: {' and '.join(unlike)} got another part of the floor's motion"
 
 
 def _convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:

@@ -6,7 +6,10 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
+import numpy as np
+
 from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
+from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.push import CAUSES, least_x_factor, push_of
@@ -44,7 +47,12 @@ def standstill(scene: Scene, runs: Iterable[Run]) -> str | None:
 
 
 def _moves(run: Run) -> bool:
-    return run.outcome.overturned or abs(run.peak_theta_rad) > STILL_RAD or abs(run.peak_slip_m) > STILL_M
+    if run.outcome is not Outcome.STANDS or abs(run.peak_theta_rad) > STILL_RAD or abs(run.peak_slip_m) > STILL_M:
+        return True
+    # Across the rocking plane, about the vertical, and over its support a statue moves in columns of its own.
+    extra = {} if run.history is None else run.history.extra
+    limits = {"roll_rad": STILL_RAD, "yaw_rad": STILL_RAD, "statue_slip_m": STILL_M}
+    return any(np.ptp(extra[name]) > limit for name, limit in limits.items() if name in extra)
 
 
 def _least(scene: Scene) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Final
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions
 from harness.comparison.statistics.outcomes import Case, score_outcomes
-from harness.comparison.verdict import Side, judge, shares
+from harness.comparison.verdict import ACROSS, Side, judge, shares
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.records.scores import Verdict
@@ -98,5 +98,5 @@ def _side(row: Row) -> Side:
         left_domain_s=left_s,
         left_domain_by=by,
         axes=None if run.get("motion_axes") is None else tuple(run["motion_axes"]),
-        no_return_s=run["no_return_time_s"],
+        across_s=run["no_return_time_s"] if outcome in ACROSS else None,
     )

@@ -5,9 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.assessment import percent, sentence
 from harness.model.scene import Uncertain
-from harness.records.assess import Assessment, AssessRecord, FragilityRecord, Index, NotAssessed, ProbabilityDifference
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    FragilityRecord,
+    Index,
+    NotAssessed,
+    ProbabilityDifference,
+    percent,
+)
 from reports.charts.palette import HAIRLINE, INK, MUTED
 from reports.text.chance import tone_of_probability
 from reports.text.numbers import digits
@@ -42,9 +49,9 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     if not answers:
         return Verdict("No model could assess this scene", "failed", [])
     # The most probable fall decides the colour: one model's optimism is no reason for green.
-    worst = max(answers.values(), key=lambda item: item.high)
+    worst = max(answers.values(), key=lambda item: item.most)
     first = next(iter(answers))
-    points = [f"{name}: {sentence(item)}." for name, item in answers.items()]
+    points = [f"{name}: {item.sentence}." for name, item in answers.items()]
     points += [_difference(name, item) for name, item in record.difference_from_model.items()]
     at = record.fragility.factor_at if record.fragility is not None else {}
     known = [f"{percent(float(key))} % at {value:.2f}" for key, value in at.items() if value is not None]
@@ -53,7 +60,7 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
     if most.total >= MATTERS:
         points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
-    return Verdict(f"The statue {sentence(answers[first])}", tone_of_probability(worst), points)
+    return Verdict(f"The statue {answers[first].sentence}", tone_of_probability(worst), points)
 
 
 def _cells(item: Assessment | NotAssessed | None) -> list[str]:

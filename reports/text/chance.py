@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final, Literal
 
-from harness.assess.assessment import sentence
 from harness.records.assess import Assessment
 
 SAFE: Final = 0.05
@@ -26,7 +25,7 @@ def tone_of_outcomes(families: Iterable[str]) -> Tone:
 
 def tone_of_probability(item: Assessment) -> Tone:
     """The colour of a probability: `agree` only where a fall is improbable, and its interval says so too."""
-    if item.probability_overturned <= SAFE and item.high < SAFE_HIGH:
+    if item.probability_overturned <= SAFE and item.most < SAFE_HIGH:
         return "agree"
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
@@ -38,7 +37,7 @@ def first_line(answers: Mapping[str, Assessment] | None, headline: str, colour: 
     """
     if not answers:
         return headline, colour
-    item = max(answers.values(), key=lambda each: each.high)
+    item = max(answers.values(), key=lambda each: each.most)
     nominal = headline[0].lower() + headline[1:]
     worse = max(colour, tone_of_probability(item), key=SEVERITY.index)
-    return f"The statue {sentence(item)}. As given, once: {nominal}", worse
+    return f"The statue {item.sentence}. As given, once: {nominal}", worse

@@ -79,20 +79,24 @@ def _headline(groups: Mapping[str, list[str]], count: int, asked: int) -> str:
         if count == 1:
             did = "was run" if asked == 1 else "answered"
             return f"One model {did} ({next(iter(groups.values()))[0]}): {sentence}"
-        models = "Both models" if count == 2 else f"All {count_word(count)} models"
-        return f"{models} agree on the outcome: {sentence}"
+        return f"{_those(count, asked)} agree on the outcome: {sentence}"
     if {_class(outcome) for outcome in groups} == {FELL}:
         sides = "; ".join(
             f"{Outcome(outcome).sentence.removeprefix('the statue overturns ')} ({', '.join(names)})"
             for outcome, names in groups.items()
         )
-        models = "Both models" if count == 2 else f"All {count_word(count)} models"
-        return f"{models} agree that the statue overturns, to different sides: {sides}"
+        return f"{_those(count, asked)} agree that the statue overturns, to different sides: {sides}"
     parts = [
         f"{Outcome(outcome).sentence} ({', '.join(names)})"
         for outcome, names in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
     return "The models disagree: " + "; ".join(parts)
+
+
+def _those(count: int, asked: int) -> str:
+    """The models that answered, which need not be all that were asked."""
+    models = "Both models" if count == 2 else f"All {count_word(count)} models"
+    return models if count == asked else f"{models} that answered"
 
 
 def motion_given(answered: Mapping[str, EngineRunRecord]) -> list[str]:

@@ -46,6 +46,16 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
+def test_a_model_that_refuses_a_scene_agrees_with_nobody(scene: Path, tmp_path: Path) -> None:
+    scene.write_text(SCENE.replace("[initial]", "height_m = 1.0\n[contact]\nrestitution = 0.9\n[initial]"))
+    done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "spatial", "--no-witness", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert "outcome: one model of 2 answered: the statue stands" in done.stdout
+    assert "spatial   the engine gave no answer: spatial does not compute a prescribed ratio at impact" in done.stdout
+    assert "agree" not in done.stdout
+    assert "crashed" not in done.stdout
+
+
 def test_a_run_writes_its_histories_record_and_page(scene: Path, tmp_path: Path) -> None:
     done = rockcheck("run", "block.toml", "-e", "analytic", "-e", "pymunk", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -86,6 +96,21 @@ def test_without_pybullet_the_engines_are_listed(tmp_path: Path) -> None:
     missing = {row["engine"]: row["missing"] for row in json.loads(done.stdout)}
     assert missing["pymunk"] is None
     assert "pybullet cannot be imported" in missing["pybullet"]
+
+
+def test_without_any_contact_engine_the_model_runs_alone(scene: Path, tmp_path: Path) -> None:
+    without = WITHOUT_PYBULLET.replace("import sys; ", "import sys; sys.modules['pymunk'] = None; ")
+    done = [
+        subprocess.run(
+            [sys.executable, "-c", without, *asked], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        for asked in (("engines",), ("run", "block.toml"))
+    ]
+    for each in done:
+        assert each.returncode == 0, each.stderr
+        assert "pymunk cannot be imported" in each.stdout
+    assert "outcome: one model of 3 answered: the statue stands" in done[1].stdout
+    assert (tmp_path / "out" / "block" / "report.html").is_file()
 
 
 def test_json_mode_prints_the_record_and_nothing_else(scene: Path, tmp_path: Path) -> None:

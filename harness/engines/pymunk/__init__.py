@@ -13,7 +13,7 @@ from harness.engines.base import FINER, Engine, EngineFailure, Settings
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pymunk.samples import trajectory
-from harness.engines.pymunk.world import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene

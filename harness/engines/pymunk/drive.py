@@ -20,7 +20,8 @@ from harness.engines.contact import frame
 from harness.engines.contact.friction import FloorFriction, floor_friction
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pymunk import native, writing
-from harness.engines.pymunk.world import MunkSettings, World
+from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk.world import World
 from harness.engines.pymunk.writing import BodyWriter
 from harness.model.scene import Scene
 

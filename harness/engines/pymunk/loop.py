@@ -14,8 +14,8 @@ from harness.engines.contact import frame
 from harness.engines.pymunk import drive as driving
 from harness.engines.pymunk import events, micro_rocking, native, uplift, writing
 from harness.engines.pymunk.drive import RunState
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support_vertex import FAR, SupportVertex
-from harness.engines.pymunk.world import MunkSettings
 from harness.model.options import RunOptions
 from harness.model.scene import OVERTURN_RAD, Scene
 

@@ -20,7 +20,7 @@ from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.steering import refuse_steering
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pymunk.samples import trajectory
-from harness.engines.pymunk.world import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Scene

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
 from harness.engines.contact.trajectory import Trajectory
-from harness.engines.pymunk.world import World
 from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.engines.pymunk.world import World
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from harness.engines.base import Settings
 from harness.engines.pymunk import native
+from harness.engines.pymunk.settings import MunkSettings
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -20,29 +20,6 @@ FLOOR_M: Final = 1000.0
 """Half length of the floor and height of the wall: beyond any table's travel."""
 FLAT_M: Final = 1e-9
 """Base vertices within this height of each other make a flat base."""
-
-
-@dataclass(frozen=True)
-class MunkSettings(Settings):
-    """Chipmunk's settings for one run.
-
-    `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
-    from step to step, `impact_iterations` in a step that is an impact, a stick onset at rest or a change of sliding;
-    `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
-    which bodies are added (results depend on it); `align` ends steps at impacts and stick onsets.
-    """
-
-    iterations: int
-    turning_iterations: int
-    depth_m: float
-    slop_m: float
-    impact_iterations: int = 400
-    pedestal_first: bool = True
-    align: bool = True
-
-    def as_dict(self) -> dict[str, Any]:
-        """The settings as plain values: all of them are."""
-        return dict(vars(self))
 
 
 @dataclass(frozen=True, eq=False)

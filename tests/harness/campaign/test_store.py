@@ -91,6 +91,18 @@ def test_a_file_that_is_no_store_is_a_mistake_of_the_user(tmp_path: Path) -> Non
         Store(path)
 
 
+def test_another_programs_database_is_refused_and_keeps_its_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with sqlite3.connect(path) as db:
+        db.execute("CREATE TABLE notes (text TEXT)")
+    db.close()
+    before = path.read_bytes()
+    with pytest.raises(InputError, match="another program's database"):
+        Store(path)
+    assert path.read_bytes() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["store.sqlite"]
+
+
 def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     with Store(path):
@@ -129,6 +141,29 @@ def test_what_can_still_be_read_of_a_damaged_store_is_salvaged(tmp_path: Path) -
         assert len(fresh.known(f"key{i:04d}" for i in range(400))) == count
     with pytest.raises(InputError, match="does not exist yet"):
         recover(path, tmp_path / "fresh.sqlite")
+
+
+def test_of_a_store_that_was_cut_off_what_is_left_is_salvaged(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    with Store(path) as store:
+        store.put([(f"key{i:04d}", run()) for i in range(400)], histories=True)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2 + 100])
+    saved = recover(path, tmp_path / "room" / "fresh.sqlite")
+    assert 100 < saved.results < 300
+    with Store(tmp_path / "room" / "fresh.sqlite") as fresh:
+        assert len(fresh.keys()) == saved.results
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["room", "store.sqlite"]
+
+
+def test_what_a_killed_process_left_beside_its_store_is_salvaged_too(tmp_path: Path) -> None:
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    with Store(tmp_path / "store.sqlite") as store:
+        store.put([(f"key{i:04d}", run()) for i in range(40)], histories=True)
+        for name in ("store.sqlite", "store.sqlite-wal"):
+            (killed / name).write_bytes((tmp_path / name).read_bytes())
+    assert recover(killed / "store.sqlite", tmp_path / "fresh.sqlite").results == 40
 
 
 def test_a_run_whose_history_is_lost_counts_as_none(tmp_path: Path) -> None:

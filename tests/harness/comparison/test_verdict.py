@@ -87,6 +87,20 @@ def test_a_fall_across_the_plane_parts_two_models_of_the_same_rotation() -> None
     assert compare(replace(space, reliable_until_s=2.0), plane).verdict is Verdict.UNBOUNDED
 
 
+def test_a_statue_that_ends_leaning_across_the_plane_flips_by_the_plane_left_out() -> None:
+    history = doubles.rocking()
+    rolling = replace(history, extra={"roll_rad": 2.0 * np.abs(history.theta_rad).max() * np.ones_like(history.t_s)})
+    space = certain(rolling, "space", outcome=Outcome.UNDECIDED, motion_axes=("x", "y"))
+    flat = certain(history, "flat", motion_axes=("x",))
+    scores = compare(space, flat)
+    assert scores.verdict is Verdict.PLANE
+    assert "the outcome flips" not in scores.verdict_sentence
+    assert "flat was not given the floor's motion along y" in scores.verdict_sentence
+    level = replace(history, extra={"roll_rad": np.zeros_like(history.t_s)})
+    leaning = certain(level, "leaning", outcome=Outcome.UNDECIDED, motion_axes=("x", "y"))
+    assert compare(leaning, flat).evidence.outcome_flips_within_uncertainty
+
+
 def test_two_falls_to_different_sides_are_one_outcome() -> None:
     history = doubles.rocking()
     a, b = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
@@ -12,6 +13,7 @@ import pytest
 from analytic.excitation import Harmonic
 from harness import engines
 from harness.accuracy.simulation import check_target, simulate
+from harness.campaign import isolate
 from harness.cli import summary
 from harness.engines.base import Engine
 from harness.model.errors import InputError
@@ -124,3 +126,25 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     verdict = result.scores["analytic_vs_pymunk"].verdict
     assert verdict is (Verdict.MODEL if off > 0.1 else Verdict.AGREE)
     assert any("before its difference" in note for note in result.scene.notes) is again
+
+
+def _slow(told: Path) -> None:
+    told.with_name("began").touch()
+    time.sleep(8.0)
+    told.touch()
+
+
+@pytest.mark.skipif(engines.load("pybullet").missing() is not None, reason="pybullet is not installed here")
+def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run in a process of its own that is long, or stopped, is not waited for."""
+    monkeypatch.setattr(run, "_apart", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
+
+    def interrupt(text: str) -> None:
+        if text.endswith("still"):
+            while not (tmp_path / "began").exists():
+                time.sleep(run.KILLED_S)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(paestum(0.3, 2.0, pedestal=False), ["analytic", "pybullet"], apart=True, on_progress=interrupt)
+    assert not (tmp_path / "ended").exists()

@@ -98,3 +98,15 @@ def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:
     seen = witnesses(imposed, {"pymunk": run}, RunOptions())["pymunk:plain"]
     assert seen.agrees is None
     assert "contact.restitution" in seen.reason
+
+
+def test_a_witness_of_another_motion_says_that_it_saw_the_rocking_plane_alone() -> None:
+    shaken = load_scene(SCENES / "paestum_floor.toml", ["duration_s=0.5"])
+    scene = replace(shaken, base_excitation=replace(shaken.base_excitation, y=shaken.base_excitation.x))
+    names = ("analytic", "pybullet")
+    reasons = [
+        witnesses(each, {name: simulate(each, name) for name in names}, RunOptions())["pybullet:plain"].reason
+        for each in (scene, shaken)
+    ]
+    assert "of the rocking plane alone: analytic got another part of the floor's motion" in reasons[0]
+    assert "rocking plane" not in reasons[1]

@@ -12,7 +12,7 @@ from analytic.excitation import SampledAcceleration
 from harness.records.scene import motion_of
 from harness.scene_run.scene_run import run_scene
 from harness.statics.push import push_of
-from harness.statics.standstill import motion_sized, standstill
+from harness.statics.standstill import STILL_RAD, motion_sized, standstill
 from tests import scenes_for_tests as blocks
 
 
@@ -44,6 +44,15 @@ def test_the_least_size_counts_the_motion_across_and_the_vertical(file: Path) ->
     for factor, moves in ((1.0, True), (0.999, False)):
         share = push_of(harness.load_scene(file, [f"motion.x.amplitude_g={least * factor}", *keys[1:]])).first[1]
         assert (share >= 1.0) is moves
+
+
+def test_what_moves_across_the_rocking_plane_is_not_called_still(file: Path) -> None:
+    keys = ["motion.x.amplitude_g=0.01", "motion.y.amplitude_g=0.7", "motion.z=none", "duration_s=1.5"]
+    scene = harness.load_scene(file, keys)
+    runs = [harness.simulate(scene, name) for name in ("analytic", "pybullet")]
+    assert abs(runs[1].peak_theta_rad) < STILL_RAD
+    assert standstill(scene, runs) is None
+    assert standstill(scene, runs[:1]) is not None
 
 
 def test_a_push_past_the_limit_is_not_called_still(file: Path) -> None:

@@ -35,6 +35,16 @@ def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: f
     assert tone_of_probability(answer(p, 0.0, high)) == colour
 
 
+def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
+    half = replace(answer(0.0, 0.0, 0.01), undecided=0.5)
+    assert half.sentence.endswith("(0 to 1 %), and in 50 % the model comes to no end")
+    assert tone_of_probability(half) == "differ"
+    headline, tone = first_line({"analytic": replace(half, undecided=1.0)}, "The statue stands", "agree")
+    assert tone == "differ"
+    assert "0 %" not in headline
+    assert "comes to no end in anything that may be true" in headline
+
+
 def test_the_most_probable_fall_decides_the_colour() -> None:
     record = replace(
         assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200),

@@ -237,7 +237,7 @@ def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
     write_json(folder / "result.json", record)
     verdict = run_verdict(run_source(folder))
     assert "pybullet gave no answer: no wheels" in verdict.points
-    assert verdict.headline == "Both models agree on the outcome: the statue stands"
+    assert verdict.headline == "Both models that answered agree on the outcome: the statue stands"
     assert "pybullet" in write_report(folder).read_text(encoding="utf-8")
 
 

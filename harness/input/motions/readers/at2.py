@@ -11,7 +11,11 @@ from harness.input.motions.text import free_format, header_count, header_number,
 
 FORMATS: Final = {"PEER AT2": True}
 
-_NAMED = re.compile(r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?)(?=[\s,]|SEC|$)", re.IGNORECASE)
+_NAMED = re.compile(
+    r"NPTS\s*=\s*([^\s,]*)[\s,]*DT\s*=\s*([^\s,]*?(?:\s+(?:[ED]?[+-]?\d|M(?:ILLI)?S)[^\s,]*)?)(?=[\s,]|SEC|$)",
+    re.IGNORECASE,
+)
+"""A step goes on to the next word where that is the rest of its number, or a unit that is not the second: neither is left out."""
 _TRAILING = re.compile(r"^\s*(\S+?),?\s+(\S+?),?\s+NPTS\s*,\s*DT", re.IGNORECASE)
 _ACCELERATION = re.compile(r"ACCEL.*UNITS?\s+OF\s+G\b", re.IGNORECASE)
 _HEADER_LINES = 4

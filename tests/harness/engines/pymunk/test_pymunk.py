@@ -14,7 +14,7 @@ from harness.bench.pymunk_defaults import baseline_loop
 from harness.engines.analytic import TwoBlock
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.pymunk import Munk2D
-from harness.engines.pymunk.world import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run

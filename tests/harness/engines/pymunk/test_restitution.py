@@ -10,7 +10,7 @@ import pytest
 
 from harness.bench import pymunk_defaults
 from harness.engines.pymunk import world
-from harness.engines.pymunk.world import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 

@@ -31,7 +31,9 @@ def test_a_step_is_read_however_fortran_wrote_it(tmp_path: Path, step: bytes) ->
     assert read_record(_with_step(tmp_path / "a.AT2", step)).channels[0].dt_s == 0.01
 
 
-@pytest.mark.parametrize("step", [b"1_0", b"0x1", b"nan", b"inf", b"-0.01", b"0", b"x", b""])
+@pytest.mark.parametrize(
+    "step", [b"1_0", b"0x1", b"nan", b"inf", b"-0.01", b"0", b"x", b"", b"1.0 E-02", b"1.0 -2", b"10 MSEC"]
+)
 def test_a_step_that_is_no_number_is_refused_in_the_reader_s_words(tmp_path: Path, step: bytes) -> None:
     with pytest.raises(InputError, match=r"line 4: wanted DT in seconds, a positive number"):
         read_record(_with_step(tmp_path / "a.AT2", step))
