@@ -98,6 +98,7 @@ def run(
 @command(
     app, None, "rockcheck assess scenes/paestum_pedestal.toml",
     "rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1",
+    "rockcheck assess scenes/paestum_pedestal.toml --options mine.toml",
 )  # fmt: skip
 def assess(
     scene: SceneFile,
@@ -109,14 +110,21 @@ def assess(
         float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
     ] = 0.05,
     most_runs: Annotated[int, typer.Option("--most-runs", help="Most runs of each contact engine.", min=30)] = 400,
+    options: Annotated[
+        Path | None,
+        typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
+    ] = None,
+    no_options: Annotated[bool, typer.Option("--no-options", help="Leave out what would help.")] = False,
     out: Out = None,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
     from dataclasses import replace
 
     from harness.assess import assessment
+    from harness.assess.options import read_options
     from harness.input.paths import read_files
     from harness.input.scene_file import load_scene
+    from harness.model.errors import InputError, Mistake
     from harness.records.base import plain
     from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
 
@@ -124,6 +132,9 @@ def assess(
     check_folder(folder, ("assess",))
     loaded = load_scene(scene, asked.overrides or ())
     check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
+    if no_options and options is not None:
+        raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
+    own_options = () if options is None else read_options(options, loaded)
     with ProgressMessages(saying.silent) as telling:
         found = assessment.assess(
             loaded,
@@ -132,6 +143,7 @@ def assess(
             seed=seed,
             half_width=half_width,
             most_runs=most_runs,
+            more_options=None if no_options else own_options,
             on_progress=telling.now,
         )
     with replacing(folder, lambda files: replace(found, files=files), "assess"):

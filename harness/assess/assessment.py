@@ -10,6 +10,7 @@ from typing import Any, Final
 from harness import engines
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
+from harness.assess.options import Option, options_of
 from harness.assess.stratified import LEVEL, Estimate, estimate
 from harness.assess.variation import varied
 from harness.campaign.runner import Crash, LocalPool
@@ -63,12 +64,14 @@ def assess(
     seed: int = 0,
     half_width: float = HALF_WIDTH,
     most_runs: int = MOST_RUNS,
+    more_options: Sequence[Option] | None = (),
     on_progress: Callable[[str], None] = lambda text: None,
 ) -> AssessRecord:
     """The whole record of an assessment: by engine, the differences to the model, fragility, which input matters.
 
-    `names` None: the engines of every run. A scene of which nothing is uncertain, or that begins from a pose in space (the
-    draws are stratified by the planar model), raises `InputError`.
+    `names` None: the engines of every run. `more_options` are the user's own beside the scene's; None compares no options.
+    Raises `InputError` for a scene of which nothing is uncertain, or that begins from a pose in space (the draws are stratified
+    by the planar model).
     """
     names = names or engines.DEFAULT_ENGINES
     if scene.initial.pose is not None:
@@ -112,6 +115,13 @@ def assess(
         versions=versions(),
         machine=machine(),
     )
+    if more_options is not None:
+        from harness.assess.compared import OPTION_DRAWS, compare
+
+        own_options, left_out = options_of(scene)
+        size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
+        compared = compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        record = replace(record, options=compared)
     if not fast:
         return record
     from harness.assess.sensitivity import fragility, indices
@@ -182,6 +192,10 @@ def summary(record: AssessRecord) -> str:
     if record.assumed:
         assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
         lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
+    if record.options is not None:
+        from harness.assess.advice import advice
+
+        lines += [f"  {line}" for line in advice(record.options)]
     return "\n".join(lines)
 
 

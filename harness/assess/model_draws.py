@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -59,10 +59,13 @@ def model_draws(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     if not draws or sweepable(scene, draws):
         return _swept(scene, draws)
     size = len(next(iter(draws.values())))
-    single = [_swept(varied(scene, row(draws, k)), {}) for k in range(size)]
-    return ModelDraws(
-        *(np.concatenate([getattr(item, name) for item in single]) for name in ModelDraws.__dataclass_fields__)
-    )
+    return joined([_swept(varied(scene, row(draws, k)), {}) for k in range(size)])
+
+
+def joined(parts: Sequence[ModelDraws]) -> ModelDraws:
+    """Draws one after another."""
+    names = ModelDraws.__dataclass_fields__
+    return ModelDraws(*(np.concatenate([getattr(item, name) for item in parts]) for name in names))
 
 
 def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:

@@ -5,9 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from harness.assess.advice import advice
 from harness.assess.assessment import percent, sentence
 from harness.model.scene import Uncertain
-from harness.records.assess import Assessment, AssessRecord, FragilityRecord, Index, NotAssessed, ProbabilityDifference
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    FragilityRecord,
+    Index,
+    NotAssessed,
+    OptionAnswer,
+    OptionsRecord,
+    ProbabilityDifference,
+)
 from reports.charts.palette import HAIRLINE, INK, MUTED
 from reports.text.chance import tone_of_probability
 from reports.text.numbers import digits
@@ -29,6 +39,8 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "assumed": record.assumed,
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
+        "advice": [] if record.options is None else advice(record.options),
+        "options": None if record.options is None else _options(record.options),
         "notes": record.notes,
         "seed": record.seed,
         "versions": record.versions,
@@ -53,6 +65,8 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
     if most.total >= MATTERS:
         points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
+    if record.options is not None:
+        points.append(advice(record.options)[0])
     return Verdict(f"The statue {sentence(answers[first])}", tone_of_probability(worst), points)
 
 
@@ -81,6 +95,36 @@ def _difference(name: str, item: ProbabilityDifference) -> str:
 def _width(item: Uncertain) -> str:
     words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
     return f"{words[item.kind]} {digits(item.width)}"
+
+
+def _options(record: OptionsRecord) -> dict[str, object]:
+    """The table of options, what each of them is, and why others are not there."""
+    return {
+        "rows": [(item.name, _option(item)) for item in record.options],
+        "words": [(item.name, _source(item)) for item in record.options if item.what],
+        "left_out": record.left_out,
+        "draws": record.draws,
+        "fewer": sorted({item.draws for item in record.options} - {record.draws}),
+        "level": percent(record.difference_level),
+    }
+
+
+def _option(item: OptionAnswer) -> list[str]:
+    """Cells that do not break: a telephone scrolls a table sideways sooner than it reads a number on two lines."""
+    falls, interval = f"{percent(item.probability_overturned)} %", f"{percent(item.low)} to {percent(item.high)} %"
+    shown, points = "", ""
+    if item.difference is not None:
+        low, value, high = (
+            100.0 * bound for bound in (item.difference.low, item.difference.value, item.difference.high)
+        )
+        shown = "helps" if item.helps else "harms" if item.harms else "not shown"
+        points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
+    slips = [f"{slip:.3f} m" if item.slip_high_m > 0.0 else "none" for slip in (item.slip_median_m, item.slip_high_m)]
+    return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
+
+
+def _source(item: OptionAnswer) -> str:
+    return f"{item.what}. Source: {item.source}" if item.source else item.what
 
 
 def _chart(fragility: FragilityRecord) -> dict[str, object]:
