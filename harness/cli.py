@@ -189,7 +189,7 @@ def wanted(no_skip: Sequence[str] | None) -> Any:
 
 def summary(result: Result) -> str:
     """The result in a few lines of plain words."""
-    from harness.assess.assessment import sentence
+    from harness.assess.words import sentence
     from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]

@@ -27,3 +27,5 @@ PAIRED_LEAST: Final = 0.97
 """Least share of 200 intervals at 99 % that must cover: 198 less three standard errors of 1.4, rounded."""
 ADDED: Final = 1e-12
 """Masses, centroids and moments of two boxes added by hand: rounding of some twenty operations."""
+PLACE_M: Final = 1e-12
+"""A corner's place after a rotation worked by hand: rounding of a few products of lengths of a metre."""

@@ -11,6 +11,7 @@ from harness.model.scene import Uncertain
 from harness.records.base import Record, Table
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
+from harness.records.validation import RunCounts
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,23 @@ class OptionsRecord:
         return [item for item in self.options if item.harms]
 
 
+@dataclass(frozen=True)
+class ClearanceRecord:
+    """Room needed beyond the silhouette at rest, and the pedestal's slip, m: quantiles at `share` over the `standing` draws.
+
+    Without quantiles too few draws stand; one that falls needs the statue's height.
+    """
+
+    draws: int
+    standing: int
+    height_m: float
+    share: Sequence[float]
+    right_m: Sequence[float] | None = None
+    left_m: Sequence[float] | None = None
+    slip_right_m: Sequence[float] | None = None
+    slip_left_m: Sequence[float] | None = None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AssessRecord(Record):
     """`result.json` of `rockcheck assess`; `fragility` and `indices` are absent where a draw needs the scene read again."""
@@ -128,6 +146,8 @@ class AssessRecord(Record):
     fragility: FragilityRecord | None = field(default=None, metadata=OMITTED)
     indices: Mapping[str, Index] | None = field(default=None, metadata=OMITTED)
     options: OptionsRecord | None = field(default=None, metadata=OMITTED)
+    clearance: ClearanceRecord | None = field(default=None, metadata=OMITTED)
+    runs: RunCounts | None = field(default=None, metadata=OMITTED)
     versions: Mapping[str, str]
     machine: Table
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

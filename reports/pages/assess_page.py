@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.advice import advice
-from harness.assess.assessment import percent, sentence
+from harness.assess.words import advice, percent, room, sentence
 from harness.model.scene import Uncertain
 from harness.records.assess import (
     Assessment,
     AssessRecord,
+    ClearanceRecord,
     FragilityRecord,
     Index,
     NotAssessed,
@@ -41,6 +41,8 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "chart": None if record.fragility is None else _chart(record.fragility),
         "advice": [] if record.options is None else advice(record.options),
         "options": None if record.options is None else _options(record.options),
+        "room": None if record.clearance is None else room(record.clearance),
+        "clearance": [] if record.clearance is None else _clearance(record.clearance),
         "notes": record.notes,
         "seed": record.seed,
         "versions": record.versions,
@@ -121,6 +123,16 @@ def _option(item: OptionAnswer) -> list[str]:
         points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
     slips = [f"{slip:.3f} m" if item.slip_high_m > 0.0 else "none" for slip in (item.slip_median_m, item.slip_high_m)]
     return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
+
+
+def _clearance(item: ClearanceRecord) -> list[tuple[str, list[str]]]:
+    """Rows of quantiles: the outline's room and the pedestal's slip on both sides, m."""
+    columns = item.right_m, item.left_m, item.slip_right_m, item.slip_left_m
+    rows = zip(*(column or () for column in columns), strict=True)
+    return [
+        (f"{percent(share)} of 100", [f"{value:.3f} m" for value in row])
+        for share, row in zip(item.share, rows, strict=False)
+    ]
 
 
 def _source(item: OptionAnswer) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final, Literal
 
-from harness.assess.assessment import sentence
+from harness.assess.words import sentence
 from harness.records.assess import Assessment
 
 SAFE: Final = 0.05

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from harness.assess import options as made
-from harness.assess.advice import advice
 from harness.assess.bodies import as_one, sliding, turned_block
 from harness.assess.compared import AS_IT_IS, common, compare, option_draws, paired_difference
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.materials import PAIRS
 from harness.assess.model_draws import model_draws
+from harness.assess.words import advice
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Pedestal, Scene, Uncertain

@@ -37,7 +37,7 @@ def test_green_needs_a_fall_that_is_improbable_and_known_to_be(p: float, high: f
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
     record = replace(
-        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200),
+        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record,
         assessment={"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
         difference_from_model={"pymunk": ProbabilityDifference(-0.29, -0.34, -0.24, 0.9)},
     )
@@ -48,7 +48,7 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
 
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200)
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
     write_json(tmp_path / "result.json", as_file(record))
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "of what may be true" in page

@@ -1,10 +1,59 @@
-"""What a comparison of options says, in plain words: a recommendation only where its difference is shown."""
+"""An assessment in plain words: how probable a fall is, the room it needs, and advice only where a change is shown."""
 
 from __future__ import annotations
 
-from harness.assess.assessment import percent
+from typing import Final
+
 from harness.assess.options import FLOOR, TURNED
-from harness.records.assess import OptionAnswer, OptionsRecord
+from harness.records.assess import Assessment, AssessRecord, ClearanceRecord, OptionAnswer, OptionsRecord
+
+CLEAR: Final = 0.95
+"""Share of the standing draws whose clearance is told in a sentence."""
+
+
+def summary(record: AssessRecord) -> str:
+    """An assessment in a few lines of plain words."""
+    lines = [record.title]
+    width = max(len(name) for name in record.assessment)
+    for name, item in record.assessment.items():
+        if isinstance(item, Assessment):
+            lines.append(f"  {name:{width}}  {sentence(item)}; {item.engine_runs} runs")
+        elif item is not None:
+            lines.append(f"  {name:{width}}  not here: {item.message}")
+    if record.assumed:
+        assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
+        lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
+    if record.options is not None:
+        lines += [f"  {line}" for line in advice(record.options)]
+    if record.clearance is not None:
+        lines.append(f"  {room(record.clearance)}")
+    if record.runs is not None and record.runs.computed < record.runs.wanted:
+        lines.append(
+            f"  {record.runs.wanted - record.runs.computed} of {record.runs.wanted} engine runs found in the store"
+        )
+    return "\n".join(lines)
+
+
+def sentence(item: Assessment) -> str:
+    """`falls in 40 % of what may be true (39 to 41 %)`."""
+    low, high = percent(item.low), percent(item.high)
+    return f"falls in {percent(item.probability_overturned)} % of what may be true ({low} to {high} %)"
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits where it is small."""
+    value = 100.0 * share
+    return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
+
+
+def room(item: ClearanceRecord) -> str:
+    """How much must be kept clear on both sides, and what a fall needs."""
+    falls = f"one that falls needs its height, {item.height_m:.2f} m"
+    if item.right_m is None or item.left_m is None:
+        return f"Clearance: only {item.standing} of {item.draws} draws stand, too few to tell; {falls}."
+    k = list(item.share).index(CLEAR)
+    told = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
+    return f"{told} and {item.left_m[k]:.2f} m beyond its left; {falls}."
 
 
 def advice(record: OptionsRecord) -> list[str]:
