@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv as comma_separated
+from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -75,10 +76,16 @@ def run(
             pool=pool,
             on_progress=telling.now,
         )
-    with replacing(folder, lambda files: replace(assessed.record, files=files), "assess") as fresh:
+    written: list[AssessRecord] = []
+
+    def recorded(files: Mapping[str, str | None]) -> AssessRecord:
+        written.append(replace(assessed.record, files=files))
+        return written[-1]
+
+    with replacing(folder, recorded, "assess") as fresh:
         if csv:
             _write_draws(assessed, fresh / DRAWS_NAME)
-    return assessed.record
+    return written[-1]
 
 
 def _check(folder: Path, options: Path | None, no_options: bool, jobs: int | None, resume: bool) -> None:

@@ -129,10 +129,8 @@ def _clearance(item: ClearanceRecord) -> list[tuple[str, list[str]]]:
     """Rows of quantiles: the outline's room and the pedestal's slip on both sides, m."""
     columns = item.right_m, item.left_m, item.slip_right_m, item.slip_left_m
     rows = zip(*(column or () for column in columns), strict=True)
-    return [
-        (f"{percent(share)} of 100", [f"{value:.3f} m" for value in row])
-        for share, row in zip(item.share, rows, strict=False)
-    ]
+    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in rows)
+    return [(f"{percent(share)} of 100", row) for share, row in zip(item.share, cells, strict=False)]
 
 
 def _source(item: OptionAnswer) -> str:
