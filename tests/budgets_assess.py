@@ -29,3 +29,5 @@ ADDED: Final = 1e-12
 """Masses, centroids and moments of two boxes added by hand: rounding of some twenty operations."""
 PLACE_M: Final = 1e-12
 """A corner's place after a rotation worked by hand: rounding of a few products of lengths of a metre."""
+SWEPT_REL: Final = 1e-5
+"""A peak of the sweep, aimed at 1e-6 rad, against the same scene's by itself: ten times the aim, for steps may fall otherwise."""

@@ -49,10 +49,16 @@ def compare(
         values = draw(inputs, min(draws, SLOW_DRAWS), seed)
     own = model_draws(scene, values)
     answers = [_answer(AS_IT_IS, "", "", own, None)]
+    others: dict[str, ModelDraws | None] = {}
     for option in options:
         on_progress(f"options: {option.name}")
-        other = option_draws(scene, inputs, option, values, seed)
-        answers.append(_answer(option.name, option.what, option.source, other, own))
+        others[option.name] = _at_once(scene, inputs, option, values, seed)
+    # What needs a scene made anew for each draw is done for all such options together: reading a scan costs most.
+    slow = [option for option in options if others[option.name] is None]
+    others |= _one_by_one(scene, slow, values) if slow else {}
+    for option in options:
+        if (other := others[option.name]) is not None:
+            answers.append(_answer(option.name, option.what, option.source, other, own))
     return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out))
 
 
@@ -60,6 +66,14 @@ def option_draws(
     scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int = 0
 ) -> ModelDraws:
     """What the model says of an option on draws (n,) of the scene as it is (where each is a scene read again, on the first)."""
+    at_once = _at_once(scene, inputs, option, values, seed)
+    return _one_by_one(scene, [option], values)[option.name] if at_once is None else at_once
+
+
+def _at_once(
+    scene: Scene, inputs: Sequence[Uncertain], option: Option, values: Mapping[str, Array], seed: int
+) -> ModelDraws | None:
+    """All draws of an option as draws of its own scene; None where drawing and changing do not commute."""
     other = option.change(scene)
     if option.user:
         return _first_of(other, common(inputs, values, uncertain_inputs(other), seed))
@@ -68,9 +82,17 @@ def option_draws(
         swept = common(inputs, values, _moved(inputs, other), seed)
         if not swept or sweepable(other, swept):
             return _slipping(other, swept, scene, len(next(iter(values.values()))), option.slides)
-    size = min(SLOW_DRAWS, len(next(iter(values.values()))))
-    drawn = (varied(scene, row(values, k)) for k in range(size))
-    return joined([_slipping(option.change(each), {}, each, 1, option.slides) for each in drawn])
+    return None
+
+
+def _one_by_one(scene: Scene, options: Sequence[Option], values: Mapping[str, Array]) -> dict[str, ModelDraws]:
+    """Each draw's scene made first and then changed, on the first draws."""
+    parts: dict[str, list[ModelDraws]] = {option.name: [] for option in options}
+    for k in range(min(SLOW_DRAWS, len(next(iter(values.values()))))):
+        drawn = varied(scene, row(values, k))
+        for option in options:
+            parts[option.name].append(_slipping(option.change(drawn), {}, drawn, 1, option.slides))
+    return {name: joined(several) for name, several in parts.items()}
 
 
 def _first_of(other: Scene, values: Mapping[str, Array]) -> ModelDraws:

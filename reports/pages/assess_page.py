@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.assess.words import advice, percent, room, sentence
+from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
     Assessment,
@@ -35,7 +36,7 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "title": record.title,
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
-        "inputs": [(item.key, [digits(item.value), item.kind, _width(item)]) for item in record.uncertainty],
+        "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
         "assumed": record.assumed,
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
@@ -92,6 +93,18 @@ def _difference(name: str, item: ProbabilityDifference) -> str:
     if low > 0.0 or high < 0.0:
         return f"The model {'over' if low > 0.0 else 'under'}states the danger: {told}."
     return f"No difference is shown between the model and {name}: {told}."
+
+
+def _input(item: Uncertain, assumed: bool) -> list[str]:
+    return [digits(item.value), item.kind, _width(item), _said(item, assumed)]
+
+
+def _said(item: Uncertain, assumed: bool) -> str:
+    """Where a width comes from: the scene's own, or what is assumed of such a key, with its source."""
+    given = assumption(item.key)
+    if given is None or (given.kind, given.width) != (item.kind, item.width):
+        return "the scene's own"
+    return given.source if assumed else f"as assumed: {given.source}"
 
 
 def _width(item: Uncertain) -> str:
