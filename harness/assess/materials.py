@@ -19,7 +19,7 @@ class Pair:
 
 PAIRS: Final = (
     Pair(
-        "PTFE on polished steel",
+        "PTFE on steel",
         0.04,
         0.04,
         "0.04 on steel, 0.04 to 0.20 on itself; changes with pressure and speed",
@@ -29,7 +29,7 @@ PAIRS: Final = (
         "smooth stone on stone",
         0.40,
         0.30,
-        "0.40 static and 0.30 kinetic, assumed there for a marble statue and its pedestal",
+        "0.40 static and 0.30 kinetic, assumed there for a statue's pedestal",
         "Monaco et al., Procedia Structural Integrity 29 (2020) 134-141",
     ),
     Pair(
@@ -44,7 +44,7 @@ PAIRS: Final = (
         1.0,
         0.8,
         "static 1.0, kinetic 0.60 to 0.85; wet 0.30 and 0.25",
-        "Serway and Beichner, Physics for Scientists and Engineers, 5th ed., Table 5.2",
+        "Serway and Beichner, Physics for Scientists and Engineers, 5th ed., Table 5.2; ranges: hypertextbook.com/facts/2006",
     ),
 )
 """A pair's coefficients differ from one surface to the next by a third and more: measure before building."""

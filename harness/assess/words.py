@@ -94,6 +94,8 @@ def _claim(own: OptionAnswer, floor: OptionAnswer) -> str:
     """Whether a pedestal that slides protects: the paper's claim, answered by this statue on the floor."""
     falls = f"on the floor it falls in {percent(floor.probability_overturned)} %"
     falls += f", on its pedestal in {percent(own.probability_overturned)} %"
+    if own.slip_high_m == 0.0:
+        return f"The pedestal does not slide, and so protects nothing by it: {falls}."
     if floor.harms:
         return f"The sliding pedestal protects this statue: {falls}."
     if floor.helps:

@@ -142,6 +142,11 @@ def test_the_shipped_pedestal_protects_its_statue() -> None:
     assert rough.source == PAIRS[-1].source
 
 
+def test_a_pedestal_that_does_not_slide_is_no_example_of_the_claim() -> None:
+    told = advice(compared(load_scene(SCENES / "paestum_block.toml", ["duration_s=2.0", "contact.floor_static=5.0"])))
+    assert told[-1].startswith("The pedestal does not slide")
+
+
 def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:
     scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0"])
     path = tmp_path / "mine.toml"
