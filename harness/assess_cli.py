@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv as comma_separated
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +16,7 @@ from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
 from harness.campaign.store import STORE_NAME, Store
-from harness.command import Asked
+from harness.command import Asked, Sampling
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
@@ -25,16 +25,6 @@ from harness.records.result_folder import PAGES, RECORD, check_folder, check_inp
 from harness.study_cli import ending_cleanly, unbegun
 
 DRAWS_NAME: Final = "draws.csv"
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """How many draws, of which seed, and how far a contact engine's interval is narrowed with at most how many runs."""
-
-    draws: int
-    seed: int
-    half_width: float
-    most_runs: int
 
 
 def run(

@@ -12,7 +12,7 @@ import typer
 
 from harness import cli as harness_cli
 from harness.campaign.progress import ProgressMessages
-from harness.command import FAILED, OK, Asked, Saying, SceneFile, Target, command, guarded
+from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
 from harness.model.terminal import printable
 from reports import cli_input
 
@@ -107,12 +107,7 @@ def assess(
     scene: SceneFile,
     asked: Asked,
     saying: Saying,
-    draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 20_000,
-    seed: Seed = 0,
-    half_width: Annotated[
-        float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
-    ] = 0.05,
-    most_runs: Annotated[int, typer.Option("--most-runs", help="Most runs of each contact engine.", min=30)] = 400,
+    sampling: Sampling,
     options: Annotated[
         Path | None,
         typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
@@ -132,7 +127,7 @@ def assess(
 
     folder = out or OUT / f"{named_after(scene)}-assess"
     found = assess_cli.run(
-        scene, folder, asked, assess_cli.Sampling(draws, seed, half_width, most_runs), no_options=no_options, options=options,
+        scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
     )  # fmt: skip
     _say(plain(found), summary(found), folder, saying)

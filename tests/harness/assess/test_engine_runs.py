@@ -14,7 +14,7 @@ from harness.assess.engine_runs import overturns
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
-from harness.command import Asked
+from harness.command import Asked, Sampling
 from harness.model.errors import InputError
 from tests.scenes_for_tests import paestum
 
@@ -59,7 +59,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 SCENE = Path(__file__).parents[3] / "scenes" / "paestum_block.toml"
-SAMPLING = assess_cli.Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
+SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
 
 def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
