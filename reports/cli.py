@@ -12,7 +12,7 @@ import typer
 
 from harness import cli as harness_cli
 from harness.campaign.progress import ProgressMessages
-from harness.command import FAILED, OK, Asked, Saying, SceneFile, Target, command, guarded
+from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
 from harness.model.terminal import printable
 from reports import cli_input
 
@@ -30,6 +30,9 @@ app = typer.Typer(
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")]
 Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
+Dask = Annotated[
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what was begun in this folder.")]
 
 
@@ -98,45 +101,36 @@ def run(
 @command(
     app, None, "rockcheck assess scenes/paestum_pedestal.toml",
     "rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1",
+    "rockcheck assess scenes/paestum_pedestal.toml --options scenes/options/paestum.toml",
 )  # fmt: skip
 def assess(
     scene: SceneFile,
     asked: Asked,
     saying: Saying,
-    draws: Annotated[int, typer.Option("--draws", help="Draws of what is uncertain.", min=10, max=1_000_000)] = 20_000,
-    seed: Seed = 0,
-    half_width: Annotated[
-        float, typer.Option("--half-width", help="Half width of an engine's interval at 90 %.", min=0.005, max=0.5)
-    ] = 0.05,
-    most_runs: Annotated[int, typer.Option("--most-runs", help="Most runs of each contact engine.", min=30)] = 400,
+    sampling: Sampling,
+    options: Annotated[
+        Path | None,
+        typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
+    ] = None,
+    no_options: Annotated[bool, typer.Option("--no-options", help="Leave out what would help.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Also write every draw and its outcomes to draws.csv.")] = False,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dask: Dask = None,
     out: Out = None,
 ) -> None:
     """Find how probable it is that the statue falls, by each model, from what is not known of the scene."""
-    from dataclasses import replace
-
-    from harness.assess import assessment
-    from harness.input.paths import read_files
-    from harness.input.scene_file import load_scene
+    from harness import assess_cli
+    from harness.assess.words import summary
     from harness.records.base import plain
-    from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, named_after, replacing
+    from harness.records.result_folder import named_after
 
     folder = out or OUT / f"{named_after(scene)}-assess"
-    check_folder(folder, ("assess",))
-    loaded = load_scene(scene, asked.overrides or ())
-    check_inputs(folder, [*PAGES, RECORD], read_files(loaded.given, loaded.source))
-    with ProgressMessages(saying.silent) as messages:
-        found = assessment.assess(
-            loaded,
-            asked.engine,
-            draws=draws,
-            seed=seed,
-            half_width=half_width,
-            most_runs=most_runs,
-            on_progress=messages.now,
-        )
-    with replacing(folder, lambda files: replace(found, files=files), "assess"):
-        pass
-    _say(plain(found), assessment.summary(found), folder, saying)
+    found = assess_cli.run(
+        scene, folder, asked, sampling, no_options=no_options, options=options,
+        csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
+    )  # fmt: skip
+    _say(plain(found), summary(found), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -145,9 +139,7 @@ def study(
     saying: Saying,
     jobs: Jobs = None,
     resume: Resume = False,
-    dask: Annotated[
-        str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
-    ] = None,
+    dask: Dask = None,
     export: Annotated[
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,

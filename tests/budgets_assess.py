@@ -21,3 +21,13 @@ LEAST_COVERED: Final = 0.85
 MODEL_OWN: Final = 0.012
 """Two shares of 10 000 draws near a half, of independent seeds, differ by 0.0071 in one of three cases; and the compiled sweep's
 against single runs on the same draws by none."""
+PAIRED_DRAWS: Final = 400
+"""Draws of each repeated comparison of two options: few, so that an interval that is too narrow shows."""
+PAIRED_LEAST: Final = 0.97
+"""Least share of 200 intervals at 99 % that must cover: 198 less three standard errors of 1.4, rounded."""
+ADDED: Final = 1e-12
+"""Masses, centroids and moments of two boxes added by hand: rounding of some twenty operations."""
+PLACE_M: Final = 1e-12
+"""A corner's place after a rotation worked by hand: rounding of a few products of lengths of a metre."""
+SWEPT_REL: Final = 1e-5
+"""A peak of the sweep, aimed at 1e-6 rad, against the same scene's by itself: ten times the aim, for steps may fall otherwise."""

@@ -10,16 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
+from harness.model.assumed import assumption
 from harness.model.scene import Scene, Uncertain
 
 Array = NDArray[np.float64]
 
-FRICTION_COV: Final = 0.15
-"""Assumed where a scene says nothing: repeated sliding of one pair of dry stones scatters by 10 to 20 % of its mean."""
-STRENGTH_COV: Final = 0.10
-"""Assumed: how far the strength of the shaking is known once a record or a peak has been chosen."""
-FREQUENCY_COV: Final = 0.05
-"""Assumed for a harmonic motion: how far a table, or a floor's own period, holds its frequency."""
 LEAST_SHARE: Final = 1e-3
 """Draws of a positive number below this share of it are drawn again: a friction or a mass has no tail through zero."""
 
@@ -28,18 +23,21 @@ def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
     """The scene's own `[uncertainty]`, or the assumed one: friction, strength and, of a harmonic motion, frequency."""
     if scene.uncertainty:
         return tuple(scene.uncertainty)
-    assumed = [] if scene.pedestal is None else [_lognormal("contact.floor", scene.contact.floor_static, FRICTION_COV)]
+    assumed = [] if scene.pedestal is None else [_assumed("contact.floor", scene.contact.floor_static)]
     axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
     if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
-        assumed.append(_lognormal("motion.scale", 1.0, STRENGTH_COV))
+        assumed.append(_assumed("motion.scale", 1.0))
     for axis, item in axes.items():
         if isinstance(item, Harmonic):
-            assumed.append(_lognormal(f"motion.{axis}.frequency_hz", item.frequency_hz, FREQUENCY_COV))
+            assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
     return tuple(item for item in assumed if item.value > 0.0)
 
 
-def _lognormal(key: str, value: float, cov: float) -> Uncertain:
-    return Uncertain(key, "lognormal", value, cov)
+def _assumed(key: str, value: float) -> Uncertain:
+    given = assumption(key)
+    if given is None:
+        raise KeyError(key)
+    return Uncertain(key, given.kind, value, given.width)
 
 
 def draw(inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:

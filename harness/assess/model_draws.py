@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,12 +21,17 @@ Flags = NDArray[np.bool_]
 SWEPT: Final = {
     "statue.mass_kg": "mass_kg",
     "statue.inertia_kg_m2": "inertia_kg_m2",
+    "statue.centroid_height_m": "centroid_height_m",
+    "statue.corner_left_m": "corner_left_m",
+    "statue.corner_right_m": "corner_right_m",
     "pedestal.mass_kg": "pedestal_mass_kg",
     "initial.theta_rad": "theta0_rad",
     "initial.theta_rate_rad_s": "theta_rate0_rad_s",
     "contact.restitution": "restitution",
 }
 """Keys that the compiled sweep takes as they are."""
+SHAPES: Final = ("statue.centroid_height_m", "statue.corner_left_m", "statue.corner_right_m")
+"""Of these more changes than a column beside a wall (where its silhouette touches), and of corners on a pedestal (its place)."""
 SLOW_DRAWS: Final = 300
 """Most draws where a key needs the scene to be read again for each: some milliseconds instead of a tenth of one."""
 
@@ -59,10 +64,13 @@ def model_draws(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     if not draws or sweepable(scene, draws):
         return _swept(scene, draws)
     size = len(next(iter(draws.values())))
-    single = [_swept(varied(scene, row(draws, k)), {}) for k in range(size)]
-    return ModelDraws(
-        *(np.concatenate([getattr(item, name) for item in single]) for name in ModelDraws.__dataclass_fields__)
-    )
+    return joined([_swept(varied(scene, row(draws, k)), {}) for k in range(size)])
+
+
+def joined(parts: Sequence[ModelDraws]) -> ModelDraws:
+    """Draws one after another."""
+    names = ModelDraws.__dataclass_fields__
+    return ModelDraws(*(np.concatenate([getattr(item, name) for item in parts]) for name in names))
 
 
 def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
@@ -83,7 +91,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
         **options,
     )
     stands, over = found.outcomes == Outcome.STANDS, found.overturned
-    alpha = min(scene.statue.slenderness_rad(1), scene.statue.slenderness_rad(-1))
+    height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
+    left = sweep.get("corner_left_m", scene.statue.corner_left_m)
+    alpha = np.arctan(np.minimum(left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
     return ModelDraws(
         np.asarray(stands | over, dtype=bool), np.asarray(over), found.peak_theta_rad / alpha, found.peak_slip_m
     )
@@ -92,6 +102,8 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
 def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
     """Columns of the compiled sweep for one key; None where it has none."""
     contact, base_excitation = scene.contact, scene.base_excitation
+    if key in SHAPES and (scene.wall is not None or (scene.pedestal is not None and key != SHAPES[0])):
+        return None
     if key in SWEPT:
         return {SWEPT[key]: values} if scene.statue.solid is None or not key.startswith("statue.") else None
     if key == "contact.floor":

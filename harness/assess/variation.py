@@ -23,7 +23,7 @@ def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
     """
     other = {key: value for key, value in values.items() if not _direct(scene, key)}
     if other:
-        scene = _resolved_again(scene, other)
+        scene = reread(scene, other, f"{scene.source or 'the scene'}: uncertainty")
     for key, value in values.items():
         if key not in other:
             scene = _changed(scene, key, value)
@@ -68,27 +68,36 @@ def _scaled(item: Excitation, factor: float) -> Excitation:
     return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
 
 
-def _resolved_again(scene: Scene, values: Mapping[str, float]) -> Scene:
+def reread(scene: Scene, values: Mapping[str, Any], place: str) -> Scene:
+    """The scene of its own file's content with other values by dotted key (`"none"` removes one), read again as a whole.
+
+    `place` is where a mistake is: raises `InputError` for values that make no scene, and for a scene made in Python.
+    """
     from pydantic import ValidationError
 
     from harness.input.scene_file import resolve
     from harness.input.tables import SceneFile
 
     if not scene.given:
-        keys = ", ".join(values)
-        raise InputError(Mistake("uncertainty", keys, "a scene read from a file", "one made in Python"))
+        raise InputError(Mistake(place, ", ".join(values), "a scene read from a file", "one made in Python"))
     content: dict[str, Any] = copy.deepcopy(dict(scene.given))
+    told = ", ".join(
+        f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()
+    )
     for key, value in values.items():
-        table = content
+        table: Any = content
         *path, last = key.split(".")
         for part in path:
             table = table.setdefault(part, {})
-        table[last] = value
+            if not isinstance(table, dict):
+                raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", told))
+        if value == "none":
+            table.pop(last, None)
+        else:
+            table[last] = value
     try:
         model = SceneFile.model_validate(content)
     except ValidationError as error:
-        where = str(scene.source or "the scene")
-        drawn = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
-        reason = str(error.errors()[0]["msg"])
-        raise InputError(Mistake(where, "uncertainty", "draws that make a scene", drawn, reason)) from error
+        reasons = "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in error.errors())
+        raise InputError(Mistake(place, ", ".join(values), "values that make a scene", told, reasons)) from error
     return resolve(model, scene.source or Path("scene.toml"), content)

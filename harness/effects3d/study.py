@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from harness.campaign.cache_key import scene_key
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import STORE_NAME, Store
@@ -29,7 +30,6 @@ from harness.records.base import as_file, part
 from harness.records.effects3d import Amplitude, AskedRecord, Band, Departure, EffectsRecord, EffectsSummary
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
-from harness.studies.cache_key import scene_key
 from harness.studies.cases import Base, base_of_scene
 from meshes import footprint
 

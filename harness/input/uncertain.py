@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from harness.input.mistakes import Contradiction
+from harness.model.assumed import ASSUMPTIONS, assumption
 from harness.model.scene import Uncertain
 
 if TYPE_CHECKING:
@@ -45,7 +46,13 @@ class Uniform(_Spread):
     half_width: Annotated[float, Field(gt=0.0, le=1e6)]
 
 
-Distribution = Annotated[Lognormal | Normal | Uniform, Field(discriminator="kind")]
+class Assumed(_Spread):
+    """The distribution that is assumed of such a key (`harness/model/assumed.py`)."""
+
+    kind: Literal["assumed"]
+
+
+Distribution = Annotated[Lognormal | Normal | Uniform | Assumed, Field(discriminator="kind")]
 
 
 def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
@@ -53,7 +60,7 @@ def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
     return tuple(_uncertain(model, key, spread) for key, spread in model.uncertainty.items())
 
 
-def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform) -> Uncertain:
+def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
     value = _number(model, JOINT.get(key, key))
     place = f'uncertainty."{key}"'
     if value is None or key.startswith("uncertainty"):
@@ -62,9 +69,27 @@ def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform)
             'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
             "no such number",
         )
-    if spread.kind == "lognormal" and value <= 0.0:
+    if spread.kind == "assumed":
+        if (given := assumption(key)) is None:
+            wanted = f"one of the keys of which a width is assumed ({', '.join(item.keys for item in ASSUMPTIONS)})"
+            raise Contradiction(place, f"a distribution, or {wanted}", "assumed")
+        kind, width = given.kind, given.width
+    else:
+        kind, width = spread.kind, float(getattr(spread, WIDTHS[spread.kind]))
+    if kind == "lognormal" and value <= 0.0:
         raise Contradiction(place, "a positive value for a lognormal distribution", f"{key} = {value:g}")
-    return Uncertain(key, spread.kind, value, float(getattr(spread, WIDTHS[spread.kind])))
+    return Uncertain(key, kind, value, width)
+
+
+def _or_default(table: BaseModel, name: str) -> Any:
+    """A key's value; of a table that is not given (`statue.mesh.adjust`), the one with its defaults, where all have one."""
+    value, kind = getattr(table, name), type(table).model_fields[name].annotation
+    if value is not None:
+        return value
+    for one in get_args(kind):
+        if isinstance(one, type) and issubclass(one, BaseModel):
+            return None if any(field.is_required() for field in one.model_fields.values()) else one()
+    return None
 
 
 def _number(model: BaseModel, key: str) -> float | None:
@@ -74,7 +99,7 @@ def _number(model: BaseModel, key: str) -> float | None:
         if isinstance(place, Mapping):
             place = place.get(part)
         elif isinstance(place, BaseModel) and part in type(place).model_fields:
-            place = getattr(place, part)
+            place = _or_default(place, part)
         else:
             return None
     return float(place) if isinstance(place, (int, float)) and not isinstance(place, bool) else None

@@ -10,6 +10,8 @@ from harness.model.run import OMITTED
 from harness.model.scene import Uncertain
 from harness.records.base import Record, Table
 from harness.records.scene import SceneRecord
+from harness.records.scores import Interval
+from harness.records.validation import RunCounts
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,75 @@ class Index:
     total: float
 
 
+@dataclass(frozen=True)
+class OptionAnswer:
+    """One option by the analytic model: probability of a fall, slip of what slides (median, 95 %), difference to as it is."""
+
+    name: str
+    what: str
+    source: str
+    draws: int
+    probability_overturned: float
+    low: float
+    high: float
+    slip_median_m: float
+    slip_high_m: float
+    difference: Interval | None
+
+    @property
+    def helps(self) -> bool:
+        """Whether a fall is shown to be less probable."""
+        return self.difference is not None and self.difference.high < 0.0
+
+    @property
+    def harms(self) -> bool:
+        """Whether a fall is shown to be more probable."""
+        return self.difference is not None and self.difference.low > 0.0
+
+
+@dataclass(frozen=True)
+class OptionsRecord:
+    """Options on common draws, the scene as it is first; `left_out` says why others are not there."""
+
+    options: Sequence[OptionAnswer]
+    draws: int
+    level: float
+    difference_level: float
+    left_out: Mapping[str, str]
+
+    @property
+    def as_it_is(self) -> OptionAnswer:
+        """The scene as it is."""
+        return self.options[0]
+
+    @property
+    def helping(self) -> list[OptionAnswer]:
+        """Options that are shown to make a fall less probable."""
+        return [item for item in self.options if item.helps]
+
+    @property
+    def harming(self) -> list[OptionAnswer]:
+        """Options that are shown to make a fall more probable."""
+        return [item for item in self.options if item.harms]
+
+
+@dataclass(frozen=True)
+class ClearanceRecord:
+    """Room needed beyond the silhouette at rest, and the pedestal's slip, m: quantiles at `share` over the `standing` draws.
+
+    Without quantiles too few draws stand; one that falls needs the statue's height.
+    """
+
+    draws: int
+    standing: int
+    height_m: float
+    share: Sequence[float]
+    right_m: Sequence[float] | None = None
+    left_m: Sequence[float] | None = None
+    slip_right_m: Sequence[float] | None = None
+    slip_left_m: Sequence[float] | None = None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AssessRecord(Record):
     """`result.json` of `rockcheck assess`; `fragility` and `indices` are absent where a draw needs the scene read again."""
@@ -94,6 +165,9 @@ class AssessRecord(Record):
     difference_from_model: Mapping[str, ProbabilityDifference]
     fragility: FragilityRecord | None = field(default=None, metadata=OMITTED)
     indices: Mapping[str, Index] | None = field(default=None, metadata=OMITTED)
+    options: OptionsRecord | None = field(default=None, metadata=OMITTED)
+    clearance: ClearanceRecord | None = field(default=None, metadata=OMITTED)
+    runs: RunCounts | None = field(default=None, metadata=OMITTED)
     versions: Mapping[str, str]
     machine: Table
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

@@ -205,7 +205,7 @@ def _finer_runs(
 
 def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
-    from harness.assess.assessment import MODEL, assess_model
+    from harness.assess.by_model import MODEL, assess_model
 
     on_progress("probability")
     try:

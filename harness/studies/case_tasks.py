@@ -10,6 +10,7 @@ from typing import Any
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.campaign.cache_key import scene_key
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.engines.base import Engine
@@ -17,7 +18,6 @@ from harness.model import run as record
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.studies.cache_key import scene_key
 from harness.studies.cases import Base, Case
 from harness.studies.file import StudyFile
 

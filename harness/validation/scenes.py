@@ -16,6 +16,7 @@ import numpy as np
 import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
+from harness.campaign.cache_key import scene_key
 from harness.input import motions
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
@@ -23,7 +24,6 @@ from harness.input.motions.spec import RecordSpec
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.scene import Array, BaseExcitation, Contact, Form, Scene, Statue
-from harness.studies.cache_key import scene_key
 from harness.validation.table import Trial
 
 RING_DOWN_S: Final = 5.0

@@ -5,13 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from harness.assess.words import advice, room
+from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
     Assessment,
     AssessRecord,
+    ClearanceRecord,
     FragilityRecord,
     Index,
     NotAssessed,
+    OptionAnswer,
+    OptionsRecord,
     ProbabilityDifference,
     percent,
 )
@@ -32,10 +37,14 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "title": record.title,
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
-        "inputs": [(item.key, [digits(item.value), item.kind, _width(item)]) for item in record.uncertainty],
+        "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
         "assumed": record.assumed,
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
+        "advice": [] if record.options is None else advice(record.options),
+        "options": None if record.options is None else _options(record.options),
+        "room": None if record.clearance is None else room(record.clearance),
+        "clearance": [] if record.clearance is None else _clearance(record.clearance),
         "notes": record.notes,
         "seed": record.seed,
         "versions": record.versions,
@@ -60,6 +69,8 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
     if most.total >= MATTERS:
         points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
+    if record.options is not None:
+        points.append(advice(record.options)[0])
     return Verdict(f"The statue {answers[first].sentence}", tone_of_probability(worst), points)
 
 
@@ -85,9 +96,59 @@ def _difference(name: str, item: ProbabilityDifference) -> str:
     return f"No difference is shown between the model and {name}: {told}."
 
 
+def _input(item: Uncertain, assumed: bool) -> list[str]:
+    return [digits(item.value), item.kind, _width(item), _said(item, assumed)]
+
+
+def _said(item: Uncertain, assumed: bool) -> str:
+    """Where a width comes from: the scene's own, or what is assumed of such a key, with its source."""
+    given = assumption(item.key)
+    if given is None or (given.kind, given.width) != (item.kind, item.width):
+        return "the scene's own"
+    return given.source if assumed else f"as assumed: {given.source}"
+
+
 def _width(item: Uncertain) -> str:
     words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
     return f"{words[item.kind]} {digits(item.width)}"
+
+
+def _options(record: OptionsRecord) -> dict[str, object]:
+    """The table of options, what each of them is, and why others are not there."""
+    return {
+        "rows": [(item.name, _option(item)) for item in record.options],
+        "words": [(item.name, _source(item)) for item in record.options if item.what],
+        "left_out": record.left_out,
+        "draws": record.draws,
+        "fewer": sorted({item.draws for item in record.options} - {record.draws}),
+        "level": percent(record.difference_level),
+    }
+
+
+def _option(item: OptionAnswer) -> list[str]:
+    """Cells that do not break: a telephone scrolls a table sideways sooner than it reads a number on two lines."""
+    falls, interval = f"{percent(item.probability_overturned)} %", f"{percent(item.low)} to {percent(item.high)} %"
+    shown, points = "", ""
+    if item.difference is not None:
+        low, value, high = (
+            100.0 * bound for bound in (item.difference.low, item.difference.value, item.difference.high)
+        )
+        shown = "helps" if item.helps else "harms" if item.harms else "not shown"
+        points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
+    slips = [f"{slip:.3f} m" if item.slip_high_m > 0.0 else "none" for slip in (item.slip_median_m, item.slip_high_m)]
+    return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
+
+
+def _clearance(item: ClearanceRecord) -> list[tuple[str, list[str]]]:
+    """Rows of quantiles: the outline's room and the pedestal's slip on both sides, m."""
+    columns = item.right_m, item.left_m, item.slip_right_m, item.slip_left_m
+    rows = zip(*(column or () for column in columns), strict=True)
+    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in rows)
+    return [(f"{percent(share)} of 100", row) for share, row in zip(item.share, cells, strict=False)]
+
+
+def _source(item: OptionAnswer) -> str:
+    return f"{item.what}. Source: {item.source}" if item.source else item.what
 
 
 def _chart(fragility: FragilityRecord) -> dict[str, object]:

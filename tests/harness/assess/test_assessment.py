@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.assess.assessment import assess, assess_model
+from harness.assess.assessment import assess
+from harness.assess.by_model import assess_model
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
@@ -46,7 +47,7 @@ def test_a_scene_that_knows_everything_has_no_probability() -> None:
 
 
 def test_an_assessment_holds_what_the_contract_names() -> None:
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic", "pymunk"], draws=500, most_runs=48)
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic", "pymunk"], draws=500, most_runs=48).record
     assert record.kind == "assess"
     for name in ("analytic", "pymunk"):
         own = record.assessment[name]

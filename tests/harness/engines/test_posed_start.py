@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.assess.assessment import assess, assess_model
+from harness.assess.assessment import assess
+from harness.assess.by_model import assess_model
 from harness.engines.base import Engine
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError

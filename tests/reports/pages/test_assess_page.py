@@ -47,7 +47,7 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
     record = replace(
-        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200),
+        assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record,
         assessment={"analytic": answer(0.01, 0.0, 0.02), "pymunk": answer(0.3, 0.25, 0.35)},
         difference_from_model={"pymunk": ProbabilityDifference(-0.29, -0.34, -0.24, 0.9)},
     )
@@ -58,7 +58,7 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
 
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200)
+    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
     write_json(tmp_path / "result.json", as_file(record))
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "of what may be true" in page

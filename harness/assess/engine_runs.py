@@ -1,0 +1,90 @@
+"""A contact engine on numbered draws: each a keyed task of one campaign, so that a killed assessment goes on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from harness import engines
+from harness.assess.inputs import Array, row
+from harness.assess.variation import varied
+from harness.campaign.cache_key import scene_key
+from harness.campaign.campaign import Campaign
+from harness.campaign.store import Store
+from harness.campaign.task import Answer, Task
+from harness.engines.base import Engine, EngineFailure
+from harness.model.options import RunOptions
+from harness.model.run import versions
+from harness.model.scene import Scene
+
+OUTCOME: Final = "outcome"
+"""Kind of a result that is whether a statue fell."""
+ENGINE_ERROR_RAD: Final = 1e-3
+"""A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
+
+
+@dataclass(frozen=True)
+class DrawnRun:
+    """One engine and one drawn scene, as they travel to a worker."""
+
+    engine: str
+    scene: Scene
+
+
+class EngineRuns:
+    """Whether one engine's statue overturns, by number of the draw; `fell` keeps what was asked, None where the run failed."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        name: str,
+        values: Mapping[str, Array],
+        store: Store,
+        campaign: Campaign,
+        on_progress: Callable[[str], None],
+    ) -> None:
+        self._scene, self._name, self._values = scene, name, values
+        self._store, self._campaign, self._on_progress = store, campaign, on_progress
+        self._engine = engines.load(name)
+        self.fell: dict[int, bool | None] = {}
+
+    def __call__(self, numbers: Sequence[int]) -> list[bool | None]:
+        tasks = {number: self._task(number) for number in numbers}
+        self._campaign.run(tasks.values(), len(tasks))
+        for number, task in tasks.items():
+            # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
+            row_of_store = self._store.get(task.key)
+            self.fell[number] = None if row_of_store is None else row_of_store.record["overturned"]
+        self._on_progress(f"{self._name}: {len(self.fell)} runs")
+        return [self.fell[number] for number in numbers]
+
+    def _task(self, number: int) -> Task:
+        scene = varied(self._scene, row(self._values, number))
+        return Task(draw_key(self._engine, scene), overturns, DrawnRun(self._name, scene), self._name)
+
+
+def draw_key(engine: Engine, scene: Scene) -> str:
+    """What names the outcome of a drawn scene: its physics as the engine sees it, the error asked, the versions."""
+    told = versions()
+    mine = [told.get(name) for name in ("rockcheck", "numpy", engine.name)]
+    text = json.dumps([OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def overturns(drawn: DrawnRun) -> Answer:
+    """What a worker does: whether the statue overturns in its scene, at the coarsest step that is expected to do."""
+    begin = time.perf_counter()
+    engine = engines.load(drawn.engine)
+    levels = engine.refinement_levels(drawn.scene)
+    settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
+    try:
+        outcome = engine.simulate(drawn.scene, settings, RunOptions(history=False)).outcome
+        fell = None if outcome.failed else outcome.overturned
+    except EngineFailure:
+        fell = None
+    seconds = time.perf_counter() - begin
+    return Answer(OUTCOME, {"overturned": fell}, seconds, inside_s=seconds, failed=fell is None)

@@ -1,0 +1,95 @@
+"""An assessment in plain words: how probable a fall is, the room it needs, and advice only where a change is shown."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from harness.assess.options import FLOOR, TURNED
+from harness.records.assess import Assessment, AssessRecord, ClearanceRecord, OptionAnswer, OptionsRecord, percent
+
+CLEAR: Final = 0.95
+"""Share of the standing draws whose clearance is told in a sentence."""
+
+
+def summary(record: AssessRecord) -> str:
+    """An assessment in a few lines of plain words."""
+    lines = [record.title]
+    width = max(len(name) for name in record.assessment)
+    for name, item in record.assessment.items():
+        if isinstance(item, Assessment):
+            lines.append(f"  {name:{width}}  {item.sentence}; {item.engine_runs} runs")
+        elif item is not None:
+            lines.append(f"  {name:{width}}  not here: {item.message}")
+    if record.assumed:
+        assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
+        lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
+    if record.options is not None:
+        lines += [f"  {line}" for line in advice(record.options)]
+    if record.clearance is not None:
+        lines.append(f"  {room(record.clearance)}")
+    if record.runs is not None and record.runs.computed < record.runs.wanted:
+        lines.append(
+            f"  {record.runs.wanted - record.runs.computed} of {record.runs.wanted} engine runs found in the store"
+        )
+    return "\n".join(lines)
+
+
+def room(item: ClearanceRecord) -> str:
+    """How much must be kept clear on both sides, and what a fall needs."""
+    falls = f"one that falls needs its height, {item.height_m:.2f} m"
+    if item.right_m is None or item.left_m is None:
+        return f"Clearance: only {item.standing} of {item.draws} draws stand, too few to tell; {falls}."
+    k = list(item.share).index(CLEAR)
+    told = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
+    return f"{told} and {item.left_m[k]:.2f} m beyond its left; {falls}."
+
+
+def advice(record: OptionsRecord) -> list[str]:
+    """The recommendation first, then what would harm, then the paper's claim on this statue's pedestal."""
+    helping = sorted(record.helping, key=_rank)
+    told = [_recommended(record, helping) if helping else _nothing(record)]
+    if record.harming:
+        names = _listed([item.name for item in record.harming])
+        told.append(f"A fall becomes more probable with: {names}.")
+    floor = next((item for item in record.options if item.name == FLOOR), None)
+    return told if floor is None else [*told, _claim(record.as_it_is, floor)]
+
+
+def _rank(item: OptionAnswer) -> tuple[float, bool, float]:
+    """The less probable fall first, then less slip; what is turned comes last: its weak side is one that no draw shakes."""
+    return item.probability_overturned, item.name == TURNED, item.slip_high_m
+
+
+def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
+    best = helping[0]
+    equal = [item for item in helping[1:] if item.low <= best.high]
+    words = f"What would help most: {best.name}. The statue then falls in {percent(best.probability_overturned)} %, "
+    words += f"as it is in {percent(record.as_it_is.probability_overturned)} %"
+    if best.slip_high_m > 0.0:
+        words += f"; it slides by up to {best.slip_high_m:.2g} m in 95 of 100"
+    if equal:
+        words += f". As good, as far as can be told: {_listed([item.name for item in equal])}"
+    return words + "."
+
+
+def _nothing(record: OptionsRecord) -> str:
+    if record.as_it_is.high < 0.01:
+        return "Nothing need be done against a fall: none of these options makes it less probable."
+    return "Nothing is recommended: none of these options is shown to make a fall less probable."
+
+
+def _claim(own: OptionAnswer, floor: OptionAnswer) -> str:
+    """Whether a pedestal that slides protects: the paper's claim, answered by this statue on the floor."""
+    falls = f"on the floor it falls in {percent(floor.probability_overturned)} %"
+    falls += f", on its pedestal in {percent(own.probability_overturned)} %"
+    if own.slip_high_m == 0.0:
+        return f"The pedestal does not slide, and so protects nothing by it: {falls}."
+    if floor.harms:
+        return f"The sliding pedestal protects this statue: {falls}."
+    if floor.helps:
+        return f"The sliding pedestal does not protect this statue, it endangers it: {falls}."
+    return f"That the sliding pedestal protects this statue is not shown: {falls}."
+
+
+def _listed(names: list[str]) -> str:
+    return "; ".join(names)

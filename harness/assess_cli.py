@@ -1,0 +1,114 @@
+"""The assess command: what is wrong told first, engine runs kept in a store, the record and its draws written."""
+
+from __future__ import annotations
+
+import csv as comma_separated
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from harness.assess.assessment import Assessed, assess
+from harness.assess.by_model import MODEL
+from harness.assess.options import read_options
+from harness.campaign.dask_pool import DaskPool
+from harness.campaign.progress import ProgressMessages
+from harness.campaign.runner import LocalPool
+from harness.campaign.store import STORE_NAME, Store
+from harness.command import Asked, Sampling
+from harness.input.paths import read_files
+from harness.input.scene_file import load_scene
+from harness.model.errors import InputError, Mistake
+from harness.records.assess import AssessRecord
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.study_cli import ending_cleanly, unbegun
+
+DRAWS_NAME: Final = "draws.csv"
+
+
+def run(
+    path: Path,
+    folder: Path,
+    asked: Asked,
+    sampling: Sampling,
+    *,
+    options: Path | None = None,
+    no_options: bool = False,
+    csv: bool = False,
+    jobs: int | None = None,
+    resume: bool = False,
+    dask: str | None = None,
+    quiet: bool = False,
+) -> AssessRecord:
+    """Assess a scene file into `folder` (store.sqlite, result.json, draws.csv where asked); engine runs in the store are not
+    computed again. Raises `InputError` for wrong input, or `resume` where there is nothing to go on with.
+    """
+    check_folder(folder, ("assess",))
+    scene = load_scene(path, asked.overrides or ())
+    check_inputs(folder, [*PAGES, RECORD, DRAWS_NAME], read_files(scene.given, scene.source))
+    _check(folder, options, no_options, jobs, resume)
+    own_options = () if options is None else read_options(options, scene)
+    pool = LocalPool(jobs) if dask is None else DaskPool(dask)
+    with (
+        ending_cleanly(),
+        closing(pool),
+        unbegun(folder),
+        Store(folder / STORE_NAME) as store,
+        ProgressMessages(quiet) as telling,
+    ):
+        assessed = assess(
+            scene,
+            asked.engine,
+            **vars(sampling),
+            more_options=None if no_options else own_options,
+            store=store,
+            pool=pool,
+            on_progress=telling.now,
+        )
+    written: list[AssessRecord] = []
+
+    def recorded(files: Mapping[str, str | None]) -> AssessRecord:
+        written.append(replace(assessed.record, files=files))
+        return written[-1]
+
+    with replacing(folder, recorded, "assess") as fresh:
+        if csv:
+            _write_draws(assessed, fresh / DRAWS_NAME)
+    return written[-1]
+
+
+def _check(folder: Path, options: Path | None, no_options: bool, jobs: int | None, resume: bool) -> None:
+    if jobs is not None and jobs < 1:
+        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+    if no_options and options is not None:
+        raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
+    if resume and not (folder / STORE_NAME).is_file():
+        wanted = f"an assessment that was begun in {folder}"
+        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
+def _write_draws(assessed: Assessed, path: Path) -> None:
+    """A row for each draw: its values by key, the model's answers, and each engine's (empty where it did not run, or failed)."""
+    model, engines = assessed.model, list(assessed.fell)
+    answers = ("decided", "overturned", "peak_theta_over_alpha", "peak_slip_m")
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        rows = comma_separated.writer(stream)
+        rows.writerow(
+            [
+                "draw",
+                *assessed.values,
+                *(f"{MODEL}_{name}" for name in answers),
+                *(f"{name}_overturned" for name in engines),
+            ]
+        )
+        for k in range(model.overturned.size):
+            own = (
+                int(model.decided[k]),
+                int(model.overturned[k]),
+                float(model.peak_share[k]),
+                float(model.peak_slip_m[k]),
+            )
+            fell = (assessed.fell[name].get(k) for name in engines)
+            values = (float(column[k]) for column in assessed.values.values())
+            rows.writerow([k, *values, *own, *("" if item is None else int(item) for item in fell)])

@@ -1,0 +1,97 @@
+"""An engine's runs as tasks of a campaign: an assessment goes on where it stopped; every draw can be written."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness import assess_cli
+from harness.assess.assessment import assess
+from harness.assess.engine_runs import overturns
+from harness.campaign.runner import InlinePool
+from harness.campaign.store import Store
+from harness.campaign.task import Answer
+from harness.command import Asked, Sampling
+from harness.model.errors import InputError
+from tests.scenes_for_tests import paestum
+
+FEW = {"draws": 200, "most_runs": 32, "more_options": None}
+
+
+def test_what_is_stored_is_not_run_again(tmp_path: Path) -> None:
+    scene = paestum(0.429, 3.0, duration_s=1.0)
+    with Store(tmp_path / "store.sqlite") as store:
+        first = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
+    with Store(tmp_path / "store.sqlite") as store:
+        again = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
+        other = assess(scene, ["pymunk"], store=store, pool=InlinePool(), seed=1, **FEW)
+    assert first.record.runs is not None
+    assert first.record.runs.computed == first.record.runs.wanted == len(first.fell["pymunk"]) > 0
+    assert again.record.runs is not None
+    assert again.record.runs.computed == 0
+    assert again.record.assessment == first.record.assessment
+    assert again.fell == first.fell
+    assert other.record.runs is not None
+    assert other.record.runs.computed == other.record.runs.wanted
+
+
+def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Interrupted at its tenth run, nine are kept, and only the others are run by the next."""
+    scene, made = paestum(0.429, 3.0, duration_s=1.0), [0]
+
+    def interrupted(drawn: Any) -> Answer:
+        made[0] += 1
+        if made[0] == 10:
+            raise KeyboardInterrupt
+        return overturns(drawn)
+
+    monkeypatch.setattr("harness.assess.engine_runs.overturns", interrupted)
+    with Store(tmp_path / "store.sqlite") as store, pytest.raises(KeyboardInterrupt):
+        assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
+    monkeypatch.undo()
+    with Store(tmp_path / "store.sqlite") as store:
+        record = assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW).record
+    assert record.runs is not None
+    assert record.runs.wanted - record.runs.computed == 9
+
+
+SCENE = Path(__file__).parents[3] / "scenes" / "paestum_block.toml"
+SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
+
+
+def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
+    asked, folder = Asked(["pymunk"], ["duration_s=1.0"]), tmp_path / "out"
+    record = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, csv=True, jobs=1, quiet=True)
+    assert record.options is None
+    assert record.files is not None
+    assert "draws.csv" in record.files
+    with (folder / "draws.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 100
+    assert [row["draw"] for row in rows[:3]] == ["0", "1", "2"]
+    share = sum(int(row["analytic_overturned"]) for row in rows) / 100
+    assert share == record.answers["analytic"].probability_overturned
+    assert record.runs is not None
+    assert sum(row["pymunk_overturned"] != "" for row in rows) == record.runs.wanted
+    assert all(float(row["contact.floor"]) > 0.0 for row in rows)
+    # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
+    again = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)
+    assert again.runs is not None
+    assert again.runs.computed == 0
+    assert not (folder / "draws.csv").exists()
+
+
+def test_wrong_options_of_the_command_are_told_and_leave_nothing(tmp_path: Path) -> None:
+    asked, folder = Asked(["analytic"]), tmp_path / "out"
+    wrong: list[dict[str, Any]] = [
+        {"resume": True},
+        {"jobs": 0},
+        {"no_options": True, "options": tmp_path / "mine.toml"},
+    ]
+    for more in (*wrong, {"options": tmp_path / "none.toml"}, {"dask": "tcp://127.0.0.1:1"}):
+        with pytest.raises(InputError):
+            assess_cli.run(SCENE, folder, asked, SAMPLING, quiet=True, **more)
+    assert not folder.exists()
