@@ -80,7 +80,7 @@ def compare(
         if (asked, target, horizon) != (Asked(), Target(), False):
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
-        from harness.comparison.comparator import compare_files
+        from harness.comparison.history_files import compare_files
 
         scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
         found = {f"{files[0].name}_vs_{files[1].name}": to_plain(scores)}

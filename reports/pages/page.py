@@ -11,9 +11,10 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import write_text
 from harness.model.terminal import printable
 from harness.records.base import Record
+from harness.records.kinds import read_result
 from reports.charts.library import chart_library
 from reports.pages.assets import environment, source_text
-from reports.source import kind_of, read_record, telling_damage
+from reports.source import kind_of, telling_damage
 
 Content = Record | dict[str, Any]
 """A record as its class, or as plain values where its kind has none."""
@@ -44,7 +45,7 @@ def write_report(folder: Path) -> Path:
 
     Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written.
     """
-    record = read_record(folder)
+    record = read_result(folder)
     mistakes: list[Mistake] = []
     for name, build in _pages(record).items():
         try:
