@@ -9,6 +9,9 @@ from pathlib import Path
 from harness.comparison.comparator import compare
 from harness.input.history_file import gaps, read_history
 from harness.model.errors import InputError, Mistake
+from harness.model.run import machine, versions
+from harness.records.compare import FILES, CompareRecord
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
 from harness.records.scores import Scores
 
 
@@ -46,3 +49,13 @@ def compare_files(
         for begin, end in gaps(history)
     ]
     return replace(scores, warnings=missing)
+
+
+def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
+    """Write the scores of two files, with both histories, into a result folder; raises `InputError` rather than lose a file."""
+    check_folder(folder, ("compare",))
+    check_inputs(folder, [*PAGES, RECORD, *FILES], (a, b))
+    record = CompareRecord(title=f"{a.name} against {b.name}", scores=scores, versions=versions(), machine=machine())
+    with replacing(folder, lambda files: replace(record, files=files), "compare") as fresh:
+        for path, name in zip((a, b), FILES, strict=True):
+            read_history(path).write_csv(fresh / name)

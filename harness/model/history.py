@@ -101,8 +101,8 @@ class History(Shown):
     """One run on one time grid, in the table's frame; all arrays float64, shape (n,), read-only.
 
     `theta_rad` is the rocking rotation (clockwise positive: θ > 0 leans to the right), `slip_m` the displacement of the
-    pedestal relative to the floor. `extra` holds further named columns (3D: `roll_rad`, `yaw_rad`, ...). Of a
-    history that was read from a file, `resolution_rad` and `resolution_m` are how far its written digits leave rotation and slip open.
+    pedestal relative to the floor. `extra` holds further named columns (3D: `roll_rad`, `yaw_rad`, ...). `resolution_rad` and
+    `resolution_m` are how far the digits of the file it was read from leave rotation and slip open.
 
     Raises `ValueError` when lengths differ, a value is not finite, or times do not increase.
     """

@@ -21,6 +21,7 @@ CLASSES: Final[Mapping[str, str]] = {
     "validation": "harness.records.validation:ValidationRecord",
     "bench": "harness.records.bench:BenchRecord",
     "stress": "harness.records.stress:StressRecord",
+    "compare": "harness.records.compare:CompareRecord",
 }
 """By kind the module and the class of its record, imported where one is read."""
 

@@ -36,6 +36,7 @@ PAGES: Final = {
     "tosses": "reports.pages.tosses_page",
     "bench": "reports.pages.bench_page",
     "stress": "reports.pages.stress_page",
+    "compare": "reports.pages.compare_page",
 }
 """Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
 
