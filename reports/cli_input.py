@@ -32,13 +32,50 @@ def add_commands(app: typer.Typer) -> None:
     command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
 
 
-@command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm")
-def mesh_inspect(scan: Scan, known: Known, saying: Saying) -> None:
-    """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
+@command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
+def mesh_inspect(
+    scan: Scan,
+    known: Known,
+    saying: Saying,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf)."
+        ),
+    ] = None,
+) -> None:
+    """Say what a scan is, what would be mended, and what statue comes out; write nothing but the picture asked for."""
     from harness.mesh_cli import inspect
 
+    if picture is not None:
+        _check_picture(picture)
     found = inspect(scan, known)
-    saying.say(found.as_dict(), str(found))
+    if picture is None:
+        saying.say(found.as_dict(), str(found))
+        return
+    from harness.input.mesh_statue import mesh_mistake
+    from harness.model.errors import InputError
+    from reports.drawing.scan_picture import scan_picture
+    from reports.export.paper import write_picture
+
+    if found.refusal is not None:
+        raise InputError(mesh_mistake(found.refusal, str(scan)))
+    assert found.solid is not None  # without a refusal there is one
+    write_picture(scan_picture(found.solid, found.prepared.rotation, scan.name), picture, dpi=150)
+    saying.say(found.as_dict(), f"{found}\npicture: {picture}")
+
+
+def _check_picture(picture: Path) -> None:
+    """Raise `InputError` unless a picture of that name can be written without a loss."""
+    from harness.model.errors import InputError, Mistake
+    from harness.records.result_folder import check_marked
+    from reports.export.figures import FORMATS
+
+    if picture.suffix[1:] not in FORMATS:
+        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(FORMATS)}", str(picture)))
+    if not picture.resolve().parent.is_dir():
+        raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
+    check_marked([picture])
 
 
 @command(mesh, "prepare", "rockcheck mesh prepare statue.obj --unit mm --out statue.ply")
