@@ -6,7 +6,7 @@ PYTHON ?= $(shell for p in python3.11 python3 python; do \
 	if $$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
 
 .DEFAULT_GOAL := setup
-.PHONY: help setup report test lint types contracts bench stress lock clean
+.PHONY: help setup report test lint docs types contracts bench stress lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
@@ -40,6 +40,10 @@ lint: $(STAMP) ## check style, types and import rules
 	@$(VENV)/bin/ruff format --check .
 	@$(VENV)/bin/mypy
 	@$(VENV)/bin/lint-imports
+
+docs: $(STAMP) ## write the API reference from the docstrings, without a network
+	@$(PY) -m pdoc --output-directory out/api analytic analytic.closed_form analytic.pulse_response meshes harness
+	@echo "API reference: out/api/index.html"
 
 bench: $(STAMP) ## run time against error, in one run
 	@$(VENV)/bin/rockcheck bench

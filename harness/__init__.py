@@ -1,24 +1,35 @@
 """One scene, several models, one comparison.
 
 >>> import harness
->>> scene = harness.load_scene("scenes/paestum_floor.toml")
+>>> scene = harness.load_scene("scenes/paestum_floor.toml", motion__x__amplitude_g=0.3)
 >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
 >>> reference = harness.simulate(scene, "analytic")
 >>> print(harness.compare(run, reference).verdict_sentence)
+
+Scenes, runs, histories, scores and studies show themselves in a notebook, and have `to_dataframe()`, `to_xarray()` (extra
+[frames]) and `plot(ax)`; docs/example.ipynb uses them all.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from harness.accuracy.simulation import simulate
     from harness.comparison.comparator import compare
+    from harness.comparison.history_files import compare_files
+    from harness.input.history_file import read_history
     from harness.input.scene_file import load_scene
     from harness.model.errors import InputError, Mistake
     from harness.model.history import History, Outcome
+    from harness.model.options import RunOptions
     from harness.model.run import Run
     from harness.model.scene import Scene
+    from harness.records.kinds import read_result
+    from harness.records.run import RunRecord
+    from harness.records.scores import Scores, Verdict
+    from harness.records.study import StudyRecord
     from harness.scene_run.scene_run import run_scene
 
 __all__ = [
@@ -27,31 +38,51 @@ __all__ = [
     "Mistake",
     "Outcome",
     "Run",
+    "RunOptions",
+    "RunRecord",
     "Scene",
+    "Scores",
+    "StudyRecord",
+    "Verdict",
     "compare",
+    "compare_files",
     "load_scene",
+    "read_history",
+    "read_result",
     "run_scene",
     "simulate",
 ]
 
 _HOMES = {
     "compare": "harness.comparison.comparator",
-    "InputError": "harness.model.errors",
-    "Mistake": "harness.model.errors",
+    "compare_files": "harness.comparison.history_files",
     "History": "harness.model.history",
-    "Outcome": "harness.model.history",
+    "InputError": "harness.model.errors",
     "load_scene": "harness.input.scene_file",
+    "Mistake": "harness.model.errors",
+    "Outcome": "harness.model.history",
+    "read_history": "harness.input.history_file",
+    "read_result": "harness.records.kinds",
     "Run": "harness.model.run",
     "run_scene": "harness.scene_run.scene_run",
-    "simulate": "harness.accuracy.simulation",
+    "RunOptions": "harness.model.options",
+    "RunRecord": "harness.records.run",
     "Scene": "harness.model.scene",
+    "Scores": "harness.records.scores",
+    "simulate": "harness.accuracy.simulation",
+    "StudyRecord": "harness.records.study",
+    "Verdict": "harness.records.scores",
 }
 
 
-def __getattr__(name: str) -> Any:
-    # Loaded on demand: `rockcheck --help` does not pay for a simulator.
+def __getattr__(name: str) -> object:
+    """Load a public name from its module, when first asked: `rockcheck --help` does not pay for a simulator."""
     if name not in _HOMES:
         raise AttributeError(f"module 'harness' has no attribute {name!r}")
-    from importlib import import_module
+    globals()[name] = value = getattr(import_module(_HOMES[name]), name)
+    return value
 
-    return getattr(import_module(_HOMES[name]), name)
+
+def __dir__() -> list[str]:
+    """The public names too, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,13 +16,13 @@ from harness.model.terminal import printable
 
 if TYPE_CHECKING:
     from harness.model.scene import Scene
+    from harness.records.scores import Scores
     from harness.scene_run.scene_run import Result
 
 
 def add_commands(app: typer.Typer) -> None:
     """Mount the computing commands on the application."""
     command(app, "engines", "rockcheck engines")(engines)
-    command(app, "compare", "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv")(compare)
     store = typer.Typer(no_args_is_help=True, help="Look after the stores of studies.")
     command(store, "salvage", "rockcheck store salvage out/map/store.sqlite saved.sqlite")(salvage)
     app.add_typer(store, name="store")
@@ -47,31 +47,21 @@ def engines(as_json: JsonOnly = False) -> None:
 
 
 def compare(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
-        ),
-    ],
+    files: Sequence[Path],
     asked: Asked,
     target: Target,
-    saying: Saying,
-    iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
-    horizon: Annotated[
-        bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")
-    ] = False,
-    uncertainty: Annotated[
-        float | None,
-        typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
-    ] = None,
-    slip_uncertainty: Annotated[
-        float | None,
-        typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
-    ] = None,
-) -> None:
-    """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
-    from harness.model.run import to_plain
+    *,
+    quiet: bool,
+    iso: bool = False,
+    horizon: bool = False,
+    uncertainty: float | None = None,
+    slip_uncertainty: float | None = None,
+    out: Path | None = None,
+) -> dict[str, Scores]:
+    """The scores of engines on scenes, or of two history files (written into `out` where it is given), by pair.
 
+    Raises `InputError` for a mixture of both, and for options of the one with the other.
+    """
     tables = [path.suffix == ".csv" for path in files]
     if any(tables):
         if not all(tables) or len(files) != 2:
@@ -80,37 +70,26 @@ def compare(
         if (asked, target, horizon) != (Asked(), Target(), False):
             no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
             raise InputError(Mistake("compare", "", no_run, "one of them"))
-        from harness.comparison.comparator import compare_files
+        from harness.comparison.history_files import compare_files, write_comparison
 
-        scores = compare_files(*files, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
-        plain_scores = {f"{files[0].name}_vs_{files[1].name}": to_plain(scores)}
-    elif uncertainty is not None or slip_uncertainty is not None:
+        a, b = files
+        scores = compare_files(a, b, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
+        if out is not None:
+            write_comparison(a, b, scores, out)
+        return {f"{a.name}_vs_{b.name}": scores}
+    if uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
-    else:
-        plain_scores = {}
-        for path in files:
-            result = compute(path, asked, target, quiet=saying.silent, iso=iso, horizon=horizon)
-            prefix = f"{path.stem}: " if len(files) > 1 else ""
-            plain_scores |= {f"{prefix}{pair}": to_plain(scores) for pair, scores in result.scores.items()}
-    saying.say(plain_scores, "\n".join(table_of(pair, scores) for pair, scores in plain_scores.items()))
-
-
-def table_of(title: str, scores: Mapping[str, object]) -> str:
-    """One pair's scores as aligned lines; lists are counted."""
-    lines = [title]
-    for name, value in scores.items():
-        if name == "warnings" and isinstance(value, list):
-            lines += [f"  warning: {text}" for text in value]
-        elif isinstance(value, float):
-            lines.append(f"  {name:34} {value:.6g}")
-        elif isinstance(value, (str, int)) or value is None:
-            lines.append(f"  {name:34} {'—' if value is None else value}")
-        elif isinstance(value, list):
-            lines.append(f"  {name:34} {len(value)} of them (see --json)")
-        elif isinstance(value, Mapping) and "sentence" in value:
-            lines.append(f"  {name:34} {value['sentence']}")
-    return "\n".join(map(printable, lines))
+    if out is not None:
+        raise InputError(
+            Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
+        )
+    found: dict[str, Scores] = {}
+    for path in files:
+        result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
+        prefix = f"{path.stem}: " if len(files) > 1 else ""
+        found |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
+    return found
 
 
 def salvage(

@@ -16,6 +16,9 @@ from meshes.topology import EdgeCount
 PINCHED_SHARE = 0.02
 """Edge collapses may pinch at most this share of the edges, or the decimation is given up."""
 
+FEWEST = 100
+"""Triangles that a statue above its base has at least: with fewer quadric errors say nothing of its shape."""
+
 ROUNDS = 5
 """Closing one pinch may touch the next; rounds of opening and closing before the decimation is given up."""
 
@@ -29,50 +32,57 @@ class Bounds:
     inertia_rel: float = 2e-3
 
 
-def decimate(mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds) -> tuple[RawMesh, Change | None]:
+def decimate(mesh: RawMesh, max_faces: int, keep_below_m: float, bounds: Bounds) -> tuple[RawMesh, Change | None, str]:
     """A closed mesh with about `max_faces` triangles, or with as few as the bounds allow; unchanged if that is not
-    fewer.
+    fewer. The third is why more were kept than asked, empty where they were not.
 
     Faces with a vertex up to `keep_below_m` over the lowest point are kept as they are.
     """
     height = float(np.ptp(mesh.vertices[:, 2]))
     before = measure(mesh)
-    target = max_faces
+    target, why = max_faces, ""
     while target < 0.9 * len(mesh.faces):
         fewer = simplified(mesh, target, keep_below_m)
-        if fewer is not None:
+        if isinstance(fewer, str):
+            broken = fewer
+        else:
             what = f"{len(mesh.faces)} triangles reduced to {len(fewer.faces)}, the base kept"
             made = change("decimation", what, len(mesh.faces) - len(fewer.faces), before, measure(fewer))
-            if _within(made, bounds, height):
-                return fewer, made
+            broken = _beyond(made, bounds, height)
+            if not broken:
+                return fewer, made, why and f"{len(fewer.faces)} triangles, not {max_faces}: {why}"
+        why = why or f"with so few {broken}"
         target *= 2
-    return mesh, None
+    return mesh, None, why and f"all {len(mesh.faces)} triangles, not {max_faces}: {why}"
 
 
-def _within(made: Change, bounds: Bounds, height_m: float) -> bool:
-    """Whether a decimation kept its bounds."""
+def _beyond(made: Change, bounds: Bounds, height_m: float) -> str:
+    """Which bound a decimation broke, and by how much; empty for none."""
     if made.volume_rel is None or made.centroid_m is None or made.inertia_rel is None:
-        return False
-    return (
-        abs(made.volume_rel) <= bounds.volume_rel
-        and made.centroid_m <= bounds.centroid_share * height_m
-        and abs(made.inertia_rel) <= bounds.inertia_rel
-    )
+        return "the surface would enclose no volume"
+    if abs(made.volume_rel) > bounds.volume_rel:
+        return f"the volume would change by {100 * made.volume_rel:+.2f} % (at most {100 * bounds.volume_rel:g} %)"
+    if made.centroid_m > bounds.centroid_share * height_m:
+        most = 1e3 * bounds.centroid_share * height_m
+        return f"the centroid would move by {1e3 * made.centroid_m:.2f} mm (at most {most:.2g} mm)"
+    if abs(made.inertia_rel) > bounds.inertia_rel:
+        return f"the inertia would change by {100 * made.inertia_rel:+.2f} % (at most {100 * bounds.inertia_rel:g} %)"
+    return ""
 
 
-def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | None:
-    """The mesh with its faces above the base simplified by quadric error; None if that broke the closed surface."""
+def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | str:
+    """The mesh with its faces above the base simplified by quadric error, or why that cannot be."""
     from fast_simplification import simplify
 
     level = mesh.vertices[:, 2].min() + keep_below_m
     low = (mesh.vertices[:, 2] <= level)[mesh.faces].any(axis=1)
     target = max_faces - int(low.sum())
-    if target < 100 or not (~low).any():
-        return None
+    if target < FEWEST or not (~low).any():
+        return f"the base, which is kept, has {int(low.sum())} and fewer than {FEWEST} would be left for all above it"
     vertices, faces = drop_unused(mesh.vertices, mesh.faces[~low])
     reduction = 1.0 - target / len(faces)
     if reduction <= 0.0:
-        return None
+        return "nothing would be left out above the base"
     points, triangles = simplify(vertices, faces.astype(np.int32), reduction, preserve_border=True)[:2]
     base_vertices, base_faces = drop_unused(mesh.vertices, mesh.faces[low])
     joined = weld(
@@ -82,7 +92,8 @@ def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | 
             mesh.source,
         )
     )
-    return _sound(joined)
+    sound = _sound(joined)
+    return "the closed surface would break" if sound is None else sound
 
 
 def _sound(mesh: RawMesh) -> RawMesh | None:

@@ -3,7 +3,7 @@ advice."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from meshes.doubts import floor_attached, not_one_body
 from meshes.errors import MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
-from meshes.mesh import RawMesh
+from meshes.mesh import Array, RawMesh
 from meshes.orientation import find_stance, turn_axis
 from meshes.processing_log import Account, Change, change, measure
 from meshes.self_intersection import crossings
@@ -63,10 +63,11 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A closed mesh in metres, z up, and the account of what was done to it."""
+    """A closed mesh in metres, z up, the account of what was done to it, and the rotation (3, 3) from the file's axes."""
 
     mesh: RawMesh
     account: Account
+    rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def solid(
         self,
@@ -103,17 +104,20 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     _must_be_of_a_statue_s_size(mesh, wanted)
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
+    rotation = state.rotation
     state = _scaled(state, wanted, suffix)
     state = _cut(state, wanted)
     state = _true_height(_closed(state, wanted), wanted)
     state = _checked(state, wanted)
-    fewer, made = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
+    fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     if made is not None:
         state = Prepared(fewer, state.account.and_changed(made))
+    if why:
+        state = Prepared(state.mesh, state.account.and_found(why))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
     if wrong is not None:
         raise wrong.at(state.mesh.source)
-    return state
+    return replace(state, rotation=rotation)
 
 
 def _must_have_thickness(mesh: RawMesh) -> None:
@@ -154,16 +158,16 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     """The up axis turned to +z: as set, or found together with the base plane, which is then level."""
     mesh, account = state.mesh, state.account
     if wanted.up is not None:
-        turned = mesh.moved(mesh.vertices @ turn_axis(wanted.up).T)
+        rotation = turn_axis(wanted.up)
         if wanted.up != "z":
             account = account.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
-        return Prepared(turned, account)
+        return Prepared(mesh.moved(mesh.vertices @ rotation.T), account, rotation)
     stance = find_stance(mesh)
     tilt = f"tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}" if stance.tilt_rad else stance.why
     what = tilt if stance.axis == "z" else f"{stance.axis} of the file turned to z, {tilt}"
     if stance.axis != "z" or stance.tilt_rad > 1e-6:
         account = account.and_changed(Change("up axis", what, 1))
-    return Prepared(mesh.moved(mesh.vertices @ stance.rotation.T), account)
+    return Prepared(mesh.moved(mesh.vertices @ stance.rotation.T), account, stance.rotation)
 
 
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from harness.campaign.progress import ProgressMessages
-from harness.command import Known, Saying, Surroundings, command
+from harness.command import Asked, Known, Saying, Surroundings, Target, command
 from harness.model.terminal import printable
 
 OUT: Final = Path("out")
@@ -25,17 +25,57 @@ def add_commands(app: typer.Typer) -> None:
     app.add_typer(mesh, name="mesh")
     app.add_typer(motion, name="motion")
     command(app, "new", "rockcheck new statue.obj --motion quake.AT2 --height 1.62")(new)
+    command(app, "compare", "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")(
+        compare
+    )
     command(app, "figures", "rockcheck figures out/paestum_floor --format pdf --width column")(figures)
     command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
 
 
-@command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm")
-def mesh_inspect(scan: Scan, known: Known, saying: Saying) -> None:
-    """Say what a scan is, what would be mended, and what statue comes out; write nothing."""
+@command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
+def mesh_inspect(
+    scan: Scan,
+    known: Known,
+    saying: Saying,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf)."
+        ),
+    ] = None,
+) -> None:
+    """Say what a scan is, what would be mended, and what statue comes out; write nothing but the picture asked for."""
     from harness.mesh_cli import inspect
 
+    if picture is not None:
+        _check_picture(picture)
     found = inspect(scan, known)
-    saying.say(found.as_dict(), str(found))
+    if picture is None:
+        saying.say(found.as_dict(), str(found))
+        return
+    from harness.input.mesh_statue import mesh_mistake
+    from harness.model.errors import InputError
+    from reports.drawing.scan_picture import scan_picture
+    from reports.export.paper import write_picture
+
+    if found.refusal is not None:
+        raise InputError(mesh_mistake(found.refusal, str(scan)))
+    assert found.solid is not None  # without a refusal there is one
+    write_picture(scan_picture(found.solid, found.prepared.rotation, scan.name), picture, dpi=150)
+    saying.say(found.as_dict(), f"{found}\npicture: {picture}")
+
+
+def _check_picture(picture: Path) -> None:
+    """Raise `InputError` unless a picture of that name can be written without a loss."""
+    from harness.model.errors import InputError, Mistake
+    from harness.records.result_folder import check_marked
+    from reports.export.figures import FORMATS
+
+    if picture.suffix[1:] not in FORMATS:
+        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(FORMATS)}", str(picture)))
+    if not picture.resolve().parent.is_dir():
+        raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
+    check_marked([picture])
 
 
 @command(mesh, "prepare", "rockcheck mesh prepare statue.obj --unit mm --out statue.ply")
@@ -149,6 +189,56 @@ def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
         duration_s=model.duration_s,
         gravity_m_s2=model.gravity_m_s2,
     )
+
+
+def compare(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENE... | A.csv B.csv", help="Scenes, or two histories (B is the reference).", show_default=False
+        ),
+    ],
+    asked: Asked,
+    target: Target,
+    saying: Saying,
+    iso: Annotated[bool, typer.Option("--iso", help="Also rate by ISO/TS 18571 (extra [iso]).")] = False,
+    horizon: Annotated[
+        bool, typer.Option("--horizon", help="Also find each model's own horizon (some twenty runs of each).")
+    ] = False,
+    uncertainty: Annotated[
+        float | None,
+        typer.Option("--uncertainty", metavar="RAD", help="Numerical error of the rotation in two histories."),
+    ] = None,
+    slip_uncertainty: Annotated[
+        float | None,
+        typer.Option("--slip-uncertainty", metavar="M", help="Numerical error of the slip in two histories."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Of two histories: the folder of a page with their chart.")
+    ] = None,
+) -> None:
+    """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
+    from harness import cli
+    from harness.model.run import to_plain
+    from reports.text.glossary import scores_text
+
+    found = cli.compare(
+        files,
+        asked,
+        target,
+        quiet=saying.silent,
+        iso=iso,
+        horizon=horizon,
+        uncertainty=uncertainty,
+        slip_uncertainty=slip_uncertainty,
+        out=out,
+    )
+    lines = [scores_text(pair, scores) for pair, scores in found.items()]
+    if out is not None:
+        from reports.pages.page import write_report
+
+        lines.append(f"report: {write_report(out)}")
+    saying.say(to_plain(found), "\n".join(lines))
 
 
 def figures(

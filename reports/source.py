@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,14 +14,12 @@ from jinja2 import UndefinedError
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
-from harness.model.run import SCHEMA_VERSION
-from harness.records.base import REWRITE, Record, validated
-from harness.records.kinds import CLASSES, class_of
-from harness.records.result_folder import KINDS, RECORD, as_written, owned
+from harness.records.base import REWRITE, Record
+from harness.records.kinds import read_result
+from harness.records.result_folder import RECORD, as_written, owned
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord
 
-RECORD_NAME: Final = RECORD
 DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
 
@@ -44,28 +41,6 @@ class RunSource:
     def runs(self) -> Mapping[str, EngineRunRecord]:
         """All engines' answers by name."""
         return self.record.runs
-
-
-def read_record(folder: Path) -> Record | dict[str, Any]:
-    """The record of a result folder; raises `InputError` when it is absent, damaged, or of another schema."""
-    path = folder / RECORD_NAME
-    if not path.is_file():
-        advice = "run `rockcheck run SCENE --out DIR` first"
-        raise InputError(Mistake(str(folder), "", f"a result folder with {RECORD_NAME}", "none there", advice))
-    try:
-        text = path.read_bytes()
-        record = json.loads(text.decode("utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
-    if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
-        got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
-        raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
-    kind = record.get("kind")
-    if kind not in KINDS:
-        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
-    if kind in CLASSES:
-        return validated(class_of(kind), text, path)
-    return record
 
 
 def kind_of(record: Record | Mapping[str, Any]) -> str:
@@ -90,14 +65,14 @@ def naming_damage(folder: Path, record: Record | Mapping[str, Any], page: str = 
         came = f"{type(error).__name__}: {error}"
         advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
         wanted = f"a whole record for {page}" if page else "a whole record"
-        raise InputError(Mistake(str(folder / RECORD_NAME), "", wanted, came, advice)) from error
+        raise InputError(Mistake(str(folder / RECORD), "", wanted, came, advice)) from error
 
 
 def run_source(folder: Path) -> RunSource:
     """The record of a run and its histories; raises `InputError` for a damaged folder, or one of another kind."""
-    record = read_record(folder)
+    record = read_result(folder)
     if not isinstance(record, RunRecord):
-        raise InputError(Mistake(str(folder / RECORD_NAME), "kind", "run", repr(kind_of(record))))
+        raise InputError(Mistake(str(folder / RECORD), "kind", "run", repr(kind_of(record))))
     return source_of(folder, record)
 
 

@@ -51,3 +51,6 @@ CALLS_TO_A_STEP: Final = 12
 
 CALLS_TO_A_VERIFYING_STEP: Final = 14
 """A run that only asks how a slightly stronger motion would move the statue passes two calls more."""
+
+PIXEL: Final = 1e-6
+"""Places in a drawn picture are sums of a few doubles of size 640: 1e-13 each; a millionth of a pixel shows nowhere."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from harness import engines
 from harness.engines.base import Engine, EngineFailure
@@ -13,6 +13,9 @@ from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.input.overrides import Overrides
 
 DEFAULT_ACCURACY_RAD: Final = 1e-3
 FINEST_DT_S: Final = 1e-6
@@ -26,13 +29,19 @@ def simulate(
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
     options: RunOptions | None = None,
+    overrides: Overrides = (),
+    **keys: object,
 ) -> Run:
     """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
 
-    An engine's own failure is a `Run` whose outcome says so. Raises `InputError` for an unknown engine, an accuracy or step out
-    of range, or both given.
+    `overrides` and `keys` replace keys of the scene's file as in `load_scene`. An engine's own failure is a `Run` whose outcome
+    says so. Raises `InputError` for an unknown engine or key, an accuracy or step out of range, or both given.
     """
     check_target(accuracy_rad, dt_s)
+    if overrides or keys:
+        from harness.input.scene_file import changed
+
+        scene = changed(scene, overrides, **keys)
     return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, options or RunOptions())
 
 

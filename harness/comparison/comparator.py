@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from pathlib import Path
 from typing import Final, TypedDict
 
 import numpy as np
@@ -13,7 +11,6 @@ from harness.comparison.scores import energy, events, pointwise
 from harness.comparison.scores.beyond import after_horizon
 from harness.comparison.scores.matched import event_scores, numerical_uncertainty
 from harness.comparison.verdict import Side, judge, side_of
-from harness.input.history_file import gaps, read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
@@ -21,7 +18,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import IsoRating, Scores
 
-__all__ = ["Scores", "compare", "compare_files"]
+__all__ = ["Scores", "compare"]
 
 TOGETHER_RAD: Final = 0.01
 """Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
@@ -87,42 +84,6 @@ def compare(
         evidence=judgement.evidence,
         iso=_iso(within) if iso else None,
     )
-
-
-def compare_files(
-    a: Path,
-    b: Path,
-    *,
-    uncertainty_rad: float | None = None,
-    slip_uncertainty_m: float | None = None,
-    iso: bool = False,
-) -> Scores:
-    """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
-
-    `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
-    """
-    if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
-        raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
-    if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
-        raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
-    histories = read_history(a), read_history(b)
-    scores = compare(
-        *histories,
-        names=(a.name, b.name),
-        uncertainties_rad=(uncertainty_rad, uncertainty_rad),
-        slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
-        iso=iso,
-    )
-    begin_s, end_s = scores.compared_from_s, scores.compared_until_s
-    if begin_s is not None and end_s is not None and end_s <= begin_s:
-        wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
-        raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
-    missing = [
-        f"{path.name} has no samples from {begin:.4g} s to {end:.4g} s, where scores rest on interpolation"
-        for path, history in zip((a, b), histories, strict=True)
-        for begin, end in gaps(history)
-    ]
-    return replace(scores, warnings=missing)
 
 
 def _name(answer: Run | History, otherwise: str) -> str:

@@ -41,6 +41,7 @@ class Side:
     model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
     `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
+    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open.
     """
 
     name: str
@@ -53,6 +54,18 @@ class Side:
     left_domain_by: str = ""
     axes: tuple[str, ...] | None = None
     across_s: float | None = None
+    resolution_rad: float = 0.0
+    resolution_m: float = 0.0
+
+    @property
+    def open_rad(self) -> float:
+        """How far the rotation may be off: its numerical error, zero where none is stated, and the digits it was written with."""
+        return (self.uncertainty_rad or 0.0) + self.resolution_rad
+
+    @property
+    def open_m(self) -> float:
+        """The same of the slip."""
+        return (self.slip_uncertainty_m or 0.0) + self.resolution_m
 
     @property
     def until_s(self) -> float:
@@ -79,7 +92,14 @@ def side_of(
 ) -> Side:
     """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
     if isinstance(answer, History):
-        return Side(name, uncertainty_rad=uncertainty_rad, slip_uncertainty_m=slip_uncertainty_m, horizon_s=horizon_s)
+        return Side(
+            name,
+            uncertainty_rad=uncertainty_rad,
+            slip_uncertainty_m=slip_uncertainty_m,
+            horizon_s=horizon_s,
+            resolution_rad=answer.resolution_rad,
+            resolution_m=answer.resolution_m,
+        )
     left_s, by = left_domain(answer)
     return Side(
         name,
@@ -123,8 +143,8 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
 
     Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips.
     """
-    turned = max(COVERAGE * ((a.uncertainty_rad or 0.0) + (b.uncertainty_rad or 0.0)), ROUNDING)
-    slid = max(COVERAGE * ((a.slip_uncertainty_m or 0.0) + (b.slip_uncertainty_m or 0.0)), ROUNDING)
+    turned = max(COVERAGE * (a.open_rad + b.open_rad), ROUNDING)
+    slid = max(COVERAGE * (a.open_m + b.open_m), ROUNDING)
     until = min(a.until_s, b.until_s)
     facts = from_peaks(peaks, turned, slid, until) if both is None else from_histories(both, turned, slid, until)
     known = a.outcome is not None and b.outcome is not None
@@ -138,6 +158,10 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
         uncertainty_b_rad=b.uncertainty_rad,
         slip_uncertainty_a_m=a.slip_uncertainty_m,
         slip_uncertainty_b_m=b.slip_uncertainty_m,
+        resolution_a_rad=a.resolution_rad,
+        resolution_b_rad=b.resolution_rad,
+        resolution_a_m=a.resolution_m,
+        resolution_b_m=b.resolution_m,
         limit_rad=turned,
         slip_limit_m=slid,
         coverage=COVERAGE,
@@ -233,7 +257,17 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
     slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
     if slipless and facts.slip.largest > ROUNDING:
         text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
-    return text + "."
+    return text + "." + _digits(a, b)
+
+
+def _digits(a: Side, b: Side) -> str:
+    """Where the digits of a file leave more open than rounding: by how much."""
+    parts = [
+        f"{side.name} to {_rad(side.resolution_rad)}" + (f" and {_mm(side.resolution_m)}" if side.resolution_m else "")
+        for side in (a, b)
+        if max(side.resolution_rad, side.resolution_m) > ROUNDING
+    ]
+    return f" Counted as an error: the digits written, which give {', '.join(parts)}." if parts else ""
 
 
 def _before(a: Side, b: Side, until_s: float) -> str:

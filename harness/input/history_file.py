@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from harness.input.resolution import of_rate, resolution, resolution_of_times
 from harness.input.text_file import decimal, decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, Array, History
@@ -55,7 +56,8 @@ def read_history(path: Path) -> History:
     """Read a history from CSV: `t_s` and `theta_rad` (or `t_ms`, `theta_deg`, ...) wanted, the others optional.
 
     Columns may be separated by commas, semicolons or tabs; with the latter two a decimal comma is read as well. Lines that
-    begin with # are comments. Rates that are not given are differences. Raises `InputError` naming file, line and column.
+    begin with # are comments. Rates that are not given are differences. Half a unit of the last digit written, in the file's own
+    unit, is the history's resolution. Raises `InputError` naming file, line and column.
     """
     table = _table(path, _text(path))
     meant = _meant(path, table.names)
@@ -77,7 +79,24 @@ def read_history(path: Path) -> History:
         wanted, advice = f"rotations of at most {MOST_RAD:g} rad", "name a column in degrees theta_deg"
         raise InputError(Mistake(str(path), "theta_rad", wanted, f"{largest:g} rad", advice))
     t_s, theta, theta_rate, slip, slip_rate = (columns[name] for name in COLUMNS)
-    return History(t_s, theta, theta_rate, slip, slip_rate, extra)
+    return History(t_s, theta, theta_rate, slip, slip_rate, extra, *_resolutions(table, meant, t_s, theta, slip))
+
+
+def _resolutions(
+    table: _Table, meant: Sequence[tuple[str, float]], t_s: Array, theta_rad: Array, slip_m: Array
+) -> tuple[float, float]:
+    """How far the written digits of a value, and of the times at which it changes, leave rotation, rad, and slip, m, open."""
+    factors = {name: (index, factor) for index, (name, factor) in enumerate(meant)}
+
+    def cells(name: str) -> list[str]:
+        return [row[factors[name][0]].replace(",", ".") for row in table.rows]
+
+    def of(name: str, values: Array) -> float:
+        own = resolution(cells(name)) * factors[name][1] if name in factors else 0.0
+        return own + of_rate(values, t_s) * late_s
+
+    late_s = resolution_of_times(cells("t_s"), t_s) * factors["t_s"][1]
+    return of("theta_rad", theta_rad), of("slip_m", slip_m)
 
 
 def gaps(history: History) -> list[tuple[float, float]]:

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+import tomli_w
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
 from harness.input.motions.spec import Component
+from harness.input.overrides import Overrides, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
@@ -30,15 +32,26 @@ BELOW_M: Final = 1e-6
 PRESETS: Final = {"consistent": Form("dynamic", "momentum"), "paper": Form("static", "unchanged")}
 
 
-def load_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+def load_scene(path: Path | str, overrides: Overrides = (), **keys: object) -> Scene:
     """Read, validate and resolve a scene.
 
-    `overrides` are `KEY=VALUE` with dotted keys, applied before validation. Raises `InputError` with every mistake found.
+    `overrides` replace keys before validation: `{"motion.x.amplitude_g": 0.4}`, or texts `KEY=VALUE` as on the command line;
+    so do `keys`, with two underscores for each dot: `motion__x__amplitude_g=0.4`. None removes a key. Raises `InputError` with
+    every mistake found.
     """
     path = Path(path)
     text = tables.read(path)
-    model, content = tables.parse(text, str(path), overrides)
+    model, content = tables.parse(text, str(path), replacements(overrides, keys))
     return resolve(model, path, content)
+
+
+def changed(scene: Scene, overrides: Overrides = (), **keys: object) -> Scene:
+    """A loaded scene with keys of its file replaced as in `load_scene`. Raises `InputError`, also for a scene of no file."""
+    if not scene.given or scene.source is None:
+        wanted = "a scene that was loaded, whose keys are known"
+        raise InputError(Mistake(scene.title, "overrides", wanted, "one made in Python", "use scene.but(...)"))
+    model, content = tables.parse(tomli_w.dumps(scene.given), str(scene.source), replacements(overrides, keys))
+    return resolve(model, scene.source, content)
 
 
 Statues = dict[str, tuple["Statue", Sequence[str]]]

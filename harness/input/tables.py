@@ -13,6 +13,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from analytic.constants import GRAVITY_M_S2
 from harness.input.mistakes import Contradiction, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
+from harness.input.overrides import Replacement, override
 from harness.input.uncertain import Distribution, uncertain_inputs
 from harness.model.errors import InputError, Mistake
 
@@ -223,10 +224,10 @@ class SceneFile(Table):
 NUMBERS = ("mass_kg", "centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2")
 
 
-def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFile, dict[str, Any]]:
+def parse(text: str, where: str, overrides: Sequence[Replacement] = ()) -> tuple[SceneFile, dict[str, Any]]:
     """Parse and validate a scene; returns the model and the plain content (with overrides).
 
-    `overrides` are `KEY=VALUE` with a dotted key and a TOML value. Raises `InputError` with every mistake.
+    Raises `InputError` with every mistake.
     """
     try:
         content = tomllib.loads(text)
@@ -234,10 +235,7 @@ def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFi
         raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
     except RecursionError as error:
         raise InputError(Mistake(where, "", "valid TOML", "values nested too deeply to read")) from error
-    mistakes = [mistake for item in overrides if (mistake := override(content, item)) is not None]
-    if mistakes:
-        raise InputError(mistakes)
-    overridden = [_key_of(item) for item in overrides]
+    overridden = override(content, overrides)
     try:
         model = SceneFile.model_validate(content)
     except ValidationError as error:
@@ -247,34 +245,6 @@ def parse(text: str, where: str, overrides: Sequence[str] = ()) -> tuple[SceneFi
     if missing:
         raise InputError(missing)
     return model, content
-
-
-def _key_of(item: str) -> tuple[str, ...]:
-    return tuple(part.strip() for part in item.partition("=")[0].split("."))
-
-
-def override(content: dict[str, Any], item: str) -> Mistake | None:
-    """Set one dotted key of `content` from `KEY=VALUE`; `KEY=none` removes it. Returns the mistake, if it is one."""
-    key, found, value = item.partition("=")
-    parts = _key_of(item)
-    if not found or not all(parts):
-        return Mistake("--set", item, "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(item))
-    try:
-        plain: Any = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        plain = value.strip()
-    except RecursionError:
-        return Mistake("--set", key, "a TOML value", "one nested too deeply to read")
-    table = content
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            return Mistake("--set", key, f"a key inside a table, but {part} is a value", repr(item))
-    if plain == "none":
-        table.pop(parts[-1], None)
-    else:
-        table[parts[-1]] = plain
-    return None
 
 
 def _absent_numbers(statue: Any, where: str) -> list[Mistake]:

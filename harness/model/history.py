@@ -8,10 +8,15 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from harness.model.shown import Shown, new_axes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -91,12 +96,13 @@ def history_file(engine: str) -> str:
     return f"history_{engine.replace(':', '-')}.csv"
 
 
-@dataclass(frozen=True, eq=False)
-class History:
+@dataclass(frozen=True, eq=False, repr=False)
+class History(Shown):
     """One run on one time grid, in the table's frame; all arrays float64, shape (n,), read-only.
 
     `theta_rad` is the rocking rotation (clockwise positive: θ > 0 leans to the right), `slip_m` the displacement of the
-    pedestal relative to the floor. `extra` holds further named columns (3D: `roll_rad`, `yaw_rad`, ...).
+    pedestal relative to the floor. `extra` holds further named columns (3D: `roll_rad`, `yaw_rad`, ...). `resolution_rad` and
+    `resolution_m` are how far the digits of the file it was read from leave rotation and slip open.
 
     Raises `ValueError` when lengths differ, a value is not finite, or times do not increase.
     """
@@ -107,6 +113,8 @@ class History:
     slip_m: Array
     slip_rate_m_s: Array
     extra: Mapping[str, Array] = field(default_factory=dict)
+    resolution_rad: float = 0.0
+    resolution_m: float = 0.0
 
     def __post_init__(self) -> None:
         for name in COLUMNS:
@@ -127,11 +135,25 @@ class History:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A read-only view of a mapping cannot be pickled; workers send histories home.
-        return History, (*(getattr(self, name) for name in COLUMNS), dict(self.extra))
+        resolution = self.resolution_rad, self.resolution_m
+        return History, (*(getattr(self, name) for name in COLUMNS), dict(self.extra), *resolution)
 
     def columns(self) -> dict[str, Array]:
         """All columns by name, the contract's first, in the order of the file."""
         return {name: getattr(self, name) for name in COLUMNS} | dict(self.extra)
+
+    def facts(self) -> dict[str, str]:
+        """Samples, span and largest rotation."""
+        largest = float(self.theta_rad[np.argmax(np.abs(self.theta_rad))])
+        span = f"{self.t_s[0]:.4g} to {self.duration_s:.4g} s"
+        return {"samples": str(self.t_s.size), "from": span, "largest rotation": f"{largest:+.4g} rad"}
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the rotation over time; `style` goes to matplotlib's `plot`."""
+        ax = new_axes(ax)
+        ax.plot(self.t_s, self.theta_rad, **style)
+        ax.set(xlabel="time [s]", ylabel="rotation θ [rad]")
+        return ax
 
     @property
     def duration_s(self) -> float:

@@ -13,10 +13,15 @@ from enum import Enum
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
+from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.interventions import Intervention
+from harness.model.shown import Shown
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SCHEMA_VERSION: Final = 1
 OMITTED: Final = {"omitted": True}
@@ -42,8 +47,8 @@ class Pattern:
     name: str
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Shown):
     """One engine's answer to one scene.
 
     `validity` holds the model's limits met in this run (docs/model.md, section 5) by name with unit; `numerical_uncertainty_rad`
@@ -82,6 +87,29 @@ class Run:
     message: str = ""
     motion_axes: Sequence[str] | None = None
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
+
+    def facts(self) -> dict[str, str]:
+        """Engine, outcome, peak with its numerical error, slip."""
+        error = "" if self.numerical_uncertainty_rad is None else f" ± {self.numerical_uncertainty_rad:.1g}"
+        facts = {"engine": self.engine, "outcome": self.outcome.sentence}
+        if self.outcome.failed:
+            return facts | {"because": self.message}
+        facts["largest rotation"] = f"{self.peak_theta_rad:+.4g}{error} rad at {self.peak_time_s:.4g} s"
+        return facts | ({"largest slip": f"{1e3 * self.peak_slip_m:.4g} mm"} if self.peak_slip_m else {})
+
+    def columns(self) -> dict[str, Any]:
+        """The columns of the history. Raises `InputError` where none was kept."""
+        return dict(self._kept().columns())
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the rotation over time, labelled with the engine. Raises `InputError` where no history was kept."""
+        return self._kept().plot(ax, **{"label": self.engine, **style})
+
+    def _kept(self) -> History:
+        if self.history is None:
+            wanted = "a run with its history"
+            raise InputError(Mistake(f"run of {self.engine}", "history", wanted, self.message or "its outcome alone"))
+        return self.history
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *warnings: str) -> Run:
         """The same run with its numerical uncertainty stated."""

@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 from analytic.constants import OVERTURN_RAD as OVERTURN_RAD
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.run import OMITTED
+from harness.model.shown import Shown, new_axes
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from meshes import Solid
 
 Array = NDArray[np.float64]
@@ -195,8 +198,8 @@ class Uncertain:
     width: float
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
+@dataclass(frozen=True, eq=False, repr=False)
+class Scene(Shown):
     """One scene, resolved. `notes` are sentences on what was assumed or reconciled; `given` is the file's content as read."""
 
     title: str
@@ -215,6 +218,36 @@ class Scene:
     given: Mapping[str, Any] = field(default_factory=dict)
     notes: Sequence[str] = ()
     uncertainty: Sequence[Uncertain] = ()
+
+    def facts(self) -> dict[str, str]:
+        """Title, statue, what it stands on, the floor's motion, how long."""
+        s, p = self.statue, self.pedestal
+        balance = f"balances at {s.slenderness_rad(-1):.3f} and {s.slenderness_rad(1):.3f} rad"
+        peaks = [f"{axis} up to {getattr(self.base_excitation, axis).peak_m_s2:.3g} m/s²" for axis in self._axes()]
+        return {
+            "title": self.title,
+            "statue": f"{s.mass_kg:.4g} kg, {s.height_m:.4g} m high, {balance}",
+            "stands on": "the floor" if p is None else f"a pedestal of {p.mass_kg:.4g} kg, {p.height_m:.4g} m high",
+            "floor": ", ".join(peaks) or "at rest",
+            "duration": f"{self.duration_s:.4g} s",
+        }
+
+    def columns(self) -> dict[str, Array]:
+        """Acceleration of the floor at the scene's output step, along the axes on which it moves."""
+        t_s = np.arange(0.0, self.duration_s, self.output_dt_s)
+        floor = {f"accel_{axis}_m_s2": getattr(self.base_excitation, axis).accel_m_s2(t_s) for axis in self._axes()}
+        return {"t_s": t_s, **floor}
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the acceleration of the floor over time."""
+        ax, columns = new_axes(ax), self.columns()
+        for axis in self._axes():
+            ax.plot(columns["t_s"], columns[f"accel_{axis}_m_s2"], label=f"floor {axis}")
+        ax.set(xlabel="time [s]", ylabel="acceleration [m/s²]", title=self.title)
+        return ax
+
+    def _axes(self) -> tuple[str, ...]:
+        return self.base_excitation.axes()
 
     def but(self, **changes: Any) -> Scene:
         """The same scene with some parts replaced."""

@@ -38,7 +38,7 @@ T = TypeVar("T")
 _ADAPTERS: Final[dict[type, TypeAdapter[Any]]] = {}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Record:
     """The head of every `result.json`; a kind of record derives from it, with its own `kind`."""
 

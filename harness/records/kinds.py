@@ -1,14 +1,17 @@
-"""Which class is the record of each kind, and their JSON Schemas: `python -m harness.records.kinds` writes them anew."""
+"""Which class is the record of each kind; `python -m harness.records.kinds` writes their JSON Schemas anew."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
-from harness.model.run import write_text
-from harness.records.base import SCHEMAS, Record, schema_name, schema_of
+from harness.model.errors import InputError, Mistake
+from harness.model.run import SCHEMA_VERSION, write_text
+from harness.records.base import REWRITE, SCHEMAS, Record, schema_name, schema_of, validated
+from harness.records.result_folder import KINDS, RECORD
 
 CLASSES: Final[Mapping[str, str]] = {
     "run": "harness.records.run:RunRecord",
@@ -18,6 +21,7 @@ CLASSES: Final[Mapping[str, str]] = {
     "validation": "harness.records.validation:ValidationRecord",
     "bench": "harness.records.bench:BenchRecord",
     "stress": "harness.records.stress:StressRecord",
+    "compare": "harness.records.compare:CompareRecord",
 }
 """By kind the module and the class of its record, imported where one is read."""
 
@@ -27,6 +31,29 @@ def class_of(kind: str) -> type[Record]:
     module, _, name = CLASSES[kind].partition(":")
     record: type[Record] = getattr(import_module(module), name)
     return record
+
+
+def read_result(folder: Path | str) -> Record | dict[str, Any]:
+    """The record of a result folder, as its class; plain values where its kind has none.
+
+    Raises `InputError` when it is absent, damaged, or of another schema.
+    """
+    path = Path(folder) / RECORD
+    if not path.is_file():
+        advice = "run `rockcheck run SCENE --out DIR` first"
+        raise InputError(Mistake(str(folder), "", f"a result folder with {RECORD}", "none there", advice))
+    try:
+        text = path.read_bytes()
+        record = json.loads(text.decode("utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
+    if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
+        got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
+        raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
+    kind = record.get("kind")
+    if kind not in KINDS:
+        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
+    return validated(class_of(kind), text, path) if kind in CLASSES else record
 
 
 def schema_text(kind: str) -> str:

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
+from harness.model.shown import Shown, new_axes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 CONFIDENCE: Final = 0.95
 """Probability of the intervals that are stated beside scores and statistics."""
+ONE_NUMBER: Final = frozenset({"float", "int", "float | None", "bool | None"})
+"""Types of scores that are one number, where they are defined."""
 
 
 class Verdict(StrEnum):
@@ -37,6 +44,10 @@ class Evidence:
     uncertainty_b_rad: float | None
     slip_uncertainty_a_m: float | None = None
     slip_uncertainty_b_m: float | None = None
+    resolution_a_rad: float = 0.0
+    resolution_b_rad: float = 0.0
+    resolution_a_m: float = 0.0
+    resolution_b_m: float = 0.0
     limit_rad: float
     slip_limit_m: float = 0.0
     coverage: float
@@ -114,8 +125,8 @@ class IsoRating:
     samples: int
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Scores:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Scores(Shown):
     """How far answer a is from answer b (the reference); None where a score is not defined or a history is missing.
 
     Times in s, rotations in rad, differences a − b. Every score of instants (differences, peaks, events, magnitude, phase, ISO,
@@ -170,3 +181,34 @@ class Scores:
     iso: IsoRating | None = None
     warnings: Sequence[str] | None = field(default=None, metadata=OMITTED)
     """Of histories from files: where scores rest on interpolation."""
+
+    def facts(self) -> dict[str, str]:
+        """The verdict and what it rests on."""
+        return {"pair": f"{self.a} against {self.b}", "verdict": self.verdict.value, "because": self.verdict_sentence}
+
+    def columns(self) -> dict[str, list[str] | list[float]]:
+        """Every score that is one number, and what the stated numerical errors can change in it (NaN: not defined)."""
+        names = [each.name for each in fields(self) if each.type in ONE_NUMBER]
+        errors = [self.numerical_uncertainty.get(name) for name in names]
+        return {
+            "score": names,
+            "value": [_number(getattr(self, name)) for name in names],
+            "error": [*map(_number, errors)],
+        }
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the largest differences as multiples of the limits that the verdict holds them against: beyond 1 they count."""
+        ax, evidence = new_axes(ax), self.evidence
+        parts = {
+            "rotation": (evidence.largest_difference_rad, evidence.limit_rad),
+            "slip": (evidence.largest_slip_difference_m, evidence.slip_limit_m),
+        }
+        shares = {name: size / limit for name, (size, limit) in parts.items() if limit > 0.0}
+        ax.barh([*shares], [*shares.values()])
+        ax.axvline(1.0, color="black", linestyle="--")
+        ax.set(xlabel="largest difference / what numerical errors explain", xscale="symlog", title=self.verdict.value)
+        return ax
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)

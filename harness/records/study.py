@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Literal
 
+from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
+from harness.model.shown import Shown, new_axes
 from harness.records.base import Record, Table
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Value = float | int | str | bool
 ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
@@ -144,8 +149,8 @@ class ExportRecord:
     sha256: str
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StudyRecord(Record):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class StudyRecord(Record, Shown):
     """`result.json` of `rockcheck study`."""
 
     kind: Literal["study"] = "study"
@@ -168,3 +173,69 @@ class StudyRecord(Record):
     rows: Sequence[StudyRow]
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
+
+    def facts(self) -> dict[str, str]:
+        """Title, what varies, how many runs, how many of them overturn, by model."""
+        axes = ", ".join(f"{key} ({len(values)})" for key, values in self.vary.items())
+        facts = {"title": self.title, "varied": axes or "lists of cases", "runs": str(len(self._runs()))}
+        models = dict.fromkeys(row.engine for row in self.rows)
+        outcomes = {
+            name: [run.outcome.overturned for row, run in self._runs() if row.engine == name] for name in models
+        }
+        return facts | {name: f"overturns in {sum(falls)} of {len(falls)}" for name, falls in outcomes.items()}
+
+    def columns(self) -> dict[str, list[object]]:
+        """One row for each case and engine: what varied, and every single value of its run (None where there was none)."""
+        keys = dict.fromkeys(key for row in self.rows for key in row.varied)
+        single = [
+            each.name
+            for each in fields(CaseRun)
+            if each.name not in {"engine", "labels", "warnings", "validity", "motion_axes"}
+        ]
+        rows: list[dict[str, object]] = [
+            {"row": k, "number": row.number, "engine": row.engine, "reason": row.reason}
+            | {key: row.varied.get(key) for key in keys}
+            | {name: getattr(row.run, name, None) for name in single}
+            for k, row in enumerate(self.rows)
+        ]
+        return {name: [row[name] for row in rows] for name in (rows[0] if rows else {"row": 0})}
+
+    def plot(self, ax: Axes | None = None, engine: str | None = None) -> Axes:
+        """Draw the outcomes over the two first numbers that vary, or the largest rotation over the only one.
+
+        By one model in two dimensions (`engine`, default the first), by all in one. Raises `InputError` where no number varies.
+        """
+        ax, keys = new_axes(ax), self._axes()
+        ax.set(xlabel=keys[0], title=self.title)
+        if len(keys) == 1:
+            for name in dict.fromkeys(row.engine for row in self.rows):
+                points: list[tuple[Value, float]] = sorted(
+                    (row.varied[keys[0]], abs(run.peak_theta_rad)) for row, run in self._runs() if row.engine == name
+                )
+                ax.plot(*zip(*points, strict=True), marker="o", label=name)
+            ax.set_ylabel("largest rotation [rad]")
+            return ax
+        chosen = engine or self.rows[0].engine
+        for falls, label, marker in ((False, "does not overturn", "o"), (True, "overturns", "x")):
+            places = [
+                (row.varied[keys[0]], row.varied[keys[1]])
+                for row, run in self._runs() if row.engine == chosen and run.outcome.overturned is falls
+            ]  # fmt: skip
+            if places:
+                ax.scatter(*zip(*places, strict=True), marker=marker, label=f"{chosen} {label}")
+        ax.set_ylabel(keys[1])
+        return ax
+
+    def _runs(self) -> list[tuple[StudyRow, CaseRun]]:
+        return [(row, row.run) for row in self.rows if row.run is not None]
+
+    def _axes(self) -> list[str]:
+        """The keys of numbers that vary, at most two."""
+        values: dict[str, set[Value]] = {}
+        for row in self.rows:
+            for key, value in row.varied.items():
+                values.setdefault(key, set()).add(value)
+        numbers = [key for key, some in values.items() if len(some) > 1 and all(type(v) in (int, float) for v in some)]
+        if not numbers:
+            raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(values) or "nothing"))
+        return numbers[:2]

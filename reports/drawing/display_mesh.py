@@ -36,7 +36,7 @@ def display_mesh(path: Path | None, shape: Section, depth_m: float, most_faces: 
     vertices, faces = _prism(shape.outline_m, depth_m) if path is None else read_mesh(path)
     count = len(faces)
     if count > most_faces:
-        vertices, faces = _decimated(vertices, faces, most_faces)
+        vertices, faces = decimated(vertices, faces, most_faces)
     return _creased(vertices, faces, count)
 
 
@@ -48,7 +48,8 @@ def read_mesh(path: Path) -> tuple[Array, Faces]:
     return np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
 
 
-def _decimated(vertices: Array, faces: Faces, most_faces: int) -> tuple[Array, Faces]:
+def decimated(vertices: Array, faces: Faces, most_faces: int) -> tuple[Array, Faces]:
+    """The surface with so many faces or a few more, for the eye alone."""
     import fast_simplification
 
     share = 1.0 - most_faces / len(faces)

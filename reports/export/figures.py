@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from harness.model.errors import InputError, Mistake
 from harness.records.base import Record
+from harness.records.kinds import read_result
 from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
 from reports.charts.histories import histories_figure
@@ -15,7 +16,7 @@ from reports.charts.static_svg import picture
 from reports.charts.study_figures import panels_figure
 from reports.drawing.shapes import Picture, Text, moved
 from reports.export.paper import pixels_across, write_picture
-from reports.source import RunSource, kind_of, naming_damage, read_record, source_of
+from reports.source import RunSource, kind_of, naming_damage, source_of
 
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
@@ -42,7 +43,7 @@ def write_figures(
     ]:
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
-    record = read_record(folder)
+    record = read_result(folder)
     with naming_damage(folder, record):
         pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:

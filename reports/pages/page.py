@@ -11,9 +11,10 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import write_text
 from harness.model.terminal import printable
 from harness.records.base import Record
+from harness.records.kinds import read_result
 from reports.charts.library import chart_library
 from reports.pages.assets import environment, source_text
-from reports.source import kind_of, naming_damage, read_record
+from reports.source import kind_of, naming_damage
 
 Content = Record | dict[str, Any]
 """A record as its class, or as plain values where its kind has none."""
@@ -35,6 +36,7 @@ PAGES: Final = {
     "tosses": "reports.pages.tosses_page",
     "bench": "reports.pages.bench_page",
     "stress": "reports.pages.stress_page",
+    "compare": "reports.pages.compare_page",
 }
 """Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
 
@@ -44,7 +46,7 @@ def write_report(folder: Path) -> Path:
 
     Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written.
     """
-    record = read_record(folder)
+    record = read_result(folder)
     mistakes: list[Mistake] = []
     for name, build in _pages(record).items():
         try:

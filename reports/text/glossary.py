@@ -45,6 +45,8 @@ SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
     "after_horizon": ("beyond what is bounded or predictable", "where only distributions compare"),
 }
 """Words of each score and what it means, in the order of the table."""
+LISTED: Final = 6
+"""Items of a list that fit on a terminal's line."""
 SCORES_LEFT_OUT: Final = frozenset(
     {
         *("a", "b", "outcome_a", "outcome_b", "verdict", "verdict_sentence", "compared_from_s"),
@@ -122,6 +124,23 @@ def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]
         if any(cells):
             rows.append((words, meaning, cells))
     return rows
+
+
+def scores_text(pair: str, scores: Scores) -> str:
+    """One pair's scores as lines for a terminal: the verdict, what is to be said beside it, a table in words."""
+    lines = [f"{pair.replace('_vs_', ' against ')}: {scores.verdict}", f"  {scores.verdict_sentence}"]
+    lines += [f"  warning: {text}" for text in scores.warnings or ()]
+    rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
+    if scores.iso is not None:
+        rows.append(("rating by ISO/TS 18571 (1 is perfect)", digits(scores.iso.overall, 4)))
+    width = max((len(words) for words, _ in rows), default=0)
+    return "\n".join([*lines, *(f"  {words:{width}}  {cell}" for words, cell in rows)])
+
+
+def _short(cell: str) -> str:
+    """A list too long for a line is counted."""
+    count = cell.count(", ") + 1
+    return cell if count <= LISTED else f"{count} of them (see --json)"
 
 
 def _score(scores: Scores, key: str) -> str:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from harness.input.scene_file import load_scene
 from meshes import MeshError, Solid, toadstool
-from meshes.attached import WIDER, attached_floor, cut_below
+from meshes.attached import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
 from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
 from meshes.loft import Part, loft, union
@@ -84,8 +85,6 @@ def test_a_floor_that_is_the_statue_s_own_is_kept_when_told(on_a_slab: RawMesh) 
 
 
 def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) -> None:
-    from scipy.spatial import ConvexHull
-
     floor = attached_floor(on_a_slab.vertices, on_a_slab.faces)
     assert floor is not None
     assert SLAB_M <= floor.cut_m <= 2.0 * SLAB_M
@@ -95,6 +94,20 @@ def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) 
     for times, seen in ((0.98 * WIDER, False), (1.02 * WIDER, True)):
         stepped = union([box, plate(times**0.5, -0.05, 0.05)])
         assert (attached_floor(*stepped) is not None) is seen
+
+
+@pytest.mark.parametrize("times", [2.0, 2.4, 2.9])
+def test_a_thin_floor_of_under_three_times_the_base_is_seen(times: float, statue: Solid) -> None:
+    base = statue.footprint_m[:, :2]
+    width = (times * float(np.prod(np.ptp(base, axis=0)))) ** 0.5
+    assert width**2 < WIDER * float(np.prod(np.ptp(base, axis=0)))
+    body = (np.array(statue.vertices_m), np.array(statue.faces))
+    thick = 0.5 * SHEET * statue.height_m
+    square = union([body, plate(width, -0.5 * thick, 0.5 * thick)])
+    floor = attached_floor(*square)
+    assert width**2 > SHEET_WIDER * float(ConvexHull(statue.vertices_m[:, :2]).volume)
+    assert floor is not None
+    assert floor.cut_m == pytest.approx(thick, abs=0.005 * statue.height_m)
 
 
 def test_a_cut_is_level_and_open_only_there(statue: Solid) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid
+from meshes.decimation import Bounds
 from meshes.mesh import RawMesh
 from meshes.prepare import Limits, Prepared, Wanted, prepare, prepare_mesh
 from meshes.processing_log import measure
@@ -135,6 +136,26 @@ def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> Non
     base = {tuple(vertex) for vertex in dense.vertices[dense.vertices[:, 2] <= 1e-3]}
     left = {tuple(vertex) for vertex in prepared.mesh.vertices}
     assert base <= left
+
+
+@pytest.mark.parametrize(
+    ("most", "bounds", "says"),
+    [
+        (2_000, Bounds(volume_rel=1e-9), "the volume would change by"),
+        (2_000, Bounds(volume_rel=1.0, centroid_share=1e-12), "the centroid would move by"),
+        (100, Bounds(), "would be left for all above it"),
+    ],
+)
+def test_more_faces_than_asked_are_explained(most: int, bounds: Bounds, says: str, statue: Solid) -> None:
+    mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
+    prepared = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=most, bounds=bounds))
+    told = [text for text in prepared.account.found if f"not {most}: with so few" in text]
+    assert len(prepared.mesh.faces) > most
+    assert len(told) == 1
+    assert f"{len(prepared.mesh.faces)} triangles" in told[0]
+    assert says in told[0]
+    enough = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=len(mesh.faces)))
+    assert not any("triangles, not" in text for text in enough.account.found)
 
 
 def test_measure_agrees_with_trimesh(statue: Solid) -> None:

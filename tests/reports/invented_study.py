@@ -10,10 +10,10 @@ import numpy as np
 
 from harness.model import run as record
 from harness.records.base import part, plain
+from harness.records.kinds import read_result
 from harness.records.scene import SceneRecord
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.studies import claims
-from reports.source import read_record
 from tests.reports.invented_run import block_scene, invented_history
 
 VARIANTS = {
@@ -57,7 +57,7 @@ def case_row(engine: str, run: CaseRun | None, reason: str = "every case is aske
 
 def study(folder: Path) -> StudyRecord:
     """The record that a folder holds."""
-    found = read_record(folder)
+    found = read_result(folder)
     assert isinstance(found, StudyRecord)
     return found
 

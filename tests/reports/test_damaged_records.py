@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from harness.cli import WRONG_INPUT, guarded
+from harness.command import WRONG_INPUT, guarded
 from reports.cli import app
 from reports.pages import run_page
 from reports.pages.page import write_report

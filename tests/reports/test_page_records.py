@@ -11,6 +11,7 @@ import pytest
 from harness.model.run import write_json
 from harness.records.base import as_file
 from harness.records.bench import PartRow, ScalingRow
+from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.stress import Cell
 from harness.records.validation import ValidationRecord
@@ -22,7 +23,6 @@ from reports.pages.stress_page import notes, stress_verdict
 from reports.pages.study_page import context as study_context
 from reports.pages.study_page import left_domain, study_warnings
 from reports.pages.validation_page import validation_verdict
-from reports.source import read_record
 from reports.text.study_rows import agreement, conditions
 from tests.reports import invented_records, invented_study
 from tests.reports.pages.test_run_page import without_data
@@ -86,7 +86,7 @@ def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
 
 
 def validation(folder: Path) -> ValidationRecord:
-    record = read_record(folder)
+    record = read_result(folder)
     assert isinstance(record, ValidationRecord)
     return record
 

@@ -10,6 +10,7 @@ from PIL import Image
 
 from harness.model.errors import InputError
 from harness.model.run import PATTERN_NAMES
+from harness.records.kinds import read_result
 from reports.charts.palette import look
 from reports.charts.static_svg_axes import MARGIN
 from reports.charts.study_figures import panels_figure
@@ -18,7 +19,7 @@ from reports.drawing.shapes import Text
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import histories_picture, write_figures
 from reports.export.paper import pixels_across
-from reports.source import read_record, run_source
+from reports.source import run_source
 from tests.budgets_reports import DRAWN_SHARE, STILL_PX
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import write_map_study, write_table_study
@@ -79,7 +80,7 @@ def test_a_column_holds_its_chart_whole(folder: Path) -> None:
 
 
 def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
-    panels = read_record(table)["panels"]
+    panels = read_result(table)["panels"]
     group = [item for item in panels if item["restitution"] == 0.85]
     figure = panels_figure(group, "pymunk (own impact)")
     layout = figure["layout"]

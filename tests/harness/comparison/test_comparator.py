@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from harness import InputError, Outcome, compare
-from harness.comparison.comparator import compare_files
+from harness.comparison.history_files import compare_files
+from harness.input.resolution import resolution
 from harness.model.run import to_plain
 from harness.records.scores import Verdict
 from tests import doubles
@@ -213,6 +214,49 @@ def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
         compare_files(*files, slip_uncertainty_m=math.nan)
     with pytest.raises(InputError, match="--uncertainty"):
         compare_files(*files, uncertainty_rad=-1.0)
+
+
+@pytest.mark.parametrize("kind", ["f", "g"])
+@pytest.mark.parametrize("digits", [3, 4, 5])
+@pytest.mark.parametrize(("unit", "factor"), [("rad", 1.0), ("deg", 180.0 / math.pi), ("mrad", 1e3)])
+def test_a_rounded_copy_of_a_history_is_no_other_model(
+    tmp_path: Path, kind: str, digits: int, unit: str, factor: float
+) -> None:
+    history = doubles.rocking(slip_m=0.0101)
+    history.write_csv(tmp_path / "whole.csv")
+    written = f"%.{digits}{kind}"
+    rows = np.column_stack((history.t_s, factor * history.theta_rad, 100.0 * history.slip_m))
+    np.savetxt(
+        tmp_path / "rounded.csv", rows, fmt=["%.6f", written, written], delimiter=",",
+        header=f"t_s,theta_{unit},slip_cm", comments="",
+    )  # fmt: skip
+    scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
+    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
+    assert "the digits written, which give rounded.csv to" in scores.verdict_sentence
+    # What the digits do not hide is still seen.
+    apart = 10.0 * scores.evidence.limit_rad
+    doubles.raised(history, apart).write_csv(tmp_path / "other.csv")
+    assert compare_files(tmp_path / "rounded.csv", tmp_path / "other.csv").verdict is Verdict.MODEL
+
+
+@pytest.mark.parametrize("decimals", [3, 4])
+def test_times_that_were_rounded_are_no_other_model(tmp_path: Path, decimals: int) -> None:
+    history = doubles.rocking()
+    t_s = history.t_s * (1.0 + 1.0 / 1024.0)
+    for name, fmt in (("rounded.csv", f"%.{decimals}f"), ("whole.csv", "%.17g")):
+        np.savetxt(tmp_path / name, np.column_stack((t_s, history.theta_rad)), fmt=[fmt, "%.17g"], delimiter=",",
+                   header="t_s,theta_rad", comments="")  # fmt: skip
+    scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
+    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
+
+
+@pytest.mark.parametrize(
+    ("cells", "half"),
+    [(("0.10", "0.20"), 0.005), (("0.1", "0.123"), 5e-4), (("12.3", "0.0123"), 0.05), (("1.5e-3", "2e-3"), 5e-5),
+     (("0", "0"), 0.0), (("0.00", "0.0"), 0.005), (("100.5", "-3"), 0.05), (("0.000", "0.001"), 5e-4)],
+)  # fmt: skip
+def test_the_last_digit_written_is_a_columns_resolution(cells: tuple[str, ...], half: float) -> None:
+    assert resolution(cells) == pytest.approx(half, rel=ROUNDING_REL)
 
 
 def test_a_gap_in_a_file_is_told(tmp_path: Path) -> None:

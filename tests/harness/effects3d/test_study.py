@@ -21,8 +21,8 @@ from harness.model.errors import InputError
 from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.effects3d import Amplitude
+from harness.records.kinds import read_result
 from harness.studies.cases import base_of_scene
-from reports.source import read_record
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
 
@@ -121,7 +121,7 @@ def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path
     assert {row.condition for row in first.rows} == {BASELINE, "centroid 3 % higher"}
     assert first.replay is not None
     assert (out / "replay" / "result.json").is_file()
-    assert plain(read_record(out)) == plain(first)
+    assert plain(read_result(out)) == plain(first)
     again = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
     assert again.summary.found == again.summary.asked
     assert again.rows == first.rows

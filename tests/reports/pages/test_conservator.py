@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from reports.drawing.kinematics import section
 from reports.drawing.silhouette import silhouette_m
 from reports.pages import conservator_study
 from reports.pages.conservator import context, of_run
 from reports.pages.page import write_report
-from reports.source import read_record, run_source
+from reports.source import run_source
 from reports.text.giving_way import (
     Support,
     bearing,
@@ -171,7 +172,7 @@ def test_what_remains_before_the_wall_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize("write", [write_invented, write_table_study, write_map_study])
 def test_three_pictures_at_most_no_jargon_and_both_pages_know_each_other(tmp_path: Path, write: Any) -> None:
     folder = write(tmp_path)
-    record = read_record(folder)
+    record = read_result(folder)
     told = context(folder, record) if isinstance(record, RunRecord) else conservator_study.context(folder, record)
     assert 2 <= len(told["pictures"]) <= 3
     text = spoken(told)

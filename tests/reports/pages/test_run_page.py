@@ -15,12 +15,13 @@ import pytest
 from harness.model.errors import InputError
 from harness.model.run import write_json
 from harness.records.base import plain
+from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict as Difference
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
-from reports.source import read_record, run_source
+from reports.source import run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
 from tests.reports.invented_run import write_invented
@@ -143,7 +144,7 @@ def test_models_that_agree_and_differ_are_said_so(tmp_path: Path) -> None:
 
 def test_agreement_on_the_outcome_alone_is_not_called_agreement(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
-    record = plain(read_record(folder))
+    record = plain(read_result(folder))
     record["scores"]["analytic_vs_pybullet"]["verdict"] = Difference.MODEL
     write_json(folder / "result.json", record)
     verdict = run_verdict(run_source(folder))
@@ -166,7 +167,7 @@ HORIZON = HorizonRecord(
 
 def changed(folder: Path, **runs: dict[str, Any]) -> Any:
     """The source of a record with keys of its runs changed."""
-    record = plain(read_record(folder))
+    record = plain(read_result(folder))
     for name, changes in runs.items():
         record["runs"][name] |= changes
     write_json(folder / "result.json", record)
@@ -206,7 +207,7 @@ def test_a_missed_target_is_no_horizon_of_prediction(tmp_path: Path) -> None:
     assert "the numerical error of pybullet is not bounded" in text
     assert "horizon" not in text
     assert "nobody can follow" not in " ".join(of_run(source)["points"])
-    record = plain(read_record(folder))
+    record = plain(read_result(folder))
     write_json(folder / "result.json", record | {"horizons": {"analytic": plain(HORIZON)}})
     source = run_source(folder)
     assert "The horizon of prediction is 5" in " ".join(run_verdict(source).points)
@@ -229,7 +230,7 @@ def test_a_scene_without_pedestal_has_no_slip(tmp_path: Path) -> None:
 
 def test_an_engine_that_failed_is_named_with_its_reason(tmp_path: Path) -> None:
     folder = write_invented(tmp_path)
-    record = plain(read_record(folder))
+    record = plain(read_result(folder))
     failed = dict(record["runs"]["pybullet"], outcome="unavailable", outcome_sentence="not here", message="no wheels")
     record["runs"]["pybullet"] = failed | {"numerical_uncertainty_rad": None, "reliable_until_s": None}
     record["histories"].remove("pybullet")
@@ -266,7 +267,7 @@ def test_a_record_of_outcomes_alone_has_a_page_without_curves(tmp_path: Path) ->
     folder = write_invented(tmp_path)
     for path in folder.glob("history_*.csv"):
         path.unlink()
-    write_json(folder / "result.json", plain(read_record(folder)) | {"histories": []})
+    write_json(folder / "result.json", plain(read_result(folder)) | {"histories": []})
     html = without_data(write_report(folder).read_text(encoding="utf-8"))
     assert "All three models agree on the outcome" in html
     assert 'id="histories"' not in html

@@ -1,0 +1,61 @@
+"""Two histories from files, of whatever software, scored."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from harness.comparison.comparator import compare
+from harness.input.history_file import gaps, read_history
+from harness.model.errors import InputError, Mistake
+from harness.model.run import machine, versions
+from harness.records.compare import FILES, CompareRecord
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.records.scores import Scores
+
+
+def compare_files(
+    a: Path,
+    b: Path,
+    *,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+    iso: bool = False,
+) -> Scores:
+    """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
+
+    `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
+    """
+    if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
+        raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
+    if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
+        raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
+    histories = read_history(a), read_history(b)
+    scores = compare(
+        *histories,
+        names=(a.name, b.name),
+        uncertainties_rad=(uncertainty_rad, uncertainty_rad),
+        slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
+        iso=iso,
+    )
+    begin_s, end_s = scores.compared_from_s, scores.compared_until_s
+    if begin_s is not None and end_s is not None and end_s <= begin_s:
+        wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
+        raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
+    missing = [
+        f"{path.name} has no samples from {begin:.4g} s to {end:.4g} s, where scores rest on interpolation"
+        for path, history in zip((a, b), histories, strict=True)
+        for begin, end in gaps(history)
+    ]
+    return replace(scores, warnings=missing)
+
+
+def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
+    """Write the scores of two files, with both histories, into a result folder; raises `InputError` rather than lose a file."""
+    check_folder(folder, ("compare",))
+    check_inputs(folder, [*PAGES, RECORD, *FILES], (a, b))
+    record = CompareRecord(title=f"{a.name} against {b.name}", scores=scores, versions=versions(), machine=machine())
+    with replacing(folder, lambda files: replace(record, files=files), "compare") as fresh:
+        for path, name in zip((a, b), FILES, strict=True):
+            read_history(path).write_csv(fresh / name)

@@ -1,0 +1,71 @@
+"""Keys of a scene replaced: `KEY=VALUE` of a command line, or values by key of a program."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
+
+from harness.model.errors import InputError, Mistake
+
+Overrides = Sequence[str] | Mapping[str, object]
+"""`KEY=VALUE` texts with a dotted key and a TOML value, or values by dotted key; `none` or None removes the key."""
+Replacement = str | tuple[str, object]
+DOT: Final = "__"
+"""Stands for a dot where a key is a Python keyword argument: `motion__x__amplitude_g`. No key of a scene holds it."""
+
+
+def replacements(overrides: Overrides, keywords: Mapping[str, object]) -> list[Replacement]:
+    """Both ways of a program to replace keys, in one list."""
+    given = [overrides] if isinstance(overrides, str) else overrides
+    items: list[Replacement] = [*given.items()] if isinstance(given, Mapping) else [*given]
+    return [*items, *((key.replace(DOT, "."), value) for key, value in keywords.items())]
+
+
+def override(content: dict[str, Any], items: Iterable[Replacement]) -> list[tuple[str, ...]]:
+    """Replace keys of a scene's content; returns their parts. Raises `InputError` with every mistake."""
+    mistakes: list[Mistake] = []
+    keys = []
+    for item in items:
+        try:
+            key, value = _parted(item) if isinstance(item, str) else item
+            keys.append(_put(content, key, value))
+        except InputError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise InputError(mistakes)
+    return keys
+
+
+def _parted(item: str) -> tuple[str, object]:
+    """Key and value of a `KEY=VALUE`; what is no TOML value is a text."""
+    key, equals, value = item.partition("=")
+    if not equals:
+        raise InputError(Mistake("--set", item, *_key_wanted(item)))
+    try:
+        return key, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key, value.strip()
+    except RecursionError as error:
+        raise InputError(Mistake("--set", key, "a TOML value", "one nested too deeply to read")) from error
+
+
+def _key_wanted(got: str) -> tuple[str, str]:
+    return "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(got)
+
+
+def _put(content: dict[str, Any], key: str, value: object) -> tuple[str, ...]:
+    """Set one dotted key, or remove it; returns its parts."""
+    parts = tuple(part.strip() for part in key.split("."))
+    if not all(parts):
+        raise InputError(Mistake("--set", key, *_key_wanted(key)))
+    table = content
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(Mistake("--set", key, f"a key inside a table, but {part} is a value", repr(key)))
+    if value is None or value == "none":
+        table.pop(parts[-1], None)
+    else:
+        table[parts[-1]] = value
+    return parts

@@ -1,0 +1,25 @@
+"""The record of two histories from files, compared; both lie beside it in the contract's units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from harness.model.run import OMITTED
+from harness.records.base import Record, Table
+from harness.records.scores import Scores
+
+FILES: Final = ("history_a.csv", "history_b.csv")
+"""The two histories beside the record, the reference second."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CompareRecord(Record):
+    """`result.json` of `rockcheck compare A.csv B.csv --out DIR`."""
+
+    kind: Literal["compare"] = "compare"
+    scores: Scores
+    versions: Mapping[str, str]
+    machine: Table
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

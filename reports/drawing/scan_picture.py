@@ -1,0 +1,95 @@
+"""A prepared scan as it stands: its base, its weakest direction, the axes of its file and of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
+from meshes.solid import Solid
+from reports.charts.palette import MUTED
+from reports.drawing.display_mesh import Array, decimated
+from reports.drawing.shapes import Picture, Shape, Text, area, line
+
+SIDE: Final = 640.0
+MARGIN: Final = 70.0
+MOST_FACES: Final = 4000
+"""Faces of some four pixels each: more do not show."""
+FROM_WEAKEST_DEG: Final = 55.0
+"""The eye stands so far round from the weakest direction: the arrow is seen from its side, and before the statue."""
+RAISED_DEG: Final = 25.0
+BASE: Final = "#0072B2"
+WEAKEST: Final = "#c2185b"
+LIGHT: Final = np.array([-0.4, 0.5, 0.77])
+"""Where the light comes from, seen by the eye: to the right, upwards, towards it."""
+
+
+def scan_picture(solid: Solid, rotation: Array, name: str) -> Picture:
+    """The solid with its base and weakest direction; `rotation` (3, 3) is from the axes of the file `name` to the solid's."""
+    weakest = weakest_azimuth_deg(solid.footprint_m)
+    balance = float(np.rad2deg(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
+    view = _view(weakest + FROM_WEAKEST_DEG)
+    size = float(np.linalg.norm(np.ptp(solid.vertices_m, axis=0)))
+    scale = (SIDE - 2 * MARGIN) / size
+    centre = 0.5 * (solid.vertices_m.min(axis=0) + solid.vertices_m.max(axis=0))
+
+    def place(points: Array) -> Array:
+        seen = scale * (np.atleast_2d(points) - centre) @ view.T
+        return np.column_stack([0.5 * SIDE + seen[:, 0], 0.5 * SIDE - seen[:, 1]])
+
+    towards = np.array([np.cos(np.deg2rad(weakest)), np.sin(np.deg2rad(weakest)), 0.0])
+    reach = float(np.max(solid.footprint_m[:, :2] @ towards[:2]))
+    tip = (reach + 0.3 * size) * towards
+    (x, y), start = place(tip)[0], place(np.zeros(3))[0]
+    back = (start - np.array([x, y])) / np.linalg.norm(start - np.array([x, y]))
+    across = np.array([-back[1], back[0]])
+    head = np.array([x, y]) + 14.0 * np.array([[0.0, 0.0], back + 0.45 * across, back - 0.45 * across])
+    footprint = place(np.column_stack([solid.footprint_m[:, :2], np.zeros(len(solid.footprint_m))]))
+    vertices, faces = np.asarray(solid.vertices_m), np.asarray(solid.faces)
+    if len(faces) > MOST_FACES:
+        vertices, faces = decimated(vertices, faces, MOST_FACES)
+    shapes: list[Shape] = _faces(vertices, faces, view, place)
+    shapes += [area(footprint, BASE, BASE, 2.0, opacity=0.35), line([start, (x, y)], WEAKEST, 3.0), area(head, WEAKEST)]
+    words = f"weakest towards {weakest:.0f}° from x: balances at {balance:.1f}°"
+    shapes.append(Text(0.5 * SIDE, 46.0, words, colour=WEAKEST))
+    shapes += _axes(view, rotation, MARGIN, "the file's")
+    shapes += _axes(view, np.eye(3), SIDE - MARGIN, "the scene's")
+    shapes.append(Text(0.5 * SIDE, 24.0, f"{name}: {solid.height_m:.3g} m high, on {len(solid.footprint_m)} corners"))
+    return Picture(SIDE, SIDE, shapes)
+
+
+def _view(azimuth_deg: float) -> Array:
+    """Rows: to the right, upwards and towards the eye, of an eye at that azimuth."""
+    turn, lift = np.deg2rad(azimuth_deg), np.deg2rad(RAISED_DEG)
+    eye = np.array([np.cos(lift) * np.cos(turn), np.cos(lift) * np.sin(turn), np.sin(lift)])
+    right = np.array([-np.sin(turn), np.cos(turn), 0.0])
+    return np.stack([right, np.cross(eye, right), eye])
+
+
+def _faces(vertices: Array, faces: NDArray[np.int64], view: Array, place: Callable[[Array], Array]) -> list[Shape]:
+    """The faces that look at the eye, the farthest first, the lighter the more they face the light."""
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    seen = np.flatnonzero(normals @ view[2] > 0.0)
+    order = seen[np.argsort(corners[seen].mean(axis=1) @ view[2])]
+    grey = np.round(120.0 + 110.0 * np.clip(normals @ (LIGHT @ view), 0.0, 1.0)).astype(int)
+    placed = place(vertices)[faces]
+    colours = [f"#{value:02x}{value:02x}{value - 8:02x}" for value in grey]
+    # A rim of its own colour closes the hairlines between faces.
+    return [area(placed[k], colours[k], colours[k], 0.6) for k in order]
+
+
+def _axes(view: Array, rotation: Array, x: float, whose: str) -> list[Shape]:
+    """A triad at the picture's foot; the columns of `rotation` are its axes."""
+    foot = np.array([x, SIDE - MARGIN])
+    shapes: list[Shape] = [Text(x, SIDE - 12.0, f"{whose} axes", size_px=11.0)]
+    for name, axis in zip("xyz", rotation.T, strict=True):
+        along = view[:2] @ axis * np.array([1.0, -1.0])
+        shapes.append(line([foot, foot + 34.0 * along], MUTED, 2.0))
+        x_name, y_name = (foot + 46.0 * along).tolist()
+        shapes.append(Text(x_name, y_name + 4.0, name))
+    return shapes

@@ -1,0 +1,82 @@
+"""The page of two histories from files: the verdict, both curves and their difference, the scores in words."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Any, Final
+
+from harness.input.history_file import read_history
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Array, History
+from harness.model.history_pair import pair
+from harness.records.base import REWRITE
+from harness.records.compare import FILES, CompareRecord
+from harness.records.result_folder import as_written, owned
+from reports.charts.decimate import kept_samples
+from reports.charts.palette import HAIRLINE, MUTED, look
+from reports.pages.assets import packed_array
+from reports.text.glossary import score_rows
+from reports.text.wording import Verdict
+
+DIFFERENCE: Final = "difference"
+ROWS: Final = (((0.46, 1.0), "rotation θ  [rad]"), ((0.24, 0.40), "first − second  [rad]"), ((0.0, 0.18), "slip  [mm]"))
+"""Share of the chart's height and title of each row, from above."""
+
+
+def context(folder: Path, record: CompareRecord) -> dict[str, object]:
+    """Everything that the compare template shows; raises `InputError` for a history that is lost or was changed."""
+    sums = owned(folder)
+    lost = [folder / name for name in FILES if not (folder / name).is_file() or not as_written(folder / name, sums)]
+    if lost:
+        raise InputError([Mistake(str(path), "", "the file that result.json lists", "none", REWRITE) for path in lost])
+    a, b = (read_history(folder / name) for name in FILES)
+    scores = record.scores
+    # Both may have the same name, in two folders.
+    names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")
+    return {
+        "title": record.title,
+        "verdict": Verdict(
+            f"{scores.a} and {scores.b} {scores.verdict}",
+            "agree" if scores.verdict.startswith("agree") else "differ",
+            [scores.verdict_sentence, *(scores.warnings or ())],
+        ),
+        "figure": compare_figure(names, a, b),
+        "rows": [(words, [meaning, *cells]) for words, meaning, cells in score_rows({record.title: scores})],
+        "command": shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name]),
+        "versions": record.versions,
+        "machine": record.machine,
+    }
+
+
+def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, Any]:
+    """Rotations, their difference on one grid, and slips where there are any, over one axis of time."""
+    both = pair(a, b)
+    data = [
+        _curve(name, history.t_s, history.theta_rad, "y", names) for name, history in zip(names, (a, b), strict=True)
+    ]
+    data.append(_curve(DIFFERENCE, both.t_s, both.difference_rad, "y2", (*names, DIFFERENCE)))
+    slips = any(history.slip_m.any() for history in (a, b))
+    if slips:
+        data += [
+            _curve(name, history.t_s, 1e3 * history.slip_m, "y3", names) | {"showlegend": False}
+            for name, history in zip(names, (a, b), strict=True)
+        ]
+    layout: dict[str, Any] = {
+        "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False},
+        "hovermode": "x unified", "height": 560, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    for number, (domain, title) in enumerate(ROWS[: 3 if slips else 2], start=1):
+        layout[f"yaxis{number if number > 1 else ''}"] = {
+            "domain": list(domain), "title": {"text": title}, "gridcolor": HAIRLINE, "zerolinecolor": MUTED, "automargin": True,
+        }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ...]) -> dict[str, Any]:
+    kept, style = kept_samples(values), look(name, names)
+    return {
+        "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
+        "x": packed_array(t_s[kept], "f4"), "y": packed_array(values[kept], "f4"),
+        "line": {"color": style.colour, "dash": style.dash, "width": style.width},
+    }  # fmt: skip
