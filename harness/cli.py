@@ -84,12 +84,12 @@ def compare(
         raise InputError(
             Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
         )
-    found: dict[str, Scores] = {}
+    by_pair: dict[str, Scores] = {}
     for path in files:
         result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
         prefix = f"{path.stem}: " if len(files) > 1 else ""
-        found |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
-    return found
+        by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
+    return by_pair
 
 
 def salvage(

@@ -283,6 +283,13 @@ def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> N
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)
         raise typer.Exit(FAILED) from error
+    except Exception as fault:
+        page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))
+        fault_text = (
+            f"{page_name} could not be made, {type(fault).__name__}: {fault}; a fault of rockcheck: please report it"
+        )
+        typer.echo(printable(f"error: {fault_text}"), err=True)
+        raise typer.Exit(FAILED) from fault
     if not saying.silent:
         typer.echo(printable(f"report: {page}"))
 

@@ -167,7 +167,7 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
     return [_users(table.name, table.set, path, scene) for table in tables]
 
 
-def _users(name: str, values: Mapping[str, Any], path: Path, scene: Scene) -> Option:
+def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) -> Option:
     other = reread(scene, values, f"{path}: option {name!r}")
     told: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
     return Option(name, ", ".join(told), lambda _: other, path.name, user=True)

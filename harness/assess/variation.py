@@ -68,7 +68,7 @@ def _scaled(item: Excitation, factor: float) -> Excitation:
     return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
 
 
-def reread(scene: Scene, values: Mapping[str, Any], place: str) -> Scene:
+def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     """The scene of its own file's content with other values by dotted key (`"none"` removes one), read again as a whole.
 
     `place` is where a mistake is: raises `InputError` for values that make no scene, and for a scene made in Python.

@@ -210,7 +210,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
     from harness.model.history import Outcome
 
     solution = certified.solution
-    plain: dict[str, Any] = own.as_dict()
+    plain: dict[str, object] = own.as_dict()
     report = Report(
         engine=Spatial.name,
         settings=plain,

@@ -97,7 +97,7 @@ class Run(Shown):
         facts["largest rotation"] = f"{self.peak_theta_rad:+.4g}{error} rad at {self.peak_time_s:.4g} s"
         return facts | ({"largest slip": f"{1e3 * self.peak_slip_m:.4g} mm"} if self.peak_slip_m else {})
 
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, object]:
         """The columns of the history. Raises `InputError` where none was kept."""
         return dict(self._kept().columns())
 

@@ -26,7 +26,7 @@ class Shown(ABC):
         """The few things to know of it, by name, the most telling first."""
 
     @abstractmethod
-    def columns(self) -> Mapping[str, Any]:
+    def columns(self) -> Mapping[str, object]:
         """Its table: columns of one length by name, the index first."""
 
     @abstractmethod

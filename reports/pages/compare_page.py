@@ -62,7 +62,7 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
             _curve(name, history.t_s, 1e3 * history.slip_m, "y3", names) | {"showlegend": False}
             for name, history in zip(names, (a, b), strict=True)
         ]
-    layout: dict[str, Any] = {
+    layout: dict[str, object] = {
         "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False},
         "hovermode": "x unified", "height": 560, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip

@@ -44,18 +44,25 @@ PAGES: Final = {
 def write_report(folder: Path) -> Path:
     """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
 
-    Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written.
+    Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written, and what a
+    page itself tripped over, with a note that names the page.
     """
     record = read_result(folder)
     mistakes: list[Mistake] = []
+    faults: list[Exception] = []
     for name, build in _pages(record).items():
         try:
             with naming_damage(folder, record, name):
                 text = build(folder, record)
         except InputError as error:
             mistakes += error.mistakes
+        except Exception as fault:  # noqa: BLE001 - raised below: one page's failure must not cost the other
+            fault.add_note(name)
+            faults.append(fault)
         else:
             write_text(folder / name, text)
+    if faults:
+        raise faults[0]
     if mistakes:
         raise InputError(dict.fromkeys(mistakes))
     return folder / REPORT_NAME
