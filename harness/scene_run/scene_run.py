@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -110,7 +111,17 @@ def run_scene(
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
     target = Target(accuracy_rad, dt_s, options)
-    runs = _runs(scene, loaded, target, stored or {}, on_progress, apart=apart)
+    runs = dict(stored or {})
+    with _beside(scene, [item for item in loaded if item.name not in runs], target, apart=apart) as waiting:
+        for engine in loaded:
+            on_progress(engine.name)
+            if engine.name not in waiting and engine.name not in runs:
+                runs[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, options)
+        for name, future in waiting.items():
+            if not future.done():
+                on_progress(f"{name}, still")
+            runs[name] = future.result()
+    runs = {item.name: runs[item.name] for item in loaded}
     answers = [run for run in runs.values() if not run.outcome.failed]
     horizons = _horizons(scene, answers, on_progress, every=horizon) if len(answers) > 1 or horizon else {}
     known = {name: each.intrinsic_s for name, each in horizons.items()}
@@ -123,12 +134,7 @@ def run_scene(
         scene = scene.but(notes=(*scene.notes, *(f"{name} {judged}" for name in finer)))
         answers = [run for run in runs.values() if not run.outcome.failed]
         scores = _scores(scene, answers, known, iso)
-    seen: Mapping[str, Witness] = {}
-    if witness:
-        from harness.scene_run.witness import witnesses
-
-        on_progress("witness")
-        seen = witnesses(scene, runs, options)
+    seen = _witnessed(scene, runs, options, on_progress) if witness else {}
     still = standstill(scene, answers)
     if still is not None:
         scene = scene.but(notes=(*scene.notes, still))
@@ -150,35 +156,18 @@ class Target:
         return (self.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
 
 
-def _runs(
-    scene: Scene,
-    loaded: Sequence[Engine],
-    target: Target,
-    stored: Mapping[str, Run],
-    on_progress: Callable[[str], None],
-    *,
-    apart: bool,
-) -> dict[str, Run]:
-    """The runs of all engines in their order, of which some are there already; with `apart` those in 3D beside the others."""
-    left = [item for item in loaded if item.name not in stored]
+@contextmanager
+def _beside(scene: Scene, left: Sequence[Engine], target: Target, *, apart: bool) -> Iterator[dict[str, Future[Run]]]:
+    """The runs in three dimensions, each in a process of its own (none unless `apart`), by engine; an interrupt ends them."""
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
     beside = [item for item in beside if item.missing() is None]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
         waiting = {item.name: threads.submit(_apart, item.name, scene, target) for item in beside}
-        here = dict(stored)
         try:
-            for engine in loaded:
-                on_progress(engine.name)
-                if engine.name not in waiting and engine.name not in here:
-                    here[engine.name] = simulate_with(engine, scene, target.accuracy_rad, target.dt_s, target.options)
-            for name, future in waiting.items():
-                if not future.done():
-                    on_progress(f"{name}, still")
-                here[name] = future.result()
+            yield waiting
         except BaseException:
             _give_up(waiting.values())
             raise
-    return {item.name: here[item.name] for item in loaded}
 
 
 def _give_up(waiting: Iterable[Future[Run]]) -> None:
@@ -201,6 +190,15 @@ def _finer_runs(
         if not again.outcome.failed:
             runs[name] = again
     return runs
+
+
+def _witnessed(
+    scene: Scene, runs: Mapping[str, Run], options: RunOptions, on_progress: Callable[[str], None]
+) -> Mapping[str, Witness]:
+    from harness.scene_run.witness import witnesses
+
+    on_progress("witness")
+    return witnesses(scene, runs, options)
 
 
 def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
