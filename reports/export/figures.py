@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.model.errors import InputError, Mistake
-from harness.records.base import Record
+from harness.records.base import Record, plain
 from harness.records.kinds import read_result
 from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
+from harness.records.study import StudyRecord
 from reports.charts.histories import histories_figure
 from reports.charts.static_svg import picture
 from reports.charts.study_figures import panels_figure
@@ -63,15 +64,15 @@ def _pictures(
         source = source_of(folder, record)
         if source.histories:
             yield "histories", histories_picture(source, width_px)
-    for group in [] if isinstance(record, Record) else _groups(record):
+    for group in _groups(record) if isinstance(record, StudyRecord) else []:
         chosen = _chosen(group, model)
         name = f"panels_{group[0]['restitution']:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
         yield name, panels_picture(group, chosen, width_px)
 
 
-def _groups(record: Mapping[str, Any]) -> list[list[Mapping[str, Any]]]:
+def _groups(record: StudyRecord) -> list[list[Mapping[str, Any]]]:
     groups: dict[float, list[Mapping[str, Any]]] = {}
-    for panel in record.get("panels") or ():
+    for panel in map(plain, record.panels or ()):
         groups.setdefault(panel["restitution"], []).append(panel)
     return list(groups.values())
 

@@ -214,7 +214,7 @@ def test_pictures_are_drawn_on_the_axes_given(scene: harness.Scene, run: harness
 
 
 def test_a_run_without_a_history_and_a_study_without_numbers_say_so(scene: harness.Scene) -> None:
-    outcome = harness.simulate(scene, "analytic", want=harness.RunOptions(history=False))
+    outcome = harness.simulate(scene, "analytic", options=harness.RunOptions(history=False))
     with pytest.raises(harness.InputError, match="a run with its history"):
         outcome.plot()
     with pytest.raises(harness.InputError, match="a number that varies"):

@@ -10,7 +10,9 @@ from PIL import Image
 
 from harness.model.errors import InputError
 from harness.model.run import PATTERN_NAMES
+from harness.records.base import plain
 from harness.records.kinds import read_result
+from harness.records.study import StudyRecord
 from reports.charts.palette import look
 from reports.charts.static_svg_axes import MARGIN
 from reports.charts.study_figures import panels_figure
@@ -80,7 +82,9 @@ def test_a_column_holds_its_chart_whole(folder: Path) -> None:
 
 
 def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
-    panels = read_result(table)["panels"]
+    record = read_result(table)
+    assert isinstance(record, StudyRecord)
+    panels = [plain(panel) for panel in record.panels or ()]
     group = [item for item in panels if item["restitution"] == 0.85]
     figure = panels_figure(group, "pymunk (own impact)")
     layout = figure["layout"]

@@ -19,6 +19,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 RECORD = "records/ce36456p_CE36456.V2.gz"
+TOSSES = "tosses/cube_tosses.csv.gz"
+SOME_ROWS = 420
+"""Of the tosses' table: its header and four tosses."""
 
 
 def commands() -> list[str]:
@@ -55,6 +58,9 @@ def desk(tmp_path_factory: pytest.TempPathFactory, data_dir: Path) -> Path:
         table = np.column_stack((t, theta))
         np.savetxt(folder / f"{name}.csv", table, delimiter=",", header="t_s,theta_rad", comments="")
     write_experiments(folder, [1.0]).rename(folder / "tests.csv")
+    measured = gzip.decompress((data_dir / TOSSES).read_bytes()).splitlines(keepends=True)
+    (folder / "tosses.csv.gz").write_bytes(gzip.compress(b"".join(measured[:SOME_ROWS])))
+    (folder / "cube.toml").symlink_to(ROOT / "scenes" / "cube_toss.toml")
     return folder
 
 
