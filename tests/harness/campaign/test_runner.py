@@ -149,15 +149,20 @@ def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.Mo
     def interrupt() -> None:
         while not any(stopped(process.pid) for process in multiprocessing.active_children()):
             time.sleep(0.05)
-        # Python drops an interrupt that comes inside a finalizer: as a user does, it is sent again.
         signal.pthread_kill(MAIN, signal.SIGINT)
+        # Python drops an interrupt that comes inside a finalizer: as a user does, it is sent again.
         while not heard.wait(5.0):
             signal.pthread_kill(MAIN, signal.SIGINT)
 
+    # A cluster that ran in this process before may have left a handler of its own.
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Thread(target=interrupt, daemon=True).start()
-    with pytest.raises(KeyboardInterrupt):
-        LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
-    heard.set()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
+    finally:
+        heard.set()
+        signal.signal(signal.SIGINT, handler)
     assert {process.pid for process in multiprocessing.active_children()} == before
 
 
