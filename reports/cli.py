@@ -173,7 +173,7 @@ def validate(
             "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
         ),
     ] = None,
-    samples: Annotated[int, typer.Option("--samples", help="Perturbed runs of each test, for probabilities.")] = 0,
+    samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
     fit_share: Annotated[
         str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
     ] = "fit",
@@ -187,9 +187,11 @@ def validate(
     out: Out = None,
 ) -> None:
     """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
     from harness.validation.toss_run import body_of_tosses, validate_tosses
-    from harness.validation.validation_run import validate as run_validation
+    from harness.validation.validation_run import run_validation
+    from harness.validation.words import summary
 
     folder = out or OUT / named_after(experiments)
     check_folder(folder, ("validation", "tosses"))
@@ -209,7 +211,7 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    _say(found, "", folder, saying)
+    _say(as_file(found), summary(found), folder, saying)
 
 
 Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
