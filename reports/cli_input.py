@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 import typer
 
 from harness.campaign.progress import ProgressMessages
 from harness.command import Asked, Known, Saying, Surroundings, Target, command
 from harness.model.terminal import printable
-
-OUT: Final = Path("out")
+from reports.cli_result import OUT
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
