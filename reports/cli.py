@@ -183,6 +183,7 @@ def validate(
     out: Out = None,
 ) -> None:
     """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
     from harness.validation.toss_run import body_of_tosses, validate_tosses
     from harness.validation.validation_run import validate as run_validation
@@ -192,7 +193,7 @@ def validate(
     thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
     if thrown is not None:
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
-        say_result(measured, "", folder, saying)
+        say_result(as_file(measured), "", folder, saying)
         return
     found = run_validation(
         experiments,
