@@ -43,7 +43,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     missing = engine.missing()
     if missing is not None:
         return Witness(name, 0.0, None, None, missing)
-    wanted_s = _bounded_s(own)
+    wanted_s = own.bounded_until_s
     if wanted_s <= LEAST_S:
         return Witness(
             name, 0.0, None, None, f"{own.engine} bounds its numerical error nowhere: there is nothing to confirm"
@@ -76,10 +76,6 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     )
 
 
-def _bounded_s(run: Run) -> float:
-    return run.end_s if run.reliable_until_s is None else min(run.reliable_until_s, run.end_s)
-
-
 def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> tuple[Settings, Settings, float]:
     """The finest settings, with their verification run's, whose two runs to `until_s` take at most so many steps.
 
@@ -98,7 +94,7 @@ def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> t
 def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     scores = compare(run, plain)
     evidence = scores.evidence
-    known_s = min(_bounded_s(run), _bounded_s(plain))
+    known_s = min(run.bounded_until_s, plain.bounded_until_s)
     parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
         at = parts_s

@@ -17,9 +17,9 @@ import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.campaign.cache_key import scene_key
-from harness.input import motions
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
@@ -184,7 +184,7 @@ def _shake(trial: Trial) -> BaseExcitation:
 def _component(path: Path, column: str | None, unit: str | None, sign: int, scale: float) -> Excitation:
     content = {"kind": "record", "file": str(path), "column": column, "unit": unit, "sign": sign, "scale": scale}
     component = RecordSpec.model_validate({name: value for name, value in content.items() if value is not None})
-    return motions.build(component, base_dir=path.parent, where=str(path), key="motion")
+    return prepare(SceneMotion(component, path.parent, str(path), "motion")).excitation
 
 
 def intensity(trial: Trial) -> Intensity:
