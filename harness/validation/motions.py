@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
-from harness.input import motions
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decoded, read_bytes
 from harness.model.errors import InputError, Mistake
@@ -58,7 +58,7 @@ def _component(path: Path, column: str | None, sign: int, treatment: tuple[Any, 
     except ValidationError as error:
         reasons = "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in error.errors())
         raise InputError(Mistake(str(path), "motion", "a motion that can be read", reasons)) from error
-    return motions.build(component, base_dir=path.parent, where=str(path), key="motion")
+    return prepare(SceneMotion(component, path.parent, str(path), "motion")).excitation
 
 
 def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int | str]:

@@ -15,6 +15,7 @@ from harness.accuracy.simulation import simulate_with
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
+from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
 from harness.validation.tosses import Toss
 
@@ -126,7 +127,7 @@ def rotations(quaternions: Array) -> Array:
     return matrices(quaternions[:, [1, 2, 3, 0]])
 
 
-def quartiles(values: Sequence[float] | Array) -> dict[str, float]:
+def quartiles(values: Sequence[float] | Array) -> Quartiles:
     """Lower quartile, median and upper quartile."""
     low, middle, high = np.percentile(np.asarray(values), [25.0, 50.0, 75.0])
-    return {"low": float(low), "median": float(middle), "high": float(high)}
+    return Quartiles(float(low), float(middle), float(high))
