@@ -16,6 +16,7 @@ from harness.accuracy.simulation import simulate_with
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
+from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
 from harness.validation.tosses import Toss
 
@@ -120,7 +121,7 @@ def poses(body: Statue, history: History) -> tuple[Array, Array]:
     return turn, corner - turn @ np.array([body.corner_right_m, 0.0, -body.centroid_height_m])
 
 
-def quartiles(values: Sequence[float] | Array) -> dict[str, float]:
+def quartiles(values: Sequence[float] | Array) -> Quartiles:
     """Lower quartile, median and upper quartile."""
     low, middle, high = np.percentile(np.asarray(values), [25.0, 50.0, 75.0])
-    return {"low": float(low), "median": float(middle), "high": float(high)}
+    return Quartiles(float(low), float(middle), float(high))
