@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import sysconfig
 import time
 from collections.abc import Mapping
 from contextlib import closing
@@ -23,7 +24,9 @@ from harness.studies.case_tasks import stored_runs
 from harness.studies.study_run import Beside
 from reports.pages.page import write_report
 
-SCENES: Final = Path(__file__).resolve().parent.parent / "scenes"
+BESIDE_THE_CODE: Final = Path(__file__).resolve().parent.parent / "scenes"
+INSTALLED: Final = Path(sysconfig.get_path("data")) / "share" / "rockcheck" / "scenes"
+SCENES: Final = BESIDE_THE_CODE if BESIDE_THE_CODE.is_dir() else INSTALLED
 OUT: Final = Path("out")
 STUDY: Final = "paestum_table2"
 IN_STUDY: Final = ("paestum_pedestal", "paestum_floor")
