@@ -23,7 +23,10 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseRun:
-    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted."""
+    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted.
+
+    `impact_loss_j` is the mean energy that an impact costs, in a study that tests the paper's claims.
+    """
 
     engine: str
     outcome: Outcome
@@ -43,6 +46,8 @@ class CaseRun:
     validity: Table
     motion_axes: Sequence[str] | None = None
     impacts: int
+    last_impact_s: float | None = field(default=None, metadata=OMITTED)
+    impact_loss_j: float | None = field(default=None, metadata=OMITTED)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,6 +23,7 @@ from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
+from harness.studies.impact_loss import energy_lost_j
 from harness.studies.random_rechecks import recheck
 from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
@@ -31,7 +32,8 @@ Array = NDArray[np.float64]
 
 CURVE_POINTS: Final = 400
 """Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
-SHOWN: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")
+COUNTED: Final = ("impacts", "last_impact_s", "impact_loss_j")
+SHOWN: Final = tuple(item.name for item in fields(CaseRun) if item.name not in COUNTED)
 """What is kept of each run."""
 
 
@@ -41,7 +43,9 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
     scene = base.scene({})
     rows = [_shown(row) for row in store.rows(study_name(study))]
     paper = study.claims == "paper"
-    verdicts = claims.judge(rows, top_displacement(scene)) if paper else []
+    if paper:
+        _add_impact_losses(rows, store, scene)
+    verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
     finished = StudyRecord(
         title=study.title,
         file=path.name,
@@ -57,8 +61,8 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         audit=recheck(study, rows),
         versions=record.versions(),
         machine=record.machine(),
-        claims=verdicts if paper else None,
-        headline=claims.headline(verdicts) if paper else None,
+        claims=verdicts,
+        headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if paper else None,
         rows=(),
         files=listing(()),
@@ -102,6 +106,24 @@ def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[Panel]:
     return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
 
 
+def _add_impact_losses(rows: Sequence[Mapping[str, Any]], store: Store, scene: Scene) -> None:
+    """Add to each run with a history what an impact costs in the mean."""
+    inertia = scene.pivot_inertia_kg_m2
+    means: dict[str, float | None] = {}
+    for row in rows:
+        key = row["key"]
+        if row["run"] is None or key is None:
+            continue
+        if key not in means:
+            run = store.run(key)
+            losses = (
+                None if run is None or run.history is None else energy_lost_j(run.history, run.impact_times_s, inertia)
+            )
+            means[key] = float(np.mean(losses)) if losses is not None and losses.size else None
+        if means[key] is not None:
+            row["run"]["impact_loss_j"] = means[key]
+
+
 def _curve(t_s: Array, theta_rad: Array, slip_m: Array) -> Curve:
     keep = decimated(theta_rad, slip_m, points=CURVE_POINTS)
     return Curve(
@@ -130,6 +152,8 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     shown = None
     if run is not None:
         shown = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
+        if run["impact_times_s"]:
+            shown["last_impact_s"] = run["impact_times_s"][-1]
         shown["validity"] = _shared(run["validity"])
         shown["warnings"] = [sys.intern(text) for text in run["warnings"]]
     return {
