@@ -2,35 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.history import History
 
+SETTLING_S: Final = 0.003
+"""The contact engines' impacts take up to two steps of 1 ms: rates are read this long before and after, and drawn out."""
 
-def energy_lost_j(
-    history: History, impact_times_s: Sequence[float], pivot_inertia_kg_m2: Mapping[int, float]
-) -> NDArray[np.float64]:
+RESTS_RAD_S: Final = 5e-3
+"""A statue slower than this does not strike: the contact engines' statues tremble about rest at some 1e-3 rad/s."""
+
+
+def energy_lost_j(history: History, pivot_inertia_kg_m2: Mapping[int, float]) -> NDArray[np.float64]:
     """Energy lost in each impact (J): I_pivot θ̇²/2 before less that after, the inertia by the side turned to (docs/model.md).
 
-    Rates are drawn out in a straight line from the two instants of the history on either side: an error of the order of its step
-    squared. Impacts nearer to another than three steps lose nothing that could be told and are left out.
+    An impact is where θ changes its sign: the engines' own lists of impacts count contacts, and not at the same instant. Rates
+    are drawn out to it in a straight line. Impacts nearer to another than four times `SETTLING_S` are chattering and left out.
     """
     t_s, theta, rate = history.t_s, history.theta_rad, history.theta_rate_rad_s
-    times = np.asarray(impact_times_s, dtype=np.float64)
-    if t_s.size < 5 or not times.size:
+    if t_s.size < 3:
         return np.zeros(0)
-    near = 3.0 * float(t_s[1] - t_s[0])
-    gaps = np.diff(times, prepend=t_s[0], append=t_s[-1])
-    alone = times[(gaps[:-1] >= near) & (gaps[1:] >= near)]
-    before, after = np.searchsorted(t_s, alone, "left") - 1, np.searchsorted(t_s, alone, "right")
+    settling = max(1, round(SETTLING_S / float(t_s[1] - t_s[0])))
+    crossing = np.flatnonzero(theta[:-1] * theta[1:] < 0.0)
+    gaps = np.diff(crossing, prepend=0, append=t_s.size - 1)
+    crossing = crossing[(gaps[:-1] >= 4 * settling) & (gaps[1:] >= 4 * settling)]
+    crossing = crossing[np.abs(rate[crossing - settling]) >= RESTS_RAD_S]
+    share = theta[crossing] / (theta[crossing] - theta[crossing + 1])
+    impact_s = t_s[crossing] + share * (t_s[crossing + 1] - t_s[crossing])
 
     def energy(near: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.float64]:
         slope = (rate[near] - rate[beyond]) / (t_s[near] - t_s[beyond])
-        at_impact = rate[near] + slope * (alone - t_s[near])
-        inertia = np.where(theta[beyond] > 0.0, pivot_inertia_kg_m2[1], pivot_inertia_kg_m2[-1])
+        at_impact = rate[near] + slope * (impact_s - t_s[near])
+        inertia = np.where(theta[near] > 0.0, pivot_inertia_kg_m2[1], pivot_inertia_kg_m2[-1])
         return np.asarray(0.5 * inertia * at_impact**2)
 
-    return energy(before, before - 1) - energy(after, after + 1)
+    first, last = crossing - settling, crossing + 1 + settling
+    return energy(first, first - 1) - energy(last, last + 1)

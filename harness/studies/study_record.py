@@ -116,9 +116,7 @@ def _add_impact_losses(rows: Sequence[Mapping[str, Any]], store: Store, scene: S
             continue
         if key not in means:
             run = store.run(key)
-            losses = (
-                None if run is None or run.history is None else energy_lost_j(run.history, run.impact_times_s, inertia)
-            )
+            losses = None if run is None or run.history is None else energy_lost_j(run.history, inertia)
             means[key] = float(np.mean(losses)) if losses is not None and losses.size else None
         if means[key] is not None:
             row["run"]["impact_loss_j"] = means[key]

@@ -1,4 +1,4 @@
-"""What an impact costs, told from a history: the known losses of the paper's statue, and impacts too near to tell apart."""
+"""What an impact costs, told from a history: the known losses of the paper's statue by two models, and what is no impact."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.engines import load
+from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.studies.impact_loss import energy_lost_j
 from tests import budgets
@@ -18,15 +19,25 @@ KNOWN_J = (9.095, 8.309, 5.284, 16.985)
 """docs/model.md, section 7: the surveyed statue on the floor at 0.429 g and 3 Hz, its first four impacts."""
 
 
-def test_the_first_impacts_of_the_papers_statue_lose_what_is_known() -> None:
-    scene = paestum(0.429, 3.0, pedestal=False, duration_s=2.5)
+@pytest.mark.parametrize("name", ["analytic", "pymunk"])
+def test_the_first_impacts_of_the_papers_statue_lose_what_is_known(name: str) -> None:
+    """The contact engine trembles before the motion lifts it, and lists its contacts one or two steps early: neither is told."""
+    scene = paestum(0.429, 3.0, pedestal=False, duration_s=2.2)
     scene = scene.but(statue=replace(scene.statue, inertia_kg_m2=INERTIA_KG_M2))
-    engine = load("analytic")
-    run = engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
+    engine = load(name)
+    run = engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), RunOptions())
     assert run.history is not None
-    lost = energy_lost_j(run.history, run.impact_times_s[:4], scene.pivot_inertia_kg_m2)
+    lost = energy_lost_j(run.history, scene.pivot_inertia_kg_m2)
     assert lost == pytest.approx(KNOWN_J, rel=budgets.IMPACT_LOSS_REL)
-    # Two impacts within a step of each other cannot be told apart; none is told of a history without any.
-    first = run.impact_times_s[0]
-    assert energy_lost_j(run.history, (first, first + 1e-3), scene.pivot_inertia_kg_m2).size == 0
-    assert np.array_equal(energy_lost_j(run.history, (), scene.pivot_inertia_kg_m2), np.zeros(0))
+
+
+def test_chattering_and_rest_lose_nothing_that_could_be_told() -> None:
+    t_s = np.arange(0.0, 1.0, 1e-3)
+    for amplitude_rad, frequency_hz in ((0.05, 100.0), (1e-5, 3.0)):
+        phase = 2.0 * np.pi * frequency_hz * t_s + 0.5
+        theta, rate = amplitude_rad * np.sin(phase), amplitude_rad * 2.0 * np.pi * frequency_hz * np.cos(phase)
+        still = np.zeros_like(t_s)
+        history = History(t_s, theta, rate, still, still)
+        assert energy_lost_j(history, {1: 100.0, -1: 100.0}).size == 0
+    two = np.array([0.0, 1e-3])
+    assert energy_lost_j(History(two, *np.zeros((4, 2))), {1: 1.0, -1: 1.0}).size == 0
