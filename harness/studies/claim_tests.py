@@ -10,6 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.records.study import Value
+
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
 FEW_CENTIMETRES_M: Final = 0.05
@@ -29,6 +31,7 @@ FREQUENCY: Final = "motion.x.frequency_hz"
 RATIO: Final = "contact.restitution"
 AZIMUTH: Final = "statue.mesh.azimuth_deg"
 SUPPORT: Final = "pedestal"
+Condition = tuple[tuple[str, Value], ...]
 Test = Callable[[Sequence["Answer"]], tuple[int, int, str]]
 
 
@@ -36,7 +39,7 @@ Test = Callable[[Sequence["Answer"]], tuple[int, int, str]]
 class Answer:
     """One run of the table: what was set and what came out."""
 
-    varied: Mapping[str, Any]
+    varied: Mapping[str, Value]
     peak_rad: float
     overturned: bool
     stands: bool
@@ -56,12 +59,12 @@ class Answer:
         """Whether it stands on one."""
         return bool(self.varied.get(SUPPORT, "none") != "none")
 
-    def but(self, *keys: str) -> tuple[tuple[str, Any], ...]:
+    def but(self, *keys: str) -> Condition:
         """What was set apart from these keys: the same for answers that are compared over them."""
         return tuple(sorted((key, value) for key, value in self.varied.items() if key not in keys))
 
     @property
-    def condition(self) -> tuple[tuple[str, Any], ...]:
+    def condition(self) -> Condition:
         """What both settings share."""
         return self.but(SUPPORT)
 
@@ -234,8 +237,8 @@ def reaches_the_wall(answers: Sequence[Answer]) -> tuple[int, int, str]:
     counts = {
         name: sum(item.overturned or item.peak_rad >= WALL_RAD for item in some) for name, some in sorted(kinds.items())
     }
-    told = [f"{name}: {count} of {len(kinds[name])} conditions" for name, count in counts.items()]
-    return sum(count > 0 for count in counts.values()), len(counts), f"{WALL_RAD:g} rad reached by " + ", ".join(told)
+    each = [f"{name}: {count} of {len(kinds[name])} conditions" for name, count in counts.items()]
+    return sum(count > 0 for count in counts.values()), len(counts), f"{WALL_RAD:g} rad reached by " + ", ".join(each)
 
 
 def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
@@ -257,8 +260,8 @@ def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
                 means.setdefault(float(item.varied[RATIO]), []).append(loss)
     if not steps:
         return 0, 0, "the impact is the model's own: no ratio is used"
-    told = ", ".join(f"{np.mean(losses):.3g} J at {ratio:g}" for ratio, losses in sorted(means.items()))
-    return held, steps, f"not more in {held} of {steps} steps to the next ratio; in the mean {told}"
+    by_ratio = ", ".join(f"{np.mean(losses):.3g} J at {ratio:g}" for ratio, losses in sorted(means.items()))
+    return held, steps, f"not more in {held} of {steps} steps to the next ratio; in the mean {by_ratio}"
 
 
 TESTS: Final[Mapping[str, Test]] = {

@@ -29,6 +29,7 @@ from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
 
 Array = NDArray[np.float64]
+Rows = Sequence[Mapping[str, Any]]
 
 CURVE_POINTS: Final = 400
 """Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
@@ -86,7 +87,7 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
-def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[Panel]:
+def panels(rows: Rows, store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
     drawn: dict[str, Curve] = {}
@@ -106,7 +107,7 @@ def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[Panel]:
     return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
 
 
-def _add_impact_losses(rows: Sequence[Mapping[str, Any]], store: Store, scene: Scene) -> None:
+def _add_impact_losses(rows: Rows, store: Store, scene: Scene) -> None:
     """Add to each run with a history what an impact costs in the mean."""
     inertia = scene.pivot_inertia_kg_m2
     means: dict[str, float | None] = {}
@@ -168,7 +169,7 @@ def _shared(table: Mapping[str, Any]) -> dict[str, Any]:
     return {sys.intern(key): value for key, value in table.items()}
 
 
-def _seconds(rows: Sequence[Mapping[str, Any]], store: Store) -> dict[str, float]:
+def _seconds(rows: Rows, store: Store) -> dict[str, float]:
     total: dict[str, float] = {}
     for key, engine in {(row["key"], row["engine"]) for row in rows if row["key"] is not None}:
         total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
