@@ -14,10 +14,9 @@ from harness import cli as harness_cli
 from harness.campaign.progress import ProgressMessages
 from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
 from harness.model.terminal import printable
-from reports import cli_input
+from reports import cli_input, cli_record
 
 OUT: Final = Path("out")
-READERS: Final = ("engineer", "conservator")
 
 app = typer.Typer(
     name="rockcheck",
@@ -74,6 +73,7 @@ def run(
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
+    language: cli_record.InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
@@ -83,6 +83,7 @@ def run(
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
+    cli_record.check_language(language)
     if explain:
         from harness.input.scene_file import load_scene
 
@@ -92,7 +93,7 @@ def run(
     more = {"assess": not no_assess, "witness": not no_witness}
     result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
     write_result(result, folder)
-    _say(plain(result.record()), harness_cli.summary(result), folder, saying)
+    _say(plain(result.record()), harness_cli.summary(result), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
@@ -144,6 +145,7 @@ def study(
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
+    language: cli_record.InLanguage = "en",
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
@@ -152,12 +154,13 @@ def study(
 
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
+    cli_record.check_language(language)
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent
     )
     usage = found.get("usage")
     lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
-    _say(found, "\n".join(lines), folder, saying)
+    _say(found, "\n".join(lines), folder, saying, language)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
@@ -245,32 +248,12 @@ def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out =
     raise typer.Exit(OK if found.holds else FAILED)
 
 
-@command(app, None, "rockcheck report out/maria", "rockcheck report out/maria --for conservator")
-def report(
-    folder: cli_input.Folder,
-    saying: Saying,
-    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
-) -> None:
-    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.model.errors import InputError, Mistake
-    from reports.pages.page import CONSERVATOR_NAME, write_report
-
-    if reader not in READERS:
-        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
-    page = write_report(folder)
-    if reader == "conservator":
-        page = folder / CONSERVATOR_NAME
-        if not page.is_file():
-            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
-    saying.say({"report": str(page)}, f"report: {page}")
-
-
 def _names(parts: str | None) -> list[str] | None:
     """The parts named in one option, None for all."""
     return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
 
 
-def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> None:
+def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
     """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
     from harness.model.errors import InputError
     from reports.pages.page import write_report
@@ -278,7 +261,7 @@ def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> N
     if text or saying.as_json:
         saying.say(found, text)
     try:
-        page = write_report(folder)
+        page = write_report(folder, language)
     except InputError as error:
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)
@@ -296,6 +279,7 @@ def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> N
 
 harness_cli.add_commands(app)
 cli_input.add_commands(app)
+cli_record.add_commands(app)
 
 
 def main() -> None:
