@@ -17,7 +17,7 @@ from reports.charts.static_svg import picture
 from reports.charts.study_figures import panels_figure
 from reports.drawing.shapes import Picture, Text, moved
 from reports.export.paper import pixels_across, write_picture
-from reports.source import RunSource, kind_of, naming_damage, source_of
+from reports.source import RunSource, source_of
 
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
@@ -45,10 +45,9 @@ def write_figures(
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
     record = read_result(folder)
-    with naming_damage(folder, record):
-        pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
+    pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:
-        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {kind_of(record)} without"))
+        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {record.kind} without"))
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}
@@ -56,9 +55,7 @@ def write_figures(
     return [write_picture(drawn, path) for path, drawn in paths.items()]
 
 
-def _pictures(
-    folder: Path, record: Record | Mapping[str, Any], width_px: float, model: str | None
-) -> Iterator[tuple[str, Picture]]:
+def _pictures(folder: Path, record: Record, width_px: float, model: str | None) -> Iterator[tuple[str, Picture]]:
     """The name and the picture of each figure of a record."""
     if isinstance(record, RunRecord):
         source = source_of(folder, record)

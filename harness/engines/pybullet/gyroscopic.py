@@ -1,8 +1,8 @@
 """Bullet's gyroscopic torque made of second order: what a step's own misses is added to it as an external torque.
 
-Euler's equations are I ω̇ + ω × I ω = τ. Bullet takes ω × I ω at the velocity with which a step begins, half a step before the
-step's middle: the rotation then errs by the first order of the step, in flight as about a vertex. Here it is taken at the velocity
-foreseen for the middle of the time over which the velocity is changed. No place and no velocity is written.
+Euler's equations are I ω̇ + ω × I ω = τ. Bullet takes ω × I ω at the velocity with which a step begins, half a step before
+the step's middle: the rotation then errs by the first order of the step, in flight as about a vertex. Here it is taken at
+the velocity foreseen for the middle of the time over which the velocity is changed. No place and no velocity is written.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-import pybullet
+from harness.engines.pybullet import writing
 
 if TYPE_CHECKING:
     from harness.engines.event_stepping.interventions import Ledger
@@ -22,7 +22,7 @@ Vector = tuple[float, float, float]
 KIND: Final = "gyroscopic"
 """Kind of this intervention."""
 STILL_RAD_S: Final = 1e-6
-"""A body that turns more slowly has no gyroscopic torque worth a call: it would turn its axis by less than 1e-12 rad/s a second."""
+"""A body that turns more slowly has no gyroscopic torque worth a call: less than 1e-12 rad/s²."""
 
 
 class Gyroscope:
@@ -45,7 +45,13 @@ class Gyroscope:
         half = 0.5 * span_s
         p, q, r = _unturned(x, y, z, w, row[10], row[11], row[12])
         u, v, s = _unturned(
-            x, y, z, w, row[10] + half * rate_rad_s2[0], row[11] + half * rate_rad_s2[1], row[12] + half * rate_rad_s2[2]
+            x,
+            y,
+            z,
+            w,
+            row[10] + half * rate_rad_s2[0],
+            row[11] + half * rate_rad_s2[1],
+            row[12] + half * rate_rad_s2[2],
         )
         share = span_s / length_s
         a = (iy - iz) * (share * v * s - q * r)
@@ -60,7 +66,7 @@ class Gyroscope:
     def act(self) -> None:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
         if self.torque is not None:
-            pybullet.applyExternalTorque(self.body, -1, self.torque, pybullet.WORLD_FRAME, self.client)
+            writing.twist(self.body, self.torque, self.client)
 
 
 def _unturned(x: float, y: float, z: float, w: float, a: float, b: float, c: float) -> Vector:

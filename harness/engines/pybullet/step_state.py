@@ -161,7 +161,8 @@ class StepState:
         if not self.jolted and len(record.t_s) > 1:
             before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
             if last_s > SHORTEST * self.step_s:
-                change = tuple((rate - old) / last_s for rate, old in zip(self.row[10:13], before, strict=True))
+                x, y, z = before
+                change = ((self.row[10] - x) / last_s, (self.row[11] - y) / last_s, (self.row[12] - z) / last_s)
         stepper.gyroscope.foresee(self.row, change, kick_s - self.kick_s, length_s, stepper.writer.ledger)
 
     def stick_onset(self, stick_onset_s: float) -> None:
