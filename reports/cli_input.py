@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness.command import Asked, Known, Saying, Surroundings, Target, command
 from harness.model.terminal import printable
+from reports.cli_result import OUT
 
-OUT: Final = Path("out")
+if TYPE_CHECKING:
+    from harness.input.motions.inspect import Inspection
+    from harness.input.motions.layout import Layout
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
 
@@ -162,8 +165,9 @@ def motion_inspect(
     saying.say(plain(InspectionRecord.of(found)), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
-def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
+def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Inspection:
     """The record in a file, or the named component of a scene."""
+    from harness.input.motions import SceneMotion
     from harness.input.motions.inspect import inspect_component, inspect_file
     from harness.input.tables import parse, read
     from harness.model.errors import InputError, Mistake
@@ -173,18 +177,11 @@ def _inspected(file: Path, unit: str | None, axis: str, layout: Any) -> Any:
             raise InputError(Mistake(str(file), "", "an existing record", "no such file"))
         return inspect_file(file, unit=unit, layout=layout)
     model, _ = parse(read(file), str(file))
-    component = getattr(model.motion, axis, None) if axis in ("x", "y", "z") else None
+    component = SceneMotion.of(model, axis, file) if axis in ("x", "y", "z") else None
     if component is None:
         given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
         raise InputError(Mistake("--axis", "", f"a component of the scene ({', '.join(given) or 'it has none'})", axis))
-    return inspect_component(
-        component,
-        base_dir=file.parent,
-        where=str(file),
-        key=f"motion.{axis}",
-        duration_s=model.duration_s,
-        gravity_m_s2=model.gravity_m_s2,
-    )
+    return inspect_component(component)
 
 
 def compare(

@@ -16,7 +16,7 @@ OPEN_TABLES: Final = {
     "harness/campaign": 12,
     "harness/assess": 2,
     "harness/studies": 28,
-    "harness/validation": 12,
+    "harness/validation": 8,
     "harness/effects3d": 3,
     "harness/bench": 15,
     "reports": 5,

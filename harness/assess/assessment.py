@@ -82,9 +82,7 @@ def assess(
     differences: dict[str, ProbabilityDifference] = {}
     fell: dict[str, Mapping[int, bool | None]] = {}
     with _campaign(store, pool) as (kept, campaign, workers):
-        for name in names:
-            if name == MODEL:
-                continue
+        for name in filter(MODEL.__ne__, names):
             if (reason := engines.load(name).missing()) is not None:
                 answers[name] = NotAssessed(reason)
                 continue

@@ -2,37 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Final
 
 from harness.bench import coverage as cover
 from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
-from harness.campaign.parts import Measured, Part, Row
+from harness.campaign.parts import Measured, Measurement, Part
 from harness.model.run import machine, versions
-from harness.records.base import as_file
-from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
+from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
-
-
-def run(
-    folder: Path,
-    quick: bool = False,
-    on_progress: Callable[[str], None] = lambda text: None,
-    only: Sequence[str] | None = None,
-) -> Row:
-    """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes the first of each kind.
-
-    What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
-    written, or an unknown part.
-    """
-    listed = all_parts(quick)
-    measured = parts.session(folder, listed, quick, only, on_progress)
-    return parts.written(folder, as_file(assembled(listed, measured, parts.command("bench", quick, measured))))
 
 
 def all_parts(quick: bool) -> list[Part]:
@@ -47,7 +29,7 @@ def all_parts(quick: bool) -> list[Part]:
     ]
 
 
-def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: str = "rockcheck bench") -> BenchRecord:
+def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command: str) -> BenchRecord:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
@@ -77,6 +59,9 @@ def assembled(listed: Sequence[Part], measured: dict[str, Measured], command: st
     return BenchRecord(
         command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
         coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(others),
-        parts=[PartRow(**item) for item in spent], sentences=texts, seconds=sum(item["wall_s"] for item in spent),
+        parts=spent, sentences=texts, seconds=sum(row.wall_s for row in spent),
         versions=versions(), machine=machine(),
     )  # fmt: skip
+
+
+BENCH: Final = Measurement("bench", all_parts, assembled, lambda record: record.sentences)

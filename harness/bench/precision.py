@@ -166,12 +166,13 @@ def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -
         run = "it goes on to the very level by which errors are judged here"
     if isinstance(run, str) or spent is None:
         return replace(row, failed=str(run))
-    until_s = run.reliable_until_s
-    error = error_rad(run, judge, run.end_s if until_s is None else until_s)
+    error = error_rad(run, judge, run.bounded_until_s)
     row = _costing(_with(row, run, error), spent, run.end_s)
     label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
     steps = run.work.get("steps_of_all_runs", run.steps)
-    return replace(row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=until_s, steps=steps)
+    return replace(
+        row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=run.reliable_until_s, steps=steps
+    )
 
 
 def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[PrecisionRow]:

@@ -13,7 +13,6 @@ import tomli_w
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
-from harness.input.motions.spec import Component
 from harness.input.overrides import Overrides, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
@@ -125,26 +124,18 @@ def _contact(table: ContactTable) -> Contact:
 
 
 def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
-    found: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
-    for axis in found:
-        component: Component | None = getattr(model.motion, axis)
-        if component is None:
+    excitations: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
+    for axis in excitations:
+        motion = motions.SceneMotion.of(model, axis, path)
+        if motion is None:
             continue
-        key = f"motion.{axis}"
         try:
-            prepared = motions.prepare(
-                component,
-                base_dir=path.parent,
-                where=str(path),
-                key=key,
-                duration_s=model.duration_s,
-                gravity_m_s2=model.gravity_m_s2,
-            )
-            found[axis] = prepared.excitation.scaled(model.motion.scale)
-            notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
+            prepared = motions.prepare(motion)
+            excitations[axis] = prepared.excitation.scaled(model.motion.scale)
+            notes.extend(f"{motion.key}: {warning}" for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)
-    return BaseExcitation(**found)
+    return BaseExcitation(**excitations)
 
 
 def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedestal | None:

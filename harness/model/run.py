@@ -88,6 +88,11 @@ class Run(Shown):
     motion_axes: Sequence[str] | None = None
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
+    @property
+    def bounded_until_s(self) -> float:
+        """Until when its stated numerical errors hold; to its end where none is stated."""
+        return self.end_s if self.reliable_until_s is None else min(self.reliable_until_s, self.end_s)
+
     def facts(self) -> dict[str, str]:
         """Engine, outcome, peak with its numerical error, slip."""
         error = "" if self.numerical_uncertainty_rad is None else f" ± {self.numerical_uncertainty_rad:.1g}"

@@ -8,8 +8,8 @@ from typing import Any
 
 from harness.records.validation import PairScores
 from harness.studies.ensembles import score_sets
+from harness.validation.fit import Answers, Choice, RunRecord
 from harness.validation.jobs import Model
-from harness.validation.scoring import Answers, Choice
 from harness.validation.table import Trial
 
 
@@ -38,5 +38,5 @@ def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Map
     return {"number": trial.row, "varied": {}, "engine": model.name, "key": None, "run": run}
 
 
-def _unstated(run: Mapping[str, Any]) -> bool:
+def _unstated(run: RunRecord) -> bool:
     return run["numerical_uncertainty_rad"] is None

@@ -22,7 +22,7 @@ from reports.drawing.effects_figures import changes, rose
 from reports.drawing.shapes import Picture, titled
 from reports.export.paper import pixels_across, write_picture
 from reports.pages.page import PAGES
-from reports.source import RunSource, kind_of, naming_damage, source_of
+from reports.source import RunSource, source_of
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import conditions
 
@@ -48,10 +48,9 @@ def write_figures(
         if value not in known:
             raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
     record = read_result(folder)
-    with naming_damage(folder, record):
-        pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
+    pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:
-        raise InputError(Mistake(str(folder), "", "a record with charts", f"a {kind_of(record)} without"))
+        raise InputError(Mistake(str(folder), "", "a record with charts", f"a {record.kind} without"))
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}
@@ -59,9 +58,7 @@ def write_figures(
     return [write_picture(drawn, path) for path, drawn in paths.items()]
 
 
-def _pictures(
-    folder: Path, record: Record | Mapping[str, Any], width_px: float, model: str | None
-) -> Iterator[tuple[str, Picture]]:
+def _pictures(folder: Path, record: Record, width_px: float, model: str | None) -> Iterator[tuple[str, Picture]]:
     """The name and the picture of each figure of a record: every chart of its page."""
     if isinstance(record, RunRecord):
         source = source_of(folder, record)
@@ -72,7 +69,7 @@ def _pictures(
         yield "rose", as_wide(rose(record), width_px)
         yield "effects", as_wide(changes(record), width_px)
         return
-    values = import_module(PAGES[kind_of(record)]).context(folder, record)
+    values = import_module(PAGES[record.kind]).context(folder, record)
     for name, words, figure in values.get("charts") or ():
         yield name, titled(picture_of(figure, width_px, POINTS), words)
     for name in ("figure", "chart"):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from markupsafe import Markup
 
@@ -18,11 +18,8 @@ from harness.records.kinds import read_result
 from reports.charts.library import chart_library
 from reports.charts.palette import DARK, dark_css
 from reports.pages.assets import environment, source_text
-from reports.source import kind_of, naming_damage
 from reports.text.language import Language, language
 
-Content = Record | dict[str, Any]
-"""A record as its class, or as plain values where its kind has none."""
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
 CONSERVATOR_PAGES: Final = {
@@ -59,8 +56,7 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
     faults: list[Exception] = []
     for name, build in _pages(record, language(language_code)).items():
         try:
-            with naming_damage(folder, record, name):
-                text = build(folder, record)
+            text = build(folder, record)
         except InputError as error:
             mistakes += error.mistakes
         except Exception as fault:  # noqa: BLE001 - raised below: one page's failure must not cost the other
@@ -75,23 +71,20 @@ def write_report(folder: Path, language_code: str = "en") -> Path:
     return folder / REPORT_NAME
 
 
-def _pages(record: Content, say: Language) -> dict[str, Callable[[Path, Content], str]]:
+def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], str]]:
     """What builds each page of a record, by file name."""
-    plain = {CONSERVATOR_NAME: partial(_conservator, say=say)} if kind_of(record) in CONSERVATOR_PAGES else {}
+    plain = {CONSERVATOR_NAME: partial(_conservator, say=say)} if record.kind in CONSERVATOR_PAGES else {}
     return {REPORT_NAME: _report, **plain}
 
 
-def _report(folder: Path, record: Content) -> str:
-    kind = kind_of(record)
-    values = import_module(PAGES[kind]).context(folder, record)
+def _report(folder: Path, record: Record) -> str:
+    values = import_module(PAGES[record.kind]).context(folder, record)
     machinery = {"script": source_text("page.js"), "chart_library": chart_library(), "dark": DARK}
-    return _render(f"{kind}.html.j2", values | machinery)
+    return _render(f"{record.kind}.html.j2", values | machinery)
 
 
-def _conservator(folder: Path, record: Content, say: Language) -> str:
-    return _render(
-        "conservator.html.j2", import_module(CONSERVATOR_PAGES[kind_of(record)]).context(folder, record, say)
-    )
+def _conservator(folder: Path, record: Record, say: Language) -> str:
+    return _render("conservator.html.j2", import_module(CONSERVATOR_PAGES[record.kind]).context(folder, record, say))
 
 
 def _render(template: str, values: Mapping[str, object]) -> str:

@@ -3,30 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TypedDict
 
 import numpy as np
 
 from harness.comparison.scores import energy, events
 from harness.comparison.verdict import Side
 from harness.model.history import Array
-
-
-class EventScores(TypedDict):
-    """What `Scores` holds of matched uplifts and impacts."""
-
-    uplift_time_differences_s: Sequence[float]
-    uplifts_alone_a: int
-    uplifts_alone_b: int
-    impact_times_a_s: Sequence[float]
-    impact_time_differences_s: Sequence[float]
-    impacts_alone_a: int
-    impacts_alone_b: int
-    impact_energy_share_lost_a: Sequence[float]
-    impact_energy_share_lost_b: Sequence[float]
-    impact_energy_lost_a_j: Sequence[float] | None
-    impact_energy_lost_b_j: Sequence[float] | None
+from harness.records.scores import EventScores
 
 
 def event_scores(
@@ -46,19 +29,19 @@ def event_scores(
     ).until(times_a, times_b, until_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = energy.share_lost(a, inertia)[index_a], energy.share_lost(b, inertia)[index_b]
-    return {
-        "uplift_time_differences_s": _list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
-        "uplifts_alone_a": uplifts.alone_a,
-        "uplifts_alone_b": uplifts.alone_b,
-        "impact_times_a_s": _list(times_a[impacts.index_a]),
-        "impact_time_differences_s": _list(times_a[impacts.index_a] - times_b[impacts.index_b]),
-        "impacts_alone_a": impacts.alone_a,
-        "impacts_alone_b": impacts.alone_b,
-        "impact_energy_share_lost_a": _list(share_a),
-        "impact_energy_share_lost_b": _list(share_b),
-        "impact_energy_lost_a_j": None if inertia is None else _list(energy.lost_j(a, inertia)[index_a]),
-        "impact_energy_lost_b_j": None if inertia is None else _list(energy.lost_j(b, inertia)[index_b]),
-    }
+    return EventScores(
+        uplift_time_differences_s=_list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
+        uplifts_alone_a=uplifts.alone_a,
+        uplifts_alone_b=uplifts.alone_b,
+        impact_times_a_s=_list(times_a[impacts.index_a]),
+        impact_time_differences_s=_list(times_a[impacts.index_a] - times_b[impacts.index_b]),
+        impacts_alone_a=impacts.alone_a,
+        impacts_alone_b=impacts.alone_b,
+        impact_energy_share_lost_a=_list(share_a),
+        impact_energy_share_lost_b=_list(share_b),
+        impact_energy_lost_a_j=None if inertia is None else _list(energy.lost_j(a, inertia)[index_a]),
+        impact_energy_lost_b_j=None if inertia is None else _list(energy.lost_j(b, inertia)[index_b]),
+    )
 
 
 def numerical_uncertainty(

@@ -278,7 +278,7 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     rows = {"free rocking": [asdict(row("pymunk", "free rocking", "coarse", 1e-4, 0.001))], "one sine pulse": []}
     measured = {part.name: Measured(left=tuple(part.tasks)) for part in listed}
     measured["precision"] = Measured(rows=rows, busy_s=2.0, wall_s=1.0)
-    found = assembled(listed, measured)
+    found = assembled(listed, measured, "rockcheck bench")
     assert [item.scene for item in found.rows] == ["free rocking"]
     assert found.seconds == 1.0
     assert any(text.startswith("Not measured yet: coverage") for text in found.sentences)
