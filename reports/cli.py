@@ -150,7 +150,7 @@ def study(
     from harness.records.result_folder import check_folder, named_after
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=not no_witness,
