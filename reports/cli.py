@@ -151,7 +151,7 @@ def study(
     from harness.records.result_folder import check_folder, named_after
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
     cli_record.check_language(language)
     found, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,

@@ -29,6 +29,8 @@ from reports.text.study_rows import conditions
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
 FORMATS: Final = ("png", "svg", "pdf")
+NAMES: Final = {"figure": "histories", "chart": "fragility"}
+"""Names of figures whose pages call them otherwise."""
 POINTS: Final = 2400
 """Most points of a printed curve: more than dots across a page at 300 dpi."""
 
@@ -72,9 +74,9 @@ def _pictures(folder: Path, record: Record, width_px: float, model: str | None) 
     values = import_module(PAGES[record.kind]).context(folder, record)
     for name, words, figure in values.get("charts") or ():
         yield name, titled(picture_of(figure, width_px, POINTS), words)
-    for name in ("figure", "chart"):
-        if values.get(name):
-            yield {"figure": "histories", "chart": "fragility"}[name], picture_of(values[name], width_px, POINTS)
+    for name, value in values.items():
+        if isinstance(value, dict) and {"data", "layout"} <= value.keys():
+            yield NAMES.get(name, name), picture_of(value, width_px, POINTS)
     if isinstance(record, StudyRecord):
         yield from _study_pictures(record, width_px, model)
 
