@@ -18,8 +18,6 @@ from reports.drawing.shapes import Picture, Shape, Text, moved
 
 Json = dict[str, Any]
 
-WIDTH_MM: Final = 279.4
-"""A sheet's width: eleven inches, on which three histories and two charts beside them can be read."""
 ACROSS: Final = (770, 517)
 """Width in pixels of the histories, and of the charts beside them."""
 HEADS_PX: Final = 64
