@@ -122,11 +122,11 @@ def assess(
     from harness.records.result_folder import named_after
 
     folder = out or OUT / f"{named_after(scene)}-assess"
-    found = assess_cli.run(
+    record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
     )  # fmt: skip
-    say_result(plain(found), summary(found), folder, saying)
+    say_result(plain(record), summary(record), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -148,12 +148,12 @@ def study(
 
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
-    found, summary = study_cli.run(
+    record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent
     )
-    usage = found.get("usage")
+    usage = record.get("usage")
     lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
-    say_result(found, "\n".join(lines), folder, saying)
+    say_result(record, "\n".join(lines), folder, saying)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
@@ -195,7 +195,7 @@ def validate(
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
         say_result(as_file(measured), "", folder, saying)
         return
-    found = run_validation(
+    record = run_validation(
         experiments,
         folder,
         models=engine,
@@ -206,7 +206,7 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    say_result(found, "", folder, saying)
+    say_result(record, "", folder, saying)
 
 
 cli_bench.add_commands(app)

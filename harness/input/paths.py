@@ -50,14 +50,14 @@ def read_files(content: Mapping[str, Any], source: Path | None) -> list[Path]:
     """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
     if source is None:
         return []
-    found = [source]
+    files = [source]
     for text in _texts(content):
         path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else source.parent / text
         try:
-            found += [path] if path.is_file() else []
+            files += [path] if path.is_file() else []
         except (OSError, ValueError):  # a title is no path
             continue
-    return found
+    return files
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -66,7 +66,7 @@ def resolve(
     """
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    base_excitation = _shake(model, path, mistakes, notes)
+    base_excitation = _base_excitation(model, path, mistakes, notes)
     statue = None
     try:
         statue = _statue_once(model.statue, path, notes, statues)
@@ -123,7 +123,7 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
+def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
     excitations: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
     for axis in excitations:
         motion = motions.SceneMotion.of(model, axis, path)

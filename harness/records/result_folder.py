@@ -93,17 +93,17 @@ def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> 
             raise InputError(Mistake("--out", "", "another folder than its input's", f"{path} would be lost"))
 
 
-def check_listed(path: Path, account: Path) -> None:
-    """Raise `InputError` unless a file, and the account beside it that lists it, are not there yet or as they were written."""
-    if not os.path.lexists(path) and not os.path.lexists(account):
+def check_listed(path: Path, record: Path) -> None:
+    """Raise `InputError` unless a file, and the record beside it that lists it, are not there yet or as they were written."""
+    if not os.path.lexists(path) and not os.path.lexists(record):
         return
     try:
-        files = json.loads(account.read_text(encoding="utf-8"))["files"]
+        files = json.loads(record.read_text(encoding="utf-8"))["files"]
         mine = files == listing([path], pages=False) and not path.is_symlink()
     except (OSError, ValueError, KeyError, TypeError):
         mine = False
     if not mine:
-        got = f"{path}, which {account.name} does not list as it is"
+        got = f"{path}, which {record.name} does not list as it is"
         raise InputError(Mistake("--out", "", "a new file, or one that this command wrote", got, "give another name"))
 
 

@@ -105,9 +105,9 @@ def _base_scene(trial: Trial) -> Scene:
     """The scene of a test before its body is turned: what its scene file says, or its mesh alone on the floor."""
     if trial.scene is not None:
         scene = load.load_scene(trial.scene)
-        base_excitation = scene.base_excitation if trial.motion is None else _shake(trial)
+        base_excitation = scene.base_excitation if trial.motion is None else _base_excitation(trial)
     else:
-        base_excitation = _shake(trial)
+        base_excitation = _base_excitation(trial)
         statue = _turned(trial, 0.0, 0.0)
         scene = Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), base_excitation)
     if trial.duration_s is not None:
@@ -169,7 +169,7 @@ def _solid(path: Path, unit: str, up: str, density_kg_m3: float) -> meshes.Solid
         raise InputError(Mistake(str(path), "", "a mesh that can be computed", str(error))) from error
 
 
-def _shake(trial: Trial) -> BaseExcitation:
+def _base_excitation(trial: Trial) -> BaseExcitation:
     if trial.motion is None:
         raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
     x = _component(trial.motion, trial.column, trial.motion_unit, trial.sign, trial.scale)
