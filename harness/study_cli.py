@@ -28,6 +28,7 @@ from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import study_record
 from harness.studies.study_run import Beside, Summary, run_study, study_name
+from harness.studies.witnessed import witness_study
 
 
 def run(
@@ -42,12 +43,13 @@ def run(
     quiet: bool = False,
     pool: Pool | None = None,
     beside: Beside | None = None,
+    witness: bool = True,
 ) -> tuple[dict[str, Any], Summary | EffectsSummary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
-    `beside` are tasks to run with it. Raises `InputError` for a wrong study, a store that cannot be used, or `resume` where
-    there is nothing to go on with.
+    `beside` are tasks to run with it; `witness` holds a tenth of its scenes against engines as they come. Raises `InputError`
+    for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     with ExitStack() as stack:
         if effects3d.asked(path):
@@ -64,7 +66,7 @@ def run(
             on_progress = stack.enter_context(progress(path.stem, quiet))
             effects = effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
             return as_file(effects), effects.summary
-        return _run(study, path, folder, pool, export, large, quiet, beside)
+        return _run(study, path, folder, pool, export, large, quiet, beside, witness)
 
 
 def _run(
@@ -76,6 +78,7 @@ def _run(
     large: bool,
     quiet: bool,
     beside: Beside | None,
+    witness: bool,
 ) -> tuple[dict[str, Any], Summary]:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
@@ -85,7 +88,8 @@ def _run(
     size = estimate.sentence(study, scene, pool.workers)
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
         summary = run_study(study, path, store, pool, on_progress, beside)
-        plain = study_record(study, path, store, summary, time.perf_counter() - start)
+        seen = witness_study(study, path, store, pool, on_progress) if witness else None
+        plain = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)

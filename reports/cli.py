@@ -140,6 +140,9 @@ def study(
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
+    no_witness: Annotated[
+        bool, typer.Option("--no-witness", help="Hold no tenth of the scenes against engines as they come.")
+    ] = False,
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
@@ -149,10 +152,11 @@ def study(
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
     record, summary = study_cli.run(
-        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent
-    )
-    usage = record.get("usage")
-    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
+        witness=not no_witness,
+    )  # fmt: skip
+    said = [record[name]["sentence"] for name in ("usage", "witness") if record.get(name)]
+    lines = [f"{study_file.name}: {summary}", *said]
     say_result(record, "\n".join(lines), folder, saying)
     raise typer.Exit(FAILED if summary.failed else OK)
 

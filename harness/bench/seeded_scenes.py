@@ -17,6 +17,12 @@ TIPPING_S: Final = 2.0
 """A statue that tips with its pedestal has fallen, or come to rest, by then."""
 _WIDE: Final = 17
 """Keeps the seeds of wide scenes apart from those of the others."""
+_RARE: Final = 1
+"""Keeps the draws of what few wide scenes have apart from those that all of them make."""
+_TIPPING_SHARE: Final = 1.0 / 6.0
+_SPATIAL_SHARE: Final = 0.25
+_MOST_UP: Final = 0.5
+"""More than half of gravity upwards and downwards is a question of flight, not of rocking."""
 
 
 def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
@@ -42,10 +48,12 @@ def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
 def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     """A reproducible scene wider than `random_scene`: sizes 0.1 to 5 m, slenderness 1 to 12 (one in five below 2), any friction.
 
-    Pedestals of 0.05 to 3 statues' mass, half of them with one coefficient of friction; motions by the statue's own
-    frequency, records along all three axes; a statue that may slip on its support. Not all stay in the model's domain.
+    Pedestals of 0.05 to 3 statues' mass, half of them with one coefficient of friction, one in six so tall and narrow that it may
+    tip; motions by the statue's own frequency, records (and a quarter of the others) along all three axes; a statue that may
+    slip on its support. Not all stay in the model's domain.
     """
     rng = np.random.default_rng([seed, _WIDE])
+    rare = np.random.default_rng([seed, _WIDE, _RARE])
     height = 0.5 * _log_uniform(rng, 0.1, 5.0)
     slenderness = _log_uniform(rng, 1.0, 2.0) if rng.random() < 0.2 else _log_uniform(rng, 2.0, 12.0)
     base = 2.0 * height / slenderness
@@ -57,6 +65,8 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     pedestal = None
     if rng.random() < 0.6:
         width, tall = base * float(rng.uniform(1.1, 2.5)), height * float(rng.uniform(0.1, 0.5))
+        if rare.random() < _TIPPING_SHARE:
+            width, tall = base * float(rare.uniform(0.9, 1.3)), height * float(rare.uniform(0.6, 2.0))
         pedestal = Pedestal(mass * _log_uniform(rng, 0.05, 3.0), width, 1.2 * depth, tall)
     kinetic = _log_uniform(rng, 0.05, 1.0)
     static = kinetic if rng.random() < 0.5 else kinetic * float(rng.uniform(1.0, 1.4))
@@ -64,6 +74,11 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
     own_rad_s = math.sqrt(mass * GRAVITY_M_S2 * math.hypot(height, 0.5 * base) / (inertia + mass * height**2))
     peak = GRAVITY_M_S2 * min(left, right) / height * float(rng.uniform(1.05, 3.0))
     excitation = _wide_motion(rng, peak, own_rad_s * _log_uniform(rng, 1.0, 8.0) / (2.0 * math.pi))
+    if rare.random() < _SPATIAL_SHARE and excitation.y.peak_m_s2 == 0.0:
+        across, up = (float(share) for share in rare.uniform(0.2, 0.6, 2))
+        along = excitation.x
+        upwards = min(up, _MOST_UP * GRAVITY_M_S2 / along.peak_m_s2)
+        excitation = BaseExcitation(along, along.scaled(across), along.scaled(upwards))
     return _scene(f"wide seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, on_support), excitation)
 
 
@@ -146,8 +161,7 @@ def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float
     if kind == 1:
         return BaseExcitation(x=Pulse("one_sine", peak_m_s2, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.3))))
     axes = [_noise(rng, share * peak_m_s2, frequency_hz) for share in (1.0, *rng.uniform(0.2, 0.6, 2))]
-    # More than half of gravity upwards and downwards is a question of flight, not of rocking.
-    axes[2] = axes[2].scaled(min(1.0, 0.5 * GRAVITY_M_S2 / axes[2].peak_m_s2))
+    axes[2] = axes[2].scaled(min(1.0, _MOST_UP * GRAVITY_M_S2 / axes[2].peak_m_s2))
     return BaseExcitation(*axes)
 
 

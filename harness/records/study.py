@@ -108,6 +108,28 @@ class RecheckRecord:
     sentence: str
 
 
+@dataclass(frozen=True, kw_only=True)
+class WitnessCount:
+    """Of how many scenes a plain engine confirms the engine beside it, differs by convention, differs, or says nothing."""
+
+    confirmed: int
+    by_convention: int
+    differ: int
+    silent: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyWitness:
+    """What engines as they come say of a seeded tenth of the scenes: `scenes` of so many, by plain engine; where they differ."""
+
+    scenes: int
+    of: int
+    counts: Mapping[str, WitnessCount]
+    differing: Sequence[str]
+    sentence: str
+    seconds: float
+
+
 @dataclass(frozen=True)
 class ClaimVerdict:
     """One claim by one model: the verdict, its number and what the number counts."""
@@ -165,6 +187,7 @@ class StudyRecord(Record, Shown):
     engine_seconds: Mapping[str, float]
     scores: Mapping[str, SetScores] | None = field(default=None, metadata=OMITTED)
     audit: RecheckRecord | None
+    witness: StudyWitness | None = field(default=None, metadata=OMITTED)
     versions: Mapping[str, str]
     machine: Table
     claims: Sequence[ClaimVerdict] | None = field(default=None, metadata=OMITTED)

@@ -98,11 +98,11 @@ def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
         at = parts_s
-        convention, convention_s = _convention(scene, run, at)
+        choice, choice_s = convention(scene, run, at)
         fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
         other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
         apart = evidence.largest_difference_rad
-        return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
+        return Judged(False, at, apart, at, choice, choice_s, other if choice else "")
     apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 
@@ -116,7 +116,7 @@ def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
     return f"of the rocking plane alone: {' and '.join(unlike)} got another part of the floor's motion"
 
 
-def _convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
+def convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
     """The choice between conventions that decided what followed, if one came before the two parted, and when."""
     choices = [t_s for t_s in run.validity.get("several_joint_states_s", ()) if t_s <= parts_s]
     slides = [item.start_s for item in run.patterns if item.name in ("sliding", "both") and item.start_s <= parts_s]

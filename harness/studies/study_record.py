@@ -18,7 +18,7 @@ from harness.model.scene import Scene
 from harness.records.base import as_file
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
-from harness.records.study import CaseRun, Curve, Panel, StudyRecord, StudySummary, UsageRecord
+from harness.records.study import CaseRun, Curve, Panel, StudyRecord, StudySummary, StudyWitness, UsageRecord
 from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
@@ -35,7 +35,9 @@ SHOWN: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impa
 """What is kept of each run."""
 
 
-def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float) -> dict[str, Any]:
+def study_record(
+    study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float, witness: StudyWitness | None = None
+) -> dict[str, Any]:
     """Everything that the page of a study holds, as plain values."""
     base = base_of(study, path)
     scene = base.scene({})
@@ -55,6 +57,7 @@ def study_record(study: StudyFile, path: Path, store: Store, summary: Summary, s
         engine_seconds=_seconds(rows, store),
         scores=score_sets(rows, history=store.history),
         audit=recheck(study, rows),
+        witness=witness,
         versions=record.versions(),
         machine=record.machine(),
         claims=verdicts if paper else None,

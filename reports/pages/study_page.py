@@ -65,6 +65,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record.summary.sentence,
         "audit": record.audit,
+        "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
         "warnings": study_warnings(record.rows),
         "notes": record.notes,

@@ -14,6 +14,7 @@ from harness.records.bench import PartRow, ScalingRow
 from harness.records.kinds import read_result
 from harness.records.scores import Interval
 from harness.records.stress import Cell
+from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
@@ -30,6 +31,20 @@ from tests.reports.pages.test_run_page import without_data
 
 def shown(folder: Path) -> str:
     return without_data(write_report(folder).read_text(encoding="utf-8"))
+
+
+def test_a_study_says_what_engines_as_they_come_confirm(tmp_path: Path) -> None:
+    folder = invented_study.write_map_study(tmp_path)
+    assert 'id="witness"' not in shown(folder)
+    counts = {"pymunk:plain": WitnessCount(confirmed=8, by_convention=0, differ=1, silent=0)}
+    said = "Case 7: pymunk as it comes does not confirm pymunk from 1.2 s on."
+    seen = StudyWitness(
+        scenes=9, of=90, counts=counts, differing=[said], sentence="9 of 90 scenes were held.", seconds=1.0
+    )
+    write_json(folder / "result.json", as_file(replace(invented_study.study(folder), witness=seen)))
+    html = shown(folder)
+    assert "9 of 90 scenes were held." in html
+    assert said in html
 
 
 def test_every_claim_and_model_has_its_computed_verdict(tmp_path: Path) -> None:
