@@ -147,7 +147,9 @@ def study(
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
+    from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
     check_folder(folder, ("study", "effects3d"))
@@ -155,9 +157,9 @@ def study(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=not no_witness,
     )  # fmt: skip
-    said = [record[name]["sentence"] for name in ("usage", "witness") if record.get(name)]
-    lines = [f"{study_file.name}: {summary}", *said]
-    say_result(record, "\n".join(lines), folder, saying)
+    said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
+    lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    say_result(as_file(record), "\n".join(lines), folder, saying)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 

@@ -20,6 +20,7 @@ from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
 from harness.records.base import part
 from harness.records.run import EngineRunRecord
+from harness.records.study import Value
 
 STORE_NAME: Final = "store.sqlite"
 STORE_VERSION: Final = 4
@@ -67,6 +68,18 @@ class Row:
 
     key: str
     record: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class PlannedRow:
+    """One case of a study by one engine: what varies, and the stored record of its run, where there is one."""
+
+    number: int
+    engine: str
+    key: str | None
+    reason: str
+    varied: dict[str, Value]
+    run: Mapping[str, Any] | None
 
 
 @dataclass(frozen=True)
@@ -242,8 +255,8 @@ class Store:
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
 
-    def rows(self, study: str) -> Iterator[dict[str, Any]]:
-        """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
+    def rows(self, study: str) -> Iterator[PlannedRow]:
+        """All planned cases of a study in order."""
         with self._naming_damage("read"):
             query = (
                 "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, "
@@ -254,8 +267,7 @@ class Store:
                 run = None if result[0] is None else self._decoded_record(key, *result)
                 with self._decoded():
                     varied = dict(json.loads(what))
-                row = {"number": number, "engine": engine, "key": key, "reason": reason, "varied": varied}
-                yield {**row, "run": run}
+                yield PlannedRow(number, engine, key, reason, varied, run)
 
     def check(self) -> str | None:
         """What SQLite says of the file's integrity: None when whole, else its first finding."""

@@ -48,6 +48,10 @@ class Record:
     kind: str
     title: str
 
+    def plain(self) -> dict[str, Any]:
+        """The record as plain JSON values in the order of its fields."""
+        return plain(self)
+
 
 def plain(record: Any) -> dict[str, Any]:
     """A record, or a part of one, as plain JSON values in the order of its fields."""
@@ -57,7 +61,7 @@ def plain(record: Any) -> dict[str, Any]:
 
 def as_file(record: Record) -> dict[str, Any]:
     """A record as it stands in a `result.json`, which names its JSON Schema."""
-    return {"$schema": schema_name(record.kind), **plain(record)}
+    return {"$schema": schema_name(record.kind), **record.plain()}
 
 
 def schema_name(kind: str) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.model.shown import Shown, new_axes
-from harness.records.base import Record, Table
+from harness.records.base import Record, Table, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
 
@@ -59,6 +59,10 @@ class StudyRow:
     def model(self) -> str:
         """Engine and variant."""
         return f"{self.engine} ({self.varied['variant']})"
+
+
+ROW: Final = tuple(item.name for item in fields(StudyRow))
+"""The keys of a row, its run the last."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +200,17 @@ class StudyRecord(Record, Shown):
     rows: Sequence[StudyRow]
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
+
+    def plain(self) -> dict[str, Any]:
+        """The record as plain JSON values.
+
+        There may be a million rows: what came from a store is plain already, and is not looked at value by value.
+        """
+        rows = [
+            {name: getattr(row, name) for name in ROW[:-1]} | {"run": None if row.run is None else vars(row.run)}
+            for row in self.rows
+        ]
+        return plain(replace(self, rows=())) | {"rows": rows}
 
     def facts(self) -> dict[str, str]:
         """Title, what varies, how many runs, how many of them overturn, by model."""

@@ -104,9 +104,9 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     """By the first case of each distinct scene that an engine with a plain one has answered: keys of its results by engine."""
     by_number: dict[int, dict[str, str]] = {}
     for row in store.rows(study_name(study)):
-        judged = row["engine"] == JUDGED or row["engine"] + PLAIN in engines.REGISTRY
-        if judged and row["run"] is not None and row["run"]["reliable_until_s"] != 0.0:
-            by_number.setdefault(row["number"], {})[row["engine"]] = row["key"]
+        judged = row.engine == JUDGED or row.engine + PLAIN in engines.REGISTRY
+        if judged and row.key is not None and row.run is not None and row.run["reliable_until_s"] != 0.0:
+            by_number.setdefault(row.number, {})[row.engine] = row.key
     scenes = {
         tuple(sorted(keys.items())): number for number, keys in reversed(by_number.items()) if plain_names(list(keys))
     }
