@@ -163,11 +163,8 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
             log = log.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
         return Prepared(mesh.moved(mesh.vertices @ rotation.T), log, rotation)
     orientation = find_orientation(mesh)
-    tilt = (
-        f"tilted by {np.rad2deg(orientation.tilt_rad):.2f}° to level {orientation.why}"
-        if orientation.tilt_rad
-        else orientation.why
-    )
+    tilt_deg, why = np.rad2deg(orientation.tilt_rad), orientation.why
+    tilt = f"tilted by {tilt_deg:.2f}° to level {why}" if tilt_deg else why
     what = tilt if orientation.axis == "z" else f"{orientation.axis} of the file turned to z, {tilt}"
     if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
         log = log.and_changed(Change("up axis", what, 1))
@@ -299,6 +296,5 @@ def _crossings(mesh: RawMesh, log: ProcessingLog, limits: Limits) -> ProcessingL
             " (Voxel Remesh)",
             place=mesh.source,
         )
-    if pairs.faces:
-        return log.and_found(f"{among} looked at pass through another one ({100 * pairs.share:.3f} %)")
-    return log
+    text = f"{among} looked at pass through another one ({100 * pairs.share:.3f} %)"
+    return log.and_found(text) if pairs.faces else log

@@ -85,8 +85,9 @@ def run(
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    more = {"assess": not no_assess, "witness": not no_witness}
-    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
+    result = harness_cli.compute(
+        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=not no_witness
+    )
     write_result(result, folder)
     say_result(plain(result.record()), harness_cli.summary(result), folder, saying)
     # An engine that nobody named and that has no wheels here is said, and no failure.
@@ -175,7 +176,7 @@ def validate(
             "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
         ),
     ] = None,
-    samples: Annotated[int, typer.Option("--samples", help="Perturbed runs of each test, for probabilities.")] = 0,
+    samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
     fit_share: Annotated[
         str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
     ] = "fit",
@@ -192,7 +193,8 @@ def validate(
     from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
     from harness.validation.toss_run import body_of_tosses, validate_tosses
-    from harness.validation.validation_run import validate as run_validation
+    from harness.validation.validation_run import run_validation
+    from harness.validation.words import summary
 
     folder = out or OUT / named_after(experiments)
     check_folder(folder, ("validation", "tosses"))
@@ -212,7 +214,7 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    say_result(record, "", folder, saying)
+    say_result(as_file(record), summary(record), folder, saying)
 
 
 cli_bench.add_commands(app)

@@ -9,7 +9,8 @@ from itertools import groupby
 from typing import Any
 
 from harness.campaign.runner import Crash, Pool
-from harness.campaign.store import Packed, Store, packed
+from harness.campaign.serialization import Packed, packed
+from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
 

@@ -11,11 +11,11 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import write_json
-from harness.records.base import Record, as_file
+from harness.records.base import Plain, Record, Table, as_file
 
 RECORD: Final = "result.json"
 COMING: Final = ".coming.json"
@@ -126,7 +126,7 @@ def owned(folder: Path) -> Sums:
     return sums
 
 
-def _of_old(record: Mapping[str, Any]) -> dict[str, str | None]:
+def _of_old(record: Table) -> dict[str, str | None]:
     """The files of a record that was written before records listed them."""
     histories = record.get("histories")
     names = [f"history_{name}.csv" for name in histories] if isinstance(histories, list) else []
@@ -146,7 +146,7 @@ def as_written(path: Path, sums: Sums) -> bool:
     return None in known or checksum(path) in known
 
 
-def read_own(path: Path) -> dict[str, Any] | None:
+def read_own(path: Path) -> Plain | None:
     """A record that rockcheck wrote, None where there is none."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))

@@ -50,7 +50,7 @@ def _values(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], key: s
         return {variant.set[key]}
     for item in study.vary:
         if key in item.also:
-            return {item.also[key] * row.varied[item.key] for row in rows}
+            return {item.also[key] * float(row.varied[item.key]) for row in rows}
     return {row.varied[key] for row in rows if key in row.varied}
 
 
