@@ -22,8 +22,9 @@ from harness.model.errors import InputError, Mistake
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord, EffectsSummary
 from harness.records.result_folder import RECORD, checksum, read_own
+from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumSummary
 from harness.records.study import ExportRecord, StudyRecord
-from harness.studies import estimate
+from harness.studies import estimate, rocking_spectrum
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
@@ -45,7 +46,7 @@ def run(
     pool: Pool | None = None,
     beside: Beside | None = None,
     witness: bool = True,
-) -> tuple[StudyRecord | EffectsRecord, Summary | EffectsSummary]:
+) -> tuple[StudyRecord | EffectsRecord | RockingSpectrumRecord, Summary | EffectsSummary | SpectrumSummary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
@@ -53,6 +54,11 @@ def run(
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     with ExitStack() as stack:
+        if rocking_spectrum.asked(path):
+            _check_spectrum(export, jobs, resume, dask)
+            on_progress = stack.enter_context(progress(path.stem, quiet))
+            spectrum = rocking_spectrum.run_spectrum(path, folder, jobs, on_progress)
+            return spectrum, spectrum.summary
         if effects3d.asked(path):
             _check_effects(export, jobs)
             study = None
@@ -103,6 +109,15 @@ def _check_effects(export: Path | None, jobs: int | None) -> None:
     """A study of what the third dimension changes has its own kind of record, its answers in a file of their own."""
     if export is not None:
         raise InputError(Mistake("--export", "", "a study of cases", "one of the third dimension: see its result.json"))
+    _check_jobs(jobs)
+
+
+def _check_spectrum(export: Path | None, jobs: int | None, resume: bool, dask: str | None) -> None:
+    """A rocking spectrum is one sweep for each motion in this process: it keeps no store, and writes its map itself."""
+    for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
+        if given:
+            wanted = f"a study of cases: a rocking spectrum is computed at once, its map is {rocking_spectrum.MAP_NAME}"
+            raise InputError(Mistake(name, "", wanted, str(given)))
     _check_jobs(jobs)
 
 

@@ -153,7 +153,7 @@ def study(
     from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
     record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=not no_witness,

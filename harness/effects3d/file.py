@@ -10,8 +10,7 @@ from pydantic import Field, model_validator
 from harness.effects3d.conditions import BASELINE, CONDITIONS
 from harness.effects3d.search import Search
 from harness.input.mistakes import Contradiction
-from harness.input.tables import Table, read, read_model, toml_table
-from harness.model.errors import InputError
+from harness.input.tables import Table, kind_of, read_model
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
@@ -70,12 +69,8 @@ class EffectsFile(Table):
 
 
 def asked(path: Path) -> bool:
-    """Whether a study file is one of this kind; a file that cannot be read is left to whoever reads it whole."""
-    try:
-        content = toml_table(read(path), str(path))
-    except InputError:
-        return False
-    return content.get("kind") == KIND
+    """Whether a study file is one of this kind."""
+    return kind_of(path) == KIND
 
 
 def load_effects(path: Path) -> EffectsFile:

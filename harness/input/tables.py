@@ -264,6 +264,14 @@ def read_model(kind: type[M], path: Path) -> M:
         raise InputError(mistakes_of(error, kind, str(path), text)) from error
 
 
+def kind_of(path: Path) -> JsonValue:
+    """The kind that a TOML file names; None for one that cannot be read, which is left to whoever reads it whole."""
+    try:
+        return toml_table(read(path), str(path)).get("kind")
+    except InputError:
+        return None
+
+
 def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
     """Without a mesh the five numbers of the planar model are all needed."""
     if not isinstance(statue, Mapping) or "mesh" in statue:

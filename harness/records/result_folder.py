@@ -22,7 +22,9 @@ COMING: Final = ".coming.json"
 """The record of a result while its files are moved into place: until then the files of both are the folder's own."""
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: listed without a checksum."""
-KINDS: Final = ("run", "assess", "study", "effects3d", "bench", "stress", "validation", "tosses", "compare")
+KINDS: Final = (
+    "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare"
+)  # fmt: skip
 UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "searches.jsonl", "parts", "replay")
 """What stands in a folder before its first record is whole, and"""
 INSPECTED: Final = ("motion.png", "motion.json")
