@@ -66,8 +66,8 @@ def panel_data(panels: Sequence[Panel]) -> Json:
 def panel_groups(panels: Sequence[Panel] | None) -> list[list[Mapping[str, Any]]]:
     """The panels of each restitution, as plain values."""
     groups: dict[float, list[Mapping[str, Any]]] = {}
-    for panel in map(plain, panels or ()):
-        groups.setdefault(panel["restitution"], []).append(panel)
+    for panel in panels or ():
+        groups.setdefault(panel.restitution, []).append(plain(panel))
     return list(groups.values())
 
 

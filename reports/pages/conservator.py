@@ -161,7 +161,7 @@ def _trust(source: RunSource, say: Language) -> list[str]:
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and slip at the farthest shifts of the top to the left and to the right, over the models in which it stands."""
-    shape, found = section(source.scene), []
+    shape, extremes = section(source.scene), []
     for side in (-1.0, 1.0):
         best: tuple[float, float, float] | None = None
         for name in _standing(source):
@@ -171,8 +171,8 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
             if best is None or moved[k] > best[0]:
                 best = (float(moved[k]), float(history.theta_rad[k]), float(history.slip_m[k]))
         if best is not None and best[0] > VISIBLE_M:
-            found.append(best[1:])
-    return found
+            extremes.append(best[1:])
+    return extremes
 
 
 def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Picture:

@@ -38,7 +38,7 @@ class Support:
 
     def situations(self, say: Language = ENGLISH) -> list[tuple[str, float | None, float]]:
         """Words for what varies, friction on the floor (None without a pedestal) and under the statue, at the ends of both."""
-        found = []
+        listed = []
         for stone in self.pedestal:
             for floor in dict.fromkeys(self.floor or ()) if stone else (None,):
                 for statue in dict.fromkeys(self.statue):
@@ -47,16 +47,16 @@ class Support:
                         said.append(say("order.floor_friction", push=say.percent(floor)))
                     if self.statue[0] < self.statue[1]:
                         said.append(say("order.statue_friction", push=say.percent(statue)))
-                    found.append((say.listed(said) if said else "", floor, statue))
-        return found
+                    listed.append((say.listed(said) if said else "", floor, statue))
+        return listed
 
     def slips(self) -> list[tuple[float, str]]:
         """The pushes from which something slides, and what, from weak to strong."""
-        found = {
+        frictions = {
             (statue, "statue") if floor is None or statue < floor else (floor, "pedestal")
             for _, floor, statue in self.situations()
         }
-        return sorted(found)
+        return sorted(frictions)
 
 
 def support_of(scene: SceneRecord) -> Support:
@@ -133,25 +133,25 @@ def levels(scene: SceneRecord, support: Support, say: Language = ENGLISH) -> lis
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
     statue, h = scene.statue, scene.statue.centroid_height_m
     left, right = statue.corner_left_m / h, statue.corner_right_m / h
-    found = [
+    pushes = [
         Level(say("order.tips", side=say(f"side.{side}")), push, "statue_tips")
         for side, push in (("left", left), ("right", right))
     ]
     least, azimuths = weakest_pushes(bearing(scene))
     if least < (1.0 - EQUAL) * min(left, right):
-        found.append(Level(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
+        pushes.append(Level(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
     for friction in dict.fromkeys(support.floor or ()):
         words = _end(say("order.pedestal_slides"), friction, support.floor, say)
-        found.append(Level(words, friction, "pedestal_slides"))
-    most = max(level.push for level in found)
+        pushes.append(Level(words, friction, "pedestal_slides"))
+    most = max(level.push for level in pushes)
     for side, push in pedestal_tips(scene, support).items():
         if push < most:
-            found.append(Level(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
+            pushes.append(Level(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
     for friction in dict.fromkeys(support.statue):
         if friction < most:
             words = _end(say("order.statue_slides"), friction, support.statue, say)
-            found.append(Level(words, friction, "statue_slides"))
-    return sorted(found, key=lambda level: level.push)
+            pushes.append(Level(words, friction, "statue_slides"))
+    return sorted(pushes, key=lambda level: level.push)
 
 
 def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
