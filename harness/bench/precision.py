@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 4.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
-TURNS: Final = 15
+REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 
 
@@ -118,7 +118,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     ]
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
-    spent = iter(costs(works, repeats=TURNS))
+    spent = iter(costs(works, repeats=REPEATS))
     for settings, run in tried:
         row = replace(base, label=_label(settings), dt_s=settings.dt_s)
         if isinstance(run, str) or judge is None:
@@ -166,12 +166,13 @@ def _chosen(row: PrecisionRow, run: Run | str, judge: Run, spent: Cost | None) -
         run = "it goes on to the very level by which errors are judged here"
     if isinstance(run, str) or spent is None:
         return replace(row, failed=str(run))
-    until_s = run.reliable_until_s
-    error = error_rad(run, judge, run.end_s if until_s is None else until_s)
+    error = error_rad(run, judge, run.bounded_until_s)
     row = _costing(_with(row, run, error), spent, run.end_s)
     label = f"{row.label}: {run.work.get('runs', 1)} runs, the finest {_label(run.settings)}"
     steps = run.work.get("steps_of_all_runs", run.steps)
-    return replace(row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=until_s, steps=steps)
+    return replace(
+        row, label=label, dt_s=run.settings["dt_s"], chosen=True, reliable_until_s=run.reliable_until_s, steps=steps
+    )
 
 
 def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[PrecisionRow]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import reliable_until_s, statement, truth_of
+from harness.bench.coverage import statement, truth_of
 from harness.bench.pages import renew, table
 from harness.bench.seeded_scenes import GENERATORS
 from harness.campaign.parts import source
@@ -74,7 +74,7 @@ def row_of(generator: str, seed: int) -> SceneRow:
         return truth_of(engines.load(run.engine), scene, run, until_s, FINEST_S)
 
     stated = {name: simulate(scene, name) for name in names}
-    statements = {name: statement(run, truth(run, reliable_until_s(run))) for name, run in stated.items()}
+    statements = {name: statement(run, truth(run, run.bounded_until_s)) for name, run in stated.items()}
     result = run_scene(scene, names)
     known = result.horizons.get("analytic")
     pairs = {}
@@ -82,7 +82,7 @@ def row_of(generator: str, seed: int) -> SceneRow:
         refuted = None
         if scores.verdict is Verdict.MODEL:
             both = [result.runs[name] for name in (scores.a, scores.b)]
-            until_s = min(reliable_until_s(run) for run in both)
+            until_s = min(run.bounded_until_s for run in both)
             one, other = (replace(run, history=truth(run, until_s).history) for run in both)
             horizons_s = [known.intrinsic_s if known and run.engine == "analytic" else None for run in both]
             again = compare(one, other, scene=scene, horizons_s=(horizons_s[0], horizons_s[1]))

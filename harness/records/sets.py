@@ -46,6 +46,27 @@ class DistributionScores:
     area_null: float
 
 
+@dataclass(frozen=True)
+class ReliabilityBin:
+    """Cases whose probability of falling lies from `low` to `high`: its mean, and the share that fell with Wilson's interval.
+
+    From `band_low` to `band_high` that share lies in 95 of 100 such sets where the probabilities are true.
+    """
+
+    low: float
+    high: float
+    cases: int
+    mean: float
+    fell: Interval
+    band_low: float
+    band_high: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the share that fell lies within the band."""
+        return self.band_low <= self.fell.value <= self.band_high
+
+
 @dataclass(frozen=True, kw_only=True)
 class SetScores:
     """One model against a reference over the cases that both answered.

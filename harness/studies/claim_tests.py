@@ -10,7 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.records.study import Value
+from harness.model.history import Outcome
+from harness.records.study import CaseRun, Value
 
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
@@ -69,21 +70,19 @@ class Answer:
         return self.but(SUPPORT)
 
 
-def answer(row: Mapping[str, Any]) -> Answer:
+def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
     """A row of a study as the tests of claims read it."""
-    run = row["run"]
-    overturned = str(run["outcome"]).startswith("overturned")
-    no_return = run["no_return_time_s"] if overturned else None
+    no_return_s = run.no_return_time_s if run.outcome.overturned else None
     return Answer(
-        varied={key: value for key, value in row["varied"].items() if key != "variant"},
-        peak_rad=abs(float(run["peak_theta_rad"])),
-        overturned=overturned,
-        stands=run["outcome"] == "stands",
-        no_return_s=math.inf if no_return is None else float(no_return),
-        slip_m=float(run["peak_slip_m"]),
-        end_s=float(run.get("end_s") or 0.0),
-        last_impact_s=float(run.get("last_impact_s") or 0.0),
-        impact_loss_j=run.get("impact_loss_j"),
+        varied={key: value for key, value in varied.items() if key != "variant"},
+        peak_rad=abs(run.peak_theta_rad),
+        overturned=run.outcome.overturned,
+        stands=run.outcome is Outcome.STANDS,
+        no_return_s=math.inf if no_return_s is None else no_return_s,
+        slip_m=run.peak_slip_m,
+        end_s=run.end_s or 0.0,
+        last_impact_s=run.last_impact_s or 0.0,
+        impact_loss_j=run.impact_loss_j,
     )
 
 

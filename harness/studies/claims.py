@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from harness.engines.contact.impact import IMPOSED_LABEL
-from harness.records.study import ClaimAnswer, ClaimVerdict
+from harness.records.study import ClaimAnswer, ClaimVerdict, StudyRow
 from harness.studies import claim_tests as tests
 from harness.studies.claim_tests import Answer, Test
 
@@ -39,7 +39,7 @@ SETS: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def judge(
-    rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float], float], asked: str = "paper"
+    rows: Iterable[StudyRow], top_displacement_m: Callable[[float], float], asked: str = "paper"
 ) -> list[ClaimVerdict]:
     """The claims of the set `asked` by all models of a study's rows.
 
@@ -51,10 +51,10 @@ def judge(
     models: dict[tuple[str, str], list[Answer]] = {}
     imposed_variants = set()
     for row in rows:
-        if row["run"] is not None and row["run"]["engine"]:
-            variant = str(row["varied"]["variant"])
-            models.setdefault((str(row["engine"]), variant), []).append(tests.answer(row))
-            if IMPOSED_LABEL in row["run"]["labels"]:
+        if row.run is not None:
+            variant = str(row.varied["variant"])
+            models.setdefault((row.engine, variant), []).append(tests.answer(row.run, row.varied))
+            if IMPOSED_LABEL in row.run.labels:
                 imposed_variants.add(variant)
     by_claim = dict(tests.TESTS) | {"vi": partial(tests.wall_limit, top_displacement_m=top_displacement_m)}
     verdicts = []

@@ -316,4 +316,12 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
     assert max(below) > 2.0
     assert {s.contact.floor_static == s.contact.floor_kinetic for s in scenes} == {True, False}
     assert {s.planar for s in scenes} == {True, False}
-    assert len({type(s.base_excitation.x) for s in scenes}) == 3
+    # Every kind of motion along x alone, and along all three axes.
+    moved = {(type(s.base_excitation.x), s.base_excitation.z.peak_m_s2 > 0.0) for s in scenes}
+    assert len({kind for kind, _ in moved}) == 3
+    assert {kind for kind, upwards in moved if upwards} == {kind for kind, _ in moved}
+    friction = [s.contact.floor_kinetic for s in scenes]
+    assert min(friction) < 0.06
+    assert max(friction) > 0.9
+    tall = [s for s in scenes if s.pedestal is not None and s.pedestal.height_m > s.pedestal.width_m]
+    assert len(tall) > 10
