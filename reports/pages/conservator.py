@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from reports.text.giving_way import support_of
 from reports.text.numbers import count_word, digits, length, listed, short
 from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, prediction_s
 
+UNKNOWN: Final = "How probable a fall is was not computed."
+
 
 def context(folder: Path, record: RunRecord) -> dict[str, object]:
     """Everything that the conservator's template shows of a run."""
@@ -33,11 +35,19 @@ def of_run(source: RunSource) -> dict[str, object]:
     answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
     headline, tone = first_line(source.record.assessment, *_headline(source, answered))
     scene, motion = source.scene, source.record.motion
+    unknown = tone == "agree" and not source.record.assessment and bool(motion.accel_m_s2)
     support = support_of(scene)
     return {
         "headline": headline,
-        "tone": tone,
-        "points": [*_who(source.runs, answered), *_lean(source), *_pedestal_slip(source, answered), *_trust(source)],
+        # One run is one draw: a shaking that it stands is no reason for green.
+        "tone": "differ" if unknown else tone,
+        "points": [
+            *([UNKNOWN] if unknown else []),
+            *_who(source.runs, answered),
+            *_lean(source),
+            *_pedestal_slip(source, answered),
+            *_trust(source),
+        ],
         "pictures": [
             reach_picture(source),
             push_picture(scene, support, motion),
