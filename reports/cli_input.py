@@ -230,12 +230,14 @@ def compare(
         slip_uncertainty=slip_uncertainty,
         out=out,
     )
-    lines = [scores_text(pair, scores) for pair, scores in found.items()]
+    lines = [scores_text(pair, scores) for pair, scores in found.pairs.items()]
+    lines += [f"over all scenes, {name}: {scores.sentence}" for name, scores in found.over_all.items()]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    saying.say(to_plain(found), "\n".join(lines))
+    over_all = {"over_all_scenes": found.over_all} if found.over_all else {}
+    saying.say(to_plain(found.pairs | over_all), "\n".join(lines))
 
 
 def figures(
