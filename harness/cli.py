@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
+    from harness.model.options import RunOptions
+    from harness.model.run import Run
     from harness.model.scene import Scene
     from harness.records.scores import Scores
     from harness.records.sets import SetScores
@@ -87,7 +89,9 @@ def compare(
             write_comparison(a, b, scores, out)
         return Compared({f"{a.name}_vs_{b.name}": scores})
     from harness.campaign.task import answer_of
+    from harness.records.study import CaseRun
     from harness.studies.ensembles import score_sets
+    from harness.studies.rows import KeyedRow
 
     if uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
@@ -97,18 +101,17 @@ def compare(
             Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
         )
     by_pair: dict[str, Scores] = {}
-    rows: list[dict[str, Any]] = []
+    rows: list[KeyedRow] = []
     for number, path in enumerate(files):
         result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
         prefix = f"{path.stem}: " if len(files) > 1 else ""
         by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
         for name, run in result.runs.items():
-            rows.append(
-                {"number": number, "varied": {}, "engine": name, "key": None, "run": answer_of(run, False).record}
-            )
+            case = CaseRun.stored(answer_of(run, False).record)
+            rows.append(KeyedRow(number=number, engine=name, reason="", varied={}, run=case, key=None))
     if len(files) == 1:
         return Compared(by_pair)
-    names = [row["engine"] for row in rows]
+    names = [row.engine for row in rows]
     return Compared(by_pair, score_sets(rows, reference="analytic" if "analytic" in names else names[0]))
 
 
@@ -132,9 +135,12 @@ def compute(
     *,
     quiet: bool,
     out: Path | None = None,
-    **more: Any,
+    iso: bool = False,
+    horizon: bool = False,
+    assess: bool = False,
+    witness: bool = False,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work; `more` goes to `run_scene`.
+    """Load and run one scene (see `harness.scene_run.scene_run.run_scene`), telling on stderr what is at work.
 
     Raises `InputError`, also where `out` cannot take the result.
     """
@@ -146,7 +152,7 @@ def compute(
 
     accuracy, dt = target.accuracy, target.dt
     check_target(accuracy, dt)
-    options = wanted(no_skip)
+    options = options_without(no_skip)
     scene = load_scene(scene_file, asked.overrides or ())
     names = asked.engine or DEFAULT_ENGINES
     if out is not None:
@@ -163,23 +169,26 @@ def compute(
             dt_s=dt,
             options=options,
             on_progress=messages.engine,
+            iso=iso,
+            horizon=horizon,
             apart=True,
-            **more,
+            assess=assess,
+            witness=witness,
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[Any], str]:
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[object], str]:
     """The plan of a scene: its steps as plain values, and as text."""
     from harness.engines import DEFAULT_ENGINES, REGISTRY, load
     from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
+    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], options_without(no_skip), REGISTRY)
     return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
 
 
-def wanted(no_skip: Sequence[str] | None) -> Any:
-    """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
+def options_without(no_skip: Sequence[str] | None) -> RunOptions:
+    """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
     from harness.model.options import SKIPS, RunOptions
@@ -226,7 +235,7 @@ def _who_agrees(asked: int, answered: int) -> str:
     return f"one model of {asked} answered" if answered == 1 else f"{answered} of {asked} models answered and agree"
 
 
-def _details(run: Any) -> str:
+def _details(run: Run) -> str:
     if run.outcome.failed:
         return f": {run.message}"
     # An overturned run has no peak of its own: it was ended at the rotation that counts as overturned.

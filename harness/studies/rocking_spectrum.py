@@ -8,23 +8,22 @@ from __future__ import annotations
 
 import csv
 import time
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from analytic import Block, Outcome, ensemble
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
-from harness.input.mistakes import Contradiction, mistakes_of
+from harness.input.mistakes import Contradiction
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec, Source
-from harness.input.tables import Table, read
+from harness.input.tables import Table, kind_of, read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.run import machine, versions
@@ -99,22 +98,13 @@ class Spectrum:
 
 
 def asked(path: Path) -> bool:
-    """Whether a study file is one of this kind; a file that cannot be read is left to whoever reads it whole."""
-    try:
-        return bool(tomllib.loads(read(path)).get("kind") == KIND)
-    except (tomllib.TOMLDecodeError, RecursionError, InputError):
-        return False
+    """Whether a study file is one of this kind."""
+    return kind_of(path) == KIND
 
 
 def load_spectrum(path: Path) -> SpectrumFile:
     """Read and validate a file. Raises `InputError` with every mistake."""
-    text = read(path)
-    try:
-        return SpectrumFile.model_validate(tomllib.loads(text))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
-    except ValidationError as error:
-        raise InputError(mistakes_of(error, SpectrumFile, str(path), text)) from error
+    return read_model(SpectrumFile, path)
 
 
 def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
