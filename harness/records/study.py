@@ -26,10 +26,7 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseRun:
-    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted.
-
-    `impact_loss_j` is the mean energy that an impact costs, in a study that tests the paper's claims.
-    """
+    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
 
     engine: str
     outcome: Outcome
@@ -61,9 +58,8 @@ class CaseRun:
         same: dict[str, Any] = {name: run.get(name) for name in STORED}
         validity = {sys.intern(key): value for key, value in run["validity"].items()}
         warnings = [sys.intern(text) for text in run["warnings"]]
-        last_s = run["impact_times_s"][-1] if run["impact_times_s"] else None
-        same |= {"outcome": Outcome(run["outcome"]), "warnings": warnings, "validity": validity}
-        return cls(**same | {"impacts": impacts(run), "last_impact_s": last_s})
+        own = {"outcome": Outcome(run["outcome"]), "warnings": warnings, "validity": validity, "impacts": impacts(run)}
+        return cls(**same | own)
 
 
 STORED: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")

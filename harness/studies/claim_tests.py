@@ -47,7 +47,7 @@ class Answer:
     no_return_s: float
     slip_m: float
     end_s: float
-    last_impact_s: float
+    last_impact_s: float | None
     impact_loss_j: float | None
 
     @property
@@ -81,7 +81,7 @@ def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
         no_return_s=math.inf if no_return_s is None else no_return_s,
         slip_m=run.peak_slip_m,
         end_s=run.end_s or 0.0,
-        last_impact_s=run.last_impact_s or 0.0,
+        last_impact_s=run.last_impact_s,
         impact_loss_j=run.impact_loss_j,
     )
 
@@ -184,11 +184,16 @@ def only_rocks(answers: Sequence[Answer]) -> tuple[int, int, str]:
 
 def goes_on_rocking(answers: Sequence[Answer]) -> tuple[int, int, str]:
     """(viii): above 3 Hz the statue still strikes its support at the end of the run, and stands."""
-    high = [item for item in answers if item.frequency_hz > LOW_HZ]
-    held = sum(item.stands and item.last_impact_s >= LASTING * item.end_s for item in high)
-    fallen = sum(item.overturned for item in high)
-    ends = f"to the end of {max(item.end_s for item in high):.3g} s" if high else "to the end"
-    return held, len(high), f"above {LOW_HZ:g} Hz {held} of {len(high)} go on rocking {ends}, {fallen} overturn"
+    high = [item for item in answers if item.frequency_hz > LOW_HZ and item.last_impact_s is not None]
+    if not high:
+        return 0, 0, "no history above 3 Hz was kept"
+    held = sum(item.stands and (item.last_impact_s or 0.0) >= LASTING * item.end_s for item in high)
+    fallen, end_s = sum(item.overturned for item in high), max(item.end_s for item in high)
+    return (
+        held,
+        len(high),
+        f"above {LOW_HZ:g} Hz {held} of {len(high)} go on rocking to the end of {end_s:.3g} s, {fallen} overturn",
+    )
 
 
 def reduces(answers: Sequence[Answer]) -> tuple[int, int, str]:

@@ -51,7 +51,7 @@ def judge(
     models: dict[tuple[str, str], list[Answer]] = {}
     imposed_variants = set()
     for row in rows:
-        if row.run is not None:
+        if row.run is not None and not row.run.outcome.failed:
             variant = str(row.varied["variant"])
             models.setdefault((row.engine, variant), []).append(tests.answer(row.run, row.varied))
             if IMPOSED_LABEL in row.run.labels:

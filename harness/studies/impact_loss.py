@@ -17,6 +17,13 @@ RESTS_RAD_S: Final = 5e-3
 """A statue slower than this does not strike: the contact engines' statues tremble about rest at some 1e-3 rad/s."""
 
 
+def last_impact_s(history: History) -> float:
+    """When the statue last struck its support: where θ changes its sign, faster than one that rests; 0 where it never did."""
+    theta, rate = history.theta_rad, history.theta_rate_rad_s
+    strikes = np.flatnonzero((theta[:-1] * theta[1:] < 0.0) & (np.abs(rate[:-1]) >= RESTS_RAD_S))
+    return float(history.t_s[strikes[-1]]) if strikes.size else 0.0
+
+
 def energy_lost_j(history: History, pivot_inertia_kg_m2: Mapping[int, float]) -> NDArray[np.float64]:
     """Energy lost in each impact (J): I_pivot θ̇²/2 before less that after, the inertia by the side turned to (docs/model.md).
 

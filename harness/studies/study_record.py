@@ -21,7 +21,7 @@ from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
-from harness.studies.impact_loss import energy_lost_j
+from harness.studies.impact_loss import energy_lost_j, last_impact_s
 from harness.studies.random_rechecks import recheck
 from harness.studies.rows import KeyedRow, study_rows
 from harness.studies.study_run import Summary, study_name
@@ -41,7 +41,7 @@ def study_record(
     scene = base.scene({})
     rows = study_rows(store, study_name(study))
     paper = study.claims == "paper"
-    if paper:
+    if study.claims:
         rows = _weighed(rows, store, scene)
     verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
     return StudyRecord(
@@ -127,16 +127,19 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
 
 
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
-    """The rows, each run with a history told what an impact costs in the mean."""
-    inertia = scene.pivot_inertia_kg_m2
-    means: dict[str | None, float | None] = {None: None}
+    """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
+    weighed: dict[str | None, tuple[float | None, float | None]] = {}
     for key in {row.key for row in rows if row.key is not None}:
-        run = store.run(key)
-        losses = None if run is None or run.history is None else energy_lost_j(run.history, inertia)
-        means[key] = float(np.mean(losses)) if losses is not None and losses.size else None
-    return [
-        row if row.run is None else replace(row, run=replace(row.run, impact_loss_j=means[row.key])) for row in rows
-    ]
+        history = store.history(key)
+        if history is not None:
+            losses = energy_lost_j(history, scene.pivot_inertia_kg_m2)
+            weighed[key] = float(np.mean(losses)) if losses.size else None, last_impact_s(history)
+    shown = []
+    for row in rows:
+        loss_j, last_s = weighed.get(row.key, (None, None))
+        run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
+        shown.append(replace(row, run=run))
+    return shown
 
 
 def _seconds(rows: Sequence[KeyedRow], store: Store) -> dict[str, float]:

@@ -111,6 +111,12 @@ def test_models_of_a_variant_with_an_imposed_law_do_not_enter_the_headline() -> 
     assert not any(v.imposed for v in claims.judge(beside, lambda theta_rad: 0.70))
 
 
+def test_whether_rocking_lasts_is_not_judged_without_histories() -> None:
+    """A run for its outcome alone lists no impacts: it was taken for one at rest."""
+    rows = [with_run(item, last_impact_s=None) for item in paper_rows()]
+    assert verdicts(rows)["viii"].verdict == claims.UNTESTED
+
+
 def test_every_kind_of_motion_is_looked_for_at_the_wall() -> None:
     """Rocking alone, sliding alone and both: each counts once, by whether any of its conditions reaches the wall."""
     slid = row(1.5, True, 0.0, slip=0.3)
@@ -159,3 +165,11 @@ def test_pedestals_of_two_masses_are_each_compared_with_the_floor() -> None:
     judged = {v.claim: v for v in claims.judge(rows, lambda theta_rad: 0.70, "pedestal")}
     assert "vi" not in judged
     assert (judged["i"].cases, judged["iii"].cases, judged["iv"].cases) == (6, 2, 16)
+
+
+def test_a_run_that_failed_answers_no_claim() -> None:
+    """An engine that is not installed turned nothing and slid nowhere: that is no evidence."""
+    absent = [replace(with_run(r, outcome=Outcome.UNAVAILABLE), engine="pybullet") for r in paper_rows()]
+    assert {v.model for v in claims.judge([*paper_rows(), *absent], lambda theta_rad: 0.70)} == {
+        "analytic (own impact)"
+    }

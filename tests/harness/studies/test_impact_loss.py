@@ -10,11 +10,12 @@ import pytest
 from harness.engines import load
 from harness.model.history import History
 from harness.model.options import RunOptions
-from harness.studies.impact_loss import energy_lost_j
+from harness.studies.impact_loss import energy_lost_j, last_impact_s
 from tests import budgets
 from tests.scenes_for_tests import paestum
 
 INERTIA_KG_M2 = 118.72641
+LAST_S = 1.934888
 KNOWN_J = (9.095, 8.309, 5.284, 16.985)
 """docs/model.md, section 7: the surveyed statue on the floor at 0.429 g and 3 Hz, its first four impacts."""
 
@@ -29,6 +30,7 @@ def test_the_first_impacts_of_the_papers_statue_lose_what_is_known(name: str) ->
     assert run.history is not None
     lost = energy_lost_j(run.history, scene.pivot_inertia_kg_m2)
     assert lost == pytest.approx(KNOWN_J, rel=budgets.IMPACT_LOSS_REL)
+    assert last_impact_s(run.history) == pytest.approx(LAST_S, abs=2.0 * scene.output_dt_s)
 
 
 def test_chattering_and_rest_lose_nothing_that_could_be_told() -> None:
