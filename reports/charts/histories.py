@@ -15,7 +15,7 @@ from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.charts.patterns import pattern_strip
 from reports.pages.assets import packed_array
 from reports.source import RunSource
-from reports.text.wording import horizon_s
+from reports.text.wording import horizon_s, prediction_s
 
 Json = dict[str, Any]
 
@@ -267,6 +267,14 @@ def _shapes(source: RunSource, axis: str) -> list[Json]:
                 "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
             }
         )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        shapes.append(
+            {
+                "type": "line", "xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis} domain", "y0": 0, "y1": 1,
+                "layer": "below", "line": {"color": MUTED, "width": 1, "dash": "dot"},
+            }
+        )  # fmt: skip
     return shapes
 
 
@@ -279,8 +287,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             "text": f"balances on the {side} edge", "font": small,
         }
         for level, side, anchor in (
-            (statue.slenderness_right_rad, "right", "top"),
-            (-statue.slenderness_left_rad, "left", "bottom"),
+            (statue.slenderness_right_rad, "right", "bottom"),
+            (-statue.slenderness_left_rad, "left", "top"),
         )
     ]  # fmt: skip
     until = horizon_s(source)
@@ -289,6 +297,14 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             {
                 "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
                 "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
+            }
+        )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        texts.append(
+            {
+                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0.09,
+                "yanchor": "bottom", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts
