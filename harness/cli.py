@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,8 @@ from harness.model.errors import InputError, Mistake
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
+    from harness.model.options import RunOptions
+    from harness.model.run import Run
     from harness.model.scene import Scene
     from harness.records.scores import Scores
     from harness.scene_run.scene_run import Result
@@ -112,9 +114,12 @@ def compute(
     *,
     quiet: bool,
     out: Path | None = None,
-    **more: Any,
+    iso: bool = False,
+    horizon: bool = False,
+    assess: bool = False,
+    witness: bool = False,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work; `more` goes to `run_scene`.
+    """Load and run one scene (see `harness.scene_run.scene_run.run_scene`), telling on stderr what is at work.
 
     Raises `InputError`, also where `out` cannot take the result.
     """
@@ -126,7 +131,7 @@ def compute(
 
     accuracy, dt = target.accuracy, target.dt
     check_target(accuracy, dt)
-    options = wanted(no_skip)
+    options = options_without(no_skip)
     scene = load_scene(scene_file, asked.overrides or ())
     names = asked.engine or default_engines(scene)
     if out is not None:
@@ -143,23 +148,26 @@ def compute(
             dt_s=dt,
             options=options,
             on_progress=messages.engine,
+            iso=iso,
+            horizon=horizon,
             apart=True,
-            **more,
+            assess=assess,
+            witness=witness,
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[Any], str]:
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[object], str]:
     """The plan of a scene: its steps as plain values, and as text."""
     from harness.engines import REGISTRY, default_engines, load
     from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or default_engines(scene)], wanted(no_skip), REGISTRY)
+    steps = plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
     return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
 
 
-def wanted(no_skip: Sequence[str] | None) -> Any:
-    """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
+def options_without(no_skip: Sequence[str] | None) -> RunOptions:
+    """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
     from harness.model.options import SKIPS, RunOptions
@@ -206,7 +214,7 @@ def _who_agrees(asked: int, answered: int) -> str:
     return f"one model of {asked} answered" if answered == 1 else f"{answered} of {asked} models answered and agree"
 
 
-def _details(run: Any) -> str:
+def _details(run: Run) -> str:
     if run.outcome.failed:
         return f": {run.message}"
     # An overturned run has no peak of its own: it was ended at the rotation that counts as overturned.

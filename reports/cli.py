@@ -85,8 +85,9 @@ def run(
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    more = {"assess": not no_assess, "witness": not no_witness}
-    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
+    result = harness_cli.compute(
+        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=not no_witness
+    )
     write_result(result, folder)
     say_result(plain(result.record()), harness_cli.summary(result), folder, saying)
     # An engine that nobody named and that has no wheels here is said, and no failure.
@@ -122,11 +123,11 @@ def assess(
     from harness.records.result_folder import named_after
 
     folder = out or OUT / f"{named_after(scene)}-assess"
-    found = assess_cli.run(
+    record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
     )  # fmt: skip
-    say_result(plain(found), summary(found), folder, saying)
+    say_result(plain(record), summary(record), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -147,17 +148,19 @@ def study(
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
+    from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
-    found, summary = study_cli.run(
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
+    record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=not no_witness,
     )  # fmt: skip
-    said = [found[name]["sentence"] for name in ("usage", "witness") if found.get(name)]
-    lines = [f"{study_file.name}: {summary}", *said]
-    say_result(found, "\n".join(lines), folder, saying)
+    said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
+    lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    say_result(as_file(record), "\n".join(lines), folder, saying)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
@@ -200,7 +203,7 @@ def validate(
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
         say_result(as_file(measured), "", folder, saying)
         return
-    found = run_validation(
+    record = run_validation(
         experiments,
         folder,
         models=engine,
@@ -211,7 +214,7 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    say_result(as_file(found), summary(found), folder, saying)
+    say_result(as_file(record), summary(record), folder, saying)
 
 
 cli_bench.add_commands(app)

@@ -52,20 +52,20 @@ def mesh_inspect(
 
     if picture is not None:
         _check_picture(picture)
-    found = inspect(scan, known)
+    inspection = inspect(scan, known)
     if picture is None:
-        saying.say(found.as_dict(), str(found))
+        saying.say(inspection.as_dict(), str(inspection))
         return
     from harness.input.mesh_statue import mesh_mistake
     from harness.model.errors import InputError
     from reports.drawing.scan_picture import scan_picture
     from reports.export.paper import write_picture
 
-    if found.refusal is not None:
-        raise InputError(mesh_mistake(found.refusal, str(scan)))
-    assert found.solid is not None  # without a refusal there is one
-    write_picture(scan_picture(found.solid, found.prepared.rotation, scan.name), picture, dpi=150)
-    saying.say(found.as_dict(), f"{found}\npicture: {picture}")
+    if inspection.refusal is not None:
+        raise InputError(mesh_mistake(inspection.refusal, str(scan)))
+    assert inspection.solid is not None  # without a refusal there is one
+    write_picture(scan_picture(inspection.solid, inspection.prepared.rotation, scan.name), picture, dpi=150)
+    saying.say(inspection.as_dict(), f"{inspection}\npicture: {picture}")
 
 
 def _check_picture(picture: Path) -> None:
@@ -88,11 +88,11 @@ def mesh_prepare(
     saying: Saying,
     out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
 ) -> None:
-    """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
+    """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
     from harness.mesh_cli import prepare
 
-    found, account = prepare(scan, out, known)
-    saying.say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}")
+    inspection, log = prepare(scan, out, known)
+    saying.say(inspection.as_dict(), f"{inspection}\nmesh: {out}\nprocessing log: {log}")
 
 
 def new(
@@ -154,19 +154,19 @@ def motion_inspect(
     from reports.export.paper import write_picture
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
-    picture, account = folder / "motion.png", folder / "motion.json"
+    picture, record = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
-    check_listed(picture, account)
-    found = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
+    check_listed(picture, record)
+    inspected = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
     folder.mkdir(parents=True, exist_ok=True)
-    write_picture(motion_picture(found), picture, dpi=150)
-    write_json(account, plain(InspectionRecord.of(found, listing([picture], pages=False))))
-    rows = [[printable(cell) for cell in row] for row in found.table()]
+    write_picture(motion_picture(inspected), picture, dpi=150)
+    write_json(record, plain(InspectionRecord.of(inspected, listing([picture], pages=False))))
+    rows = [[printable(cell) for cell in row] for row in inspected.table()]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))]
+    lines = [printable("; ".join(f"{key}: {said}" for key, said in inspected.source.items() if said))]
     lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines += [printable(f"warning: {text}") for text in found.warnings]
-    saying.say(plain(InspectionRecord.of(found)), "\n".join([*lines, printable(f"picture: {picture}")]))
+    lines += [printable(f"warning: {text}") for text in inspected.warnings]
+    saying.say(plain(InspectionRecord.of(inspected)), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
 def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Inspection:
@@ -219,7 +219,7 @@ def compare(
     from harness.model.run import to_plain
     from reports.text.glossary import scores_text
 
-    found = cli.compare(
+    by_pair = cli.compare(
         files,
         asked,
         target,
@@ -230,12 +230,12 @@ def compare(
         slip_uncertainty=slip_uncertainty,
         out=out,
     )
-    lines = [scores_text(pair, scores) for pair, scores in found.items()]
+    lines = [scores_text(pair, scores) for pair, scores in by_pair.items()]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    saying.say(to_plain(found), "\n".join(lines))
+    saying.say(to_plain(by_pair), "\n".join(lines))
 
 
 def figures(

@@ -69,8 +69,8 @@ def _pictures(folder: Path, record: Record, width_px: float, model: str | None) 
 
 def _groups(record: StudyRecord) -> list[list[Mapping[str, Any]]]:
     groups: dict[float, list[Mapping[str, Any]]] = {}
-    for panel in map(plain, record.panels or ()):
-        groups.setdefault(panel["restitution"], []).append(panel)
+    for panel in record.panels or ():
+        groups.setdefault(panel.restitution, []).append(plain(panel))
     return list(groups.values())
 
 

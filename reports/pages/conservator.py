@@ -148,7 +148,7 @@ def _trust(source: RunSource) -> list[str]:
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and slip at the farthest shifts of the top to the left and to the right, over the models in which it stands."""
-    shape, found = section(source.scene), []
+    shape, extremes = section(source.scene), []
     for side in (-1.0, 1.0):
         best: tuple[float, float, float] | None = None
         for name in _standing(source):
@@ -158,8 +158,8 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
             if best is None or moved[k] > best[0]:
                 best = (float(moved[k]), float(history.theta_rad[k]), float(history.slip_m[k]))
         if best is not None and best[0] > 1e-4:
-            found.append(best[1:])
-    return found
+            extremes.append(best[1:])
+    return extremes
 
 
 def reach_picture(source: RunSource, heading: str = "How far does it move?") -> Picture:

@@ -29,6 +29,7 @@ PAGES: Final = {
     "assess": "reports.pages.assess_page",
     "study": "reports.pages.study_page",
     "effects3d": "reports.pages.effects3d_page",
+    "rocking_spectrum": "reports.pages.rocking_spectrum_page",
     "validation": "reports.pages.validation_page",
     "tosses": "reports.pages.tosses_page",
     "bench": "reports.pages.bench_page",

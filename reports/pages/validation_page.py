@@ -137,15 +137,15 @@ def score_rows(record: ValidationRecord) -> list[tuple[str, list[str]]]:
 
 def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
     """For each two models, how often they give the same outcome and the shares of the verdicts."""
-    found = []
+    sentences = []
     for pair in pairs:
         same = pair.outcomes.side_accuracy
         text = f"the same outcome in {share(same)} of {pair.cases} tests; " if same else ""
         text += "; ".join(f"{each.value}: {100 * pair.verdicts.get(each, 0.0):.0f} %" for each in Verdicts) + "."
         if pair.flips:
             text += f" In {pair.flips} the outcome flips within the numerical error."
-        found.append((f"{pair.a} and {pair.b}", text))
-    return found
+        sentences.append((f"{pair.a} and {pair.b}", text))
+    return sentences
 
 
 def _cell(interval: Interval | None, key: str) -> str:

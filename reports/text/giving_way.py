@@ -38,7 +38,7 @@ class Support:
 
     def situations(self) -> list[tuple[str, float | None, float]]:
         """Words for what varies, friction on the floor (None without a pedestal) and under the statue, at the ends of both."""
-        found = []
+        listed = []
         for stone in self.pedestal:
             for floor in dict.fromkeys(self.floor or ()) if stone else (None,):
                 for statue in dict.fromkeys(self.statue):
@@ -47,16 +47,16 @@ class Support:
                         said.append(f"where the floor's friction is {percent(floor)}")
                     if self.statue[0] < self.statue[1]:
                         said.append(f"where the friction under the statue is {percent(statue)}")
-                    found.append((" and ".join(said), floor, statue))
-        return found
+                    listed.append((" and ".join(said), floor, statue))
+        return listed
 
     def slips(self) -> list[tuple[float, str]]:
         """The pushes from which something slides, and what, from weak to strong."""
-        found = {
+        frictions = {
             (statue, "the statue") if floor is None or statue < floor else (floor, "the pedestal")
             for _, floor, statue in self.situations()
         }
-        return sorted(found)
+        return sorted(frictions)
 
 
 def support_of(scene: SceneRecord) -> Support:
@@ -136,24 +136,24 @@ def levels(scene: SceneRecord, support: Support) -> list[Level]:
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
     statue, h = scene.statue, scene.statue.centroid_height_m
     left, right = statue.corner_left_m / h, statue.corner_right_m / h
-    found = [
+    pushes = [
         Level("the statue tips to the left", left, "statue_tips"),
         Level("the statue tips to the right", right, "statue_tips"),
     ]
     least, azimuths = weakest_pushes(bearing(scene))
     if least < (1.0 - EQUAL) * min(left, right):
-        found.append(Level(f"the statue tips to the {compass(azimuths[0])}", least, "statue_tips"))
+        pushes.append(Level(f"the statue tips to the {compass(azimuths[0])}", least, "statue_tips"))
     for friction in dict.fromkeys(support.floor or ()):
-        found.append(Level(CAUSES["pedestal_slides"] + _end(friction, support.floor), friction, "pedestal_slides"))
-    most = max(level.push for level in found)
+        pushes.append(Level(CAUSES["pedestal_slides"] + _end(friction, support.floor), friction, "pedestal_slides"))
+    most = max(level.push for level in pushes)
     for side, push in pedestal_tips(scene, support).items():
         if push < most:
-            found.append(Level(f"the pedestal tips to the {side}", push, "pedestal_tips"))
+            pushes.append(Level(f"the pedestal tips to the {side}", push, "pedestal_tips"))
     for friction in dict.fromkeys(support.statue):
         if friction < most:
             words = CAUSES["statue_slides"] + _end(friction, support.statue)
-            found.append(Level(words, friction, "statue_slides"))
-    return sorted(found, key=lambda level: level.push)
+            pushes.append(Level(words, friction, "statue_slides"))
+    return sorted(pushes, key=lambda level: level.push)
 
 
 def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:

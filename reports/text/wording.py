@@ -121,27 +121,27 @@ def _outcome_times(answered: Mapping[str, EngineRunRecord]) -> list[str]:
 
 def _lean(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
     standing = [name for name in answered if answered[name].outcome == Outcome.STANDS and name in source.histories]
-    found = []
+    causes = []
     for name in standing:
         theta = source.histories[name].theta_rad
         if np.abs(theta).max() < AT_REST_RAD:
             continue
         side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
-        found.append((float(np.abs(theta).max()), side, name))
-    if not found:
+        causes.append((float(np.abs(theta).max()), side, name))
+    if not causes:
         if not standing:
             return []
         where = "The" if len(standing) == len(answered) else f"In {listed(standing)} the"
         return [f"{where} statue does not rock."]
-    sides = {side for _, side, _ in found}
+    sides = {side for _, side, _ in causes}
     if len(sides) > 1:
-        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
+        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in causes)
         return [f"Largest lean: {each}."]
     side = sides.pop()
     balance = source.scene.statue.slenderness_rad(side)
-    peaks = [peak for peak, _, _ in found]
+    peaks = [peak for peak, _, _ in causes]
     share = spread([100.0 * peak / balance for peak in peaks], "%", 2)
-    by = "" if len(found) == len(answered) else f" ({', '.join(name for _, _, name in found)})"
+    by = "" if len(causes) == len(answered) else f" ({', '.join(name for _, _, name in causes)})"
     return [
         f"Largest lean{by}: {spread(peaks, 'rad')} ({spread([math.degrees(peak) for peak in peaks], '°', 2)}) to the "
         f"{SIDES[side]}, {share} of the {angle(balance)} at which the statue balances on that edge."
