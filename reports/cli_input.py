@@ -216,7 +216,7 @@ def compare(
     from harness.model.run import to_plain
     from reports.text.glossary import scores_text
 
-    by_pair = cli.compare(
+    compared = cli.compare(
         files,
         asked,
         target,
@@ -227,9 +227,11 @@ def compare(
         slip_uncertainty=slip_uncertainty,
         out=out,
     )
-    lines = [scores_text(pair, scores) for pair, scores in by_pair.items()]
+    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
+    lines += [f"over all scenes, {name}: {scores.sentence}" for name, scores in compared.over_all.items()]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    saying.say(to_plain(by_pair), "\n".join(lines))
+    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
+    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))

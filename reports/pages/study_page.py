@@ -69,7 +69,9 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "pairs": agreement(models, cases),
+        "over_all": [
+            (f"{name} and {item.reference}", f"{item.sentence}.") for name, item in (record.scores or {}).items()
+        ],
         "panels": panel_data(record.panels) if record.panels else None,
         "panel_stills": [
             panels_picture(group, next(iter(group[0]["curves"])), WIDE, PANEL_POINTS).svg()
