@@ -145,7 +145,7 @@ def compute(
     Raises `InputError`, also where `out` cannot take the result.
     """
     from harness.accuracy.simulation import check_target
-    from harness.engines import DEFAULT_ENGINES, load
+    from harness.engines import default_engines, load
     from harness.input.scene_file import load_scene
     from harness.scene_run.scene_run import check_writing, run_scene
     from harness.scene_run.workload import check as check_work
@@ -154,7 +154,7 @@ def compute(
     check_target(accuracy, dt)
     options = options_without(no_skip)
     scene = load_scene(scene_file, asked.overrides or ())
-    names = asked.engine or DEFAULT_ENGINES
+    names = asked.engine or default_engines(scene)
     if out is not None:
         check_writing(out, scene, names)
     dimensions = {name: load(name).capabilities.dimensions for name in names}
@@ -179,11 +179,11 @@ def compute(
 
 def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[object], str]:
     """The plan of a scene: its steps as plain values, and as text."""
-    from harness.engines import DEFAULT_ENGINES, REGISTRY, load
+    from harness.engines import REGISTRY, default_engines, load
     from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], options_without(no_skip), REGISTRY)
+    steps = plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
     return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
 
 
