@@ -7,11 +7,11 @@ from typing import Final
 OPEN_TABLES: Final = {
     "analytic": 1,
     "meshes": 6,
-    "harness/model": 6,
+    "harness/model": 4,
     "harness/statics": 1,
     "harness/records": 2,
     "harness/engines": 14,
-    "harness/campaign": 7,
+    "harness/campaign": 1,
     "harness/assess": 2,
     "harness/validation": 2,
     "harness/effects3d": 3,

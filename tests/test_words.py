@@ -28,6 +28,11 @@ NAMES = {
     "halts": "stick onsets",
     "halted": "sticks",
     "march": "state",
+    "shake": "base_excitation",
+    "peer": "other_project",
+    "stance": "orientation",
+    "crumbs": "debris",
+    "mending": "repair",
 }
 """Parts of a name, and what the thing is called instead."""
 SAYING = {"tell": "on_progress", "told": "messages, sentences or on_progress", "telling": "messages"}
@@ -63,6 +68,9 @@ PROSE = {
     r"stands? up to": "does not overturn up to",
     r"\b[Rr]ungs?\b": "level",
     r"\b[Rr]attl(e|es|ed|ing)\b": "micro-rocking",
+    r"\b[Cc]rumbs?\b": "debris",
+    r"\bdear to\b": "costly to",
+    r"\bbare loops?\b": "baseline loop",
 }
 """Patterns of sentences, and what to write instead."""
 KEYS = re.compile(r'"[a-z0-9_]+"|\{\{.*?\}\}|\{%.*?%\}|`[^`\n]*`')

@@ -58,7 +58,8 @@ class EngineRuns:
         for number, task in tasks.items():
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
             row_of_store = self._store.get(task.key)
-            self.fell[number] = None if row_of_store is None else row_of_store.record["overturned"]
+            overturned = None if row_of_store is None else row_of_store.record["overturned"]
+            self.fell[number] = None if overturned is None else bool(overturned)
         self._on_progress(f"{self._name}: {len(self.fell)} runs")
         return [self.fell[number] for number in numbers]
 
