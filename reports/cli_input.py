@@ -1,4 +1,4 @@
-"""The commands that look at a user's own files: scans, motions, a first scene; and what is made of finished records."""
+"""The commands that look at a user's own files: scans, motions, a first scene, histories of other software."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.campaign.progress import ProgressMessages
 from harness.command import Asked, Known, Saying, Surroundings, Target, command
 from harness.model.terminal import printable
 from reports.cli_result import OUT
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from harness.input.motions.layout import Layout
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
 
 mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
 motion = typer.Typer(no_args_is_help=True, help="Inspect motions.")
@@ -31,8 +29,6 @@ def add_commands(app: typer.Typer) -> None:
     command(app, "compare", "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")(
         compare
     )
-    command(app, "figures", "rockcheck figures out/paestum_floor --format pdf --width column")(figures)
-    command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
 
 
 @command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
@@ -236,34 +232,3 @@ def compare(
 
         lines.append(f"report: {write_report(out)}")
     saying.say(to_plain(by_pair), "\n".join(lines))
-
-
-def figures(
-    folder: Folder,
-    saying: Saying,
-    formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
-    width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
-    model: Annotated[
-        str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
-    ] = None,
-) -> None:
-    """Write the figures of a result for print."""
-    from reports.export.figures import FORMATS, write_figures
-
-    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
-    saying.say(written, "\n".join(written))
-
-
-def gif(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
-    saying: Saying,
-    out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
-    model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
-) -> None:
-    """Write the replay of a run as an animated picture for slides."""
-    from reports.export.animation import write_gif
-
-    with ProgressMessages(saying.silent) as messages:
-        messages.now("drawing the frames")
-        written = str(write_gif(folder, out, model))
-    saying.say([written], written)

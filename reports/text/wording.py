@@ -14,7 +14,7 @@ from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
-from reports.text.chance import first_line, tone_of_outcomes
+from reports.text.chance import tone_of_outcomes, worse_tone, worst
 from reports.text.numbers import angle, count_word, length, listed, spread, unit
 from reports.text.study_rows import family
 
@@ -36,8 +36,12 @@ class Verdict:
 def run_verdict(source: RunSource) -> Verdict:
     """The verdict on one scene: how probable a fall is, where the record says so, and what the models say of it as given."""
     nominal = _nominal(source)
-    headline, colour = first_line(source.record.assessment, nominal.headline, nominal.tone)
-    return Verdict(headline, colour, nominal.points)
+    answers = source.record.assessment
+    if not answers:
+        return nominal
+    item = worst(answers)
+    given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
+    return Verdict(f"The statue {item.sentence}", worse_tone(item, nominal.tone), [given, *nominal.points])
 
 
 def _nominal(source: RunSource) -> Verdict:
