@@ -100,7 +100,7 @@ def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
         assert (y[1] == 1.0) == (panel.frequency_hz == 1.5)
         mine = [trace for trace in figure["data"] if trace["xaxis"] == f"x{number}"]
         (drawn,) = [trace for trace in mine if trace["name"].startswith("θ, on the pedestal")]
-        assert drawn["y"] == panel.curves["pymunk (own impact)"]["pedestal"]["theta_rad"]
+        assert drawn["y"] == panel.curves["pymunk (own impact)"]["pedestal"].theta_rad
 
 
 def test_a_study_has_a_figure_for_each_restitution(table: Path) -> None:
