@@ -54,3 +54,9 @@ CALLS_TO_A_VERIFYING_STEP: Final = 14
 
 PIXEL: Final = 1e-6
 """Places in a drawn picture are sums of a few doubles of size 640: 1e-13 each; a millionth of a pixel shows nowhere."""
+
+SENTENCE_WORDS_MEAN: Final = 12.0
+"""Plain-language guides (Cutts; the European Commission's) ask for 15 to 20 words a sentence on average; here less."""
+
+SENTENCE_WORDS_MOST: Final = 30
+"""The same guides count a sentence of more than 30 words as one that is read twice."""

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 4.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
-TURNS: Final = 15
+REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 
 
@@ -118,7 +118,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     ]
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
-    spent = iter(costs(works, repeats=TURNS))
+    spent = iter(costs(works, repeats=REPEATS))
     for settings, run in tried:
         row = replace(base, label=_label(settings), dt_s=settings.dt_s)
         if isinstance(run, str) or judge is None:

@@ -215,12 +215,12 @@ def _together(
 ) -> None:
     """The tasks of all these parts on all cores, in the order given: the longest should come first."""
 
-    def tell(done: int, total: int) -> None:
+    def on_count(done: int, total: int) -> None:
         if campaign.latest is not None and done:
             part, task = campaign.latest.argument
             on_progress(f"{done} of {total} done: {part.name}, {task}")
 
     tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
     with closing(LocalPool()) as pool:
-        campaign = Campaign(store, pool, tell)
+        campaign = Campaign(store, pool, on_count)
         campaign.run(tasks, len(tasks))

@@ -205,13 +205,13 @@ def versions() -> dict[str, str]:
 @lru_cache(maxsize=1)
 def _versions() -> Mapping[str, str]:
     # Asked for every key of a study; looking it up opens files.
-    found = {"python": platform.python_version()}
+    versions = {"python": platform.python_version()}
     for name in DISTRIBUTIONS:
         try:
-            found[name] = metadata.version(name)
+            versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return versions
 
 
 def machine() -> dict[str, str | int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from harness.engines.contact.impact import IMPOSED_LABEL
-from harness.records.study import ClaimAnswer, ClaimVerdict
+from harness.model.history import Outcome
+from harness.records.study import CaseRun, ClaimAnswer, ClaimVerdict, StudyRow, Value
 
 LOW_HZ: Final = 3.0
 """The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
@@ -60,7 +62,7 @@ class Answer:
         return self.restitution, self.amplitude_g, self.frequency_hz
 
 
-def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float], float]) -> list[ClaimVerdict]:
+def judge(rows: Iterable[StudyRow], top_displacement_m: Callable[[float], float]) -> list[ClaimVerdict]:
     """All claims by all models of a study's rows.
 
     Where an engine had the impact law imposed on it, all models of that variant count as imposed: they are there to be compared
@@ -71,10 +73,10 @@ def judge(rows: Iterable[Mapping[str, Any]], top_displacement_m: Callable[[float
     models: dict[tuple[str, str], list[Answer]] = {}
     imposed_variants = set()
     for row in rows:
-        if row["run"] is not None and row["run"]["engine"]:
-            variant = str(row["varied"]["variant"])
-            models.setdefault((str(row["engine"]), variant), []).append(_answer(row))
-            if IMPOSED_LABEL in row["run"]["labels"]:
+        if row.run is not None:
+            variant = str(row.varied["variant"])
+            models.setdefault((row.engine, variant), []).append(_answer(row.run, row.varied))
+            if IMPOSED_LABEL in row.run.labels:
                 imposed_variants.add(variant)
     verdicts = []
     for (engine, variant), answers in models.items():
@@ -97,21 +99,18 @@ def headline(verdicts: Sequence[ClaimVerdict]) -> dict[str, str]:
     return said_by_claim
 
 
-def _answer(row: Mapping[str, Any]) -> Answer:
-    run, varied = row["run"], row["varied"]
-    overturned = str(run["outcome"]).startswith("overturned")
+def _answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
+    overturned = run.outcome.overturned
     return Answer(
         restitution=float(varied["contact.restitution"]),
         amplitude_g=float(varied["motion.x.amplitude_g"]),
         frequency_hz=float(varied["motion.x.frequency_hz"]),
         pedestal=varied["pedestal"] != "none",
-        peak_rad=abs(float(run["peak_theta_rad"])),
+        peak_rad=abs(run.peak_theta_rad),
         overturned=overturned,
-        stands=run["outcome"] == "stands",
-        no_return_s=float(run["no_return_time_s"])
-        if overturned and run["no_return_time_s"] is not None
-        else float("inf"),
-        slip_m=float(run["peak_slip_m"]),
+        stands=run.outcome is Outcome.STANDS,
+        no_return_s=run.no_return_time_s if overturned and run.no_return_time_s is not None else math.inf,
+        slip_m=run.peak_slip_m,
     )
 
 

@@ -6,14 +6,14 @@ import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from harness.campaign.store import Store
 from harness.campaign.task import Task
 from harness.studies import case_selection as selection
 from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, expand
-from harness.studies.file import StudyFile
+from harness.studies.file import StudyFile, Value
 
 DEAREST_FIRST: Final = (
     "pybullet:plain",
@@ -28,7 +28,7 @@ DEAREST_FIRST: Final = (
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 
-PlanRow = tuple[int, str, str | None, str, Mapping[str, Any]]
+PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
 @dataclass(frozen=True)

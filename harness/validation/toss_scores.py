@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
+from analytic.rotation import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import simulate_with
 from harness.model.history import History
@@ -93,7 +94,7 @@ def errors(toss: Toss, body: Statue, history: History) -> Errors:
     """A computed pose history beside the measured one, frame by frame."""
     turn, place = poses(body, history)
     count = min(len(turn), len(toss.places_m))
-    measured, seen = rotations(toss.quaternions[:count]), toss.places_m[:count]
+    measured, seen = rotation_matrices(toss.quaternions[:count]), toss.places_m[:count]
     apart = np.einsum("nij,nik->njk", measured, turn[:count])
     # The angle of a rotation from both its sine and its cosine: neither is good near 0 and π alone.
     axis = np.stack([apart[:, 2, 1] - apart[:, 1, 2], apart[:, 0, 2] - apart[:, 2, 0], apart[:, 1, 0] - apart[:, 0, 1]])
@@ -115,16 +116,9 @@ def poses(body: Statue, history: History) -> tuple[Array, Array]:
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     ]
-    turn = rotations(np.stack(quaternions, axis=1))
+    turn = rotation_matrices(np.stack(quaternions, axis=1))
     corner = np.stack([history.extra[f"corner_right_{axis}_m"] for axis in "xyz"], axis=1)
     return turn, corner - turn @ np.array([body.corner_right_m, 0.0, -body.centroid_height_m])
-
-
-def rotations(quaternions: Array) -> Array:
-    """Matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
-    from harness.engines.contact.spatial import matrices
-
-    return matrices(quaternions[:, [1, 2, 3, 0]])
 
 
 def quartiles(values: Sequence[float] | Array) -> Quartiles:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -23,6 +23,13 @@ BAND_SAMPLES: Final = 3000
 ACROSS: Final = "out_of_plane_rad"
 ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
+MOVED_SHARE: Final = 0.01
+"""A rotation of this share of the balance point's shows on a page."""
+MOVED_M: Final = 1e-4
+"""A slip that shows on a page."""
+BESIDE: Final = 0.05
+LEAST_BESIDE_S: Final = 0.25
+"""Room before and after an event: a share of its length, and at least the time in which an eye finds its place."""
 GAP: Final = 0.055
 AXIS_COLOURS: Final = {"x": INK, "y": "#AA4499", "z": "#3A8FC7"}
 
@@ -52,6 +59,32 @@ def histories_figure(source: RunSource) -> Json:
         data += _floor(source.record.motion, source.scene.gravity_m_s2, axes["floor"])
     layout = _layout(source, rows, axes, domains)
     return {"data": data, "layout": layout, "views": _views(source)}
+
+
+def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:
+    """From shortly before anything moves to shortly after it has come to its last place: what a chart opens on, s.
+
+    A rotation of `level_rad` counts as moving, a slip of `MOVED_M`; the whole of a run in which nothing moves.
+    """
+    starts, ends = [], []
+    for history in histories:
+        for values, least in ((history.theta_rad, level_rad), (history.slip_m, MOVED_M)):
+            gone, left = (np.flatnonzero(np.abs(values - values[k]) > least) for k in (0, -1))
+            if len(gone):
+                starts.append(float(history.t_s[gone[0]]))
+                ends.append(float(history.t_s[left[-1]]))
+    if not starts:
+        return 0.0, end_s
+    begin, end = min(starts), max(ends)
+    margin = max(BESIDE * (end - begin), LEAST_BESIDE_S)
+    return max(0.0, begin - margin), min(end_s, end + margin)
+
+
+def run_event_s(source: RunSource) -> tuple[float, float]:
+    """The event of a run."""
+    statue = source.scene.statue
+    level_rad = MOVED_SHARE * min(statue.slenderness_left_rad, statue.slenderness_right_rad)
+    return event_s(source.histories.values(), level_rad, source.scene.duration_s)
 
 
 def _rows(source: RunSource) -> dict[str, float]:
@@ -170,7 +203,7 @@ def _views(source: RunSource) -> Json:
     # Let go beyond its balance points, a body that falls never comes near them.
     seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
     near = _padded(*near) if seen else whole
-    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s}
+    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s, "event_s": list(run_event_s(source))}
 
 
 def _padded(low: float, high: float) -> list[float]:
@@ -181,7 +214,7 @@ def _padded(low: float, high: float) -> list[float]:
 def _layout(
     source: RunSource, rows: Mapping[str, float], axes: Mapping[str, str], domains: Mapping[str, tuple[float, float]]
 ) -> Json:
-    lowest = list(axes.values())[-1]
+    lowest, views = list(axes.values())[-1], _views(source)
     titles = {
         "rotation": "rotation θ  [rad]",
         "strip": "",
@@ -191,7 +224,7 @@ def _layout(
     }
     layout: Json = {
         "xaxis": {
-            "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, source.scene.duration_s],
+            "title": {"text": "time  [s]"}, "anchor": lowest, "range": views["event_s"],
             "gridcolor": HAIRLINE, "zeroline": False, "showspikes": True, "spikemode": "across", "spikethickness": 1,
             "spikecolor": MUTED, "spikedash": "dot", "hoverformat": ".4f", "ticksuffix": "",
         },
@@ -203,9 +236,9 @@ def _layout(
     for row, axis in axes.items():
         layout[axis.replace("y", "yaxis")] = {
             "domain": list(domains[row]), "title": {"text": titles[row]}, "gridcolor": HAIRLINE, "automargin": True,
-            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": row == "strip", "nticks": 7 if row == "rotation" else 4,
+            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": True, "nticks": 7 if row == "rotation" else 4,
         }  # fmt: skip
-    layout["yaxis"]["range"] = _views(source)["near"]
+    layout["yaxis"]["range"] = views["near"]
     if "strip" in axes:
         layout[axes["strip"].replace("y", "yaxis")] |= {"autorange": "reversed", "showgrid": False, "zeroline": False}
     if "floor" in axes:

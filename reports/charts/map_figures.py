@@ -23,7 +23,7 @@ COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#00000
 PALE: Final = {"stands": "#e3f2f8", "other": "#e3e5e9", "wall": "#f8e1b8", "overturns": "#edc3b3", "failed": "#808080"}
 """Places that were not computed, since all around them agree."""
 CODES: Final = (*FAMILIES, *(f"around {name}" for name in PALE))
-LEAST: Final = 5
+LEAST: Final = 3
 """Fewer values than this along an axis make no map: the table shows them better."""
 
 
@@ -42,14 +42,17 @@ class Grid:
         return found
 
 
+def numeric(found: Sequence[Condition], key: str) -> set[float]:
+    """The values that a key takes, none where one of them is no number."""
+    values = {item.varied[key] for item in found}
+    return values if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values) else set()
+
+
 def map_axes(found: Sequence[Condition], keys: Sequence[str]) -> tuple[str, str] | None:
     """The two numeric keys with most values, when both have enough of them to make a map (an amplitude is drawn upwards)."""
-    sizes = []
-    for key in keys:
-        values = {item.varied[key] for item in found}
-        if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-            sizes.append((len(values), key))
-    sizes = [item for item in sorted(sizes, reverse=True) if item[0] >= LEAST]
+    sizes = [
+        item for item in sorted(((len(numeric(found, key)), key) for key in keys), reverse=True) if item[0] >= LEAST
+    ]
     if len(sizes) < 2:
         return None
     first, second = sizes[0][1], sizes[1][1]

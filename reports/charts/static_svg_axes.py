@@ -11,14 +11,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.drawing.shapes import LETTER
 from reports.text.numbers import short
 
 Json = Mapping[str, Any]
 Array = NDArray[np.float64]
 
 MARGIN: Final = {"left": 66.0, "right": 22.0, "top": 40.0, "bottom": 48.0}
-LETTER: Final = 7.2
-"""Width of a letter of the pictures' type in pixels, on average."""
 STEPS: Final = (1.0, 2.0, 5.0)
 
 

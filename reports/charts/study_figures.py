@@ -9,8 +9,12 @@ import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
+from harness.records.base import plain
 from harness.records.study import Panel
-from reports.charts.palette import HAIRLINE, INK, MUTED, Look, faint, look
+from reports.charts.palette import HAIRLINE, Look, faint, look
+from reports.charts.static_svg import picture_of
+from reports.drawing.effects_figures import Curve, rose_of
+from reports.drawing.shapes import Picture, titled
 from reports.pages.assets import packed_array
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
@@ -28,8 +32,13 @@ PANEL_CURVES: Final = (
     ("pedestal", "slip_m", 0.1, SLIP_COLOUR, "slip of the pedestal (m ÷ 10)"),
 )
 """What a panel shows of a condition: setting, curve, factor, colour, words."""
+PANEL_POINTS: Final = 150
+"""Points of a curve in a small panel of a page's still."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
+
+LEAST_DIRECTIONS: Final = 4
+"""Directions in which the statue overturns below which a rose says little."""
 
 
 def panel_data(panels: Sequence[Panel]) -> Json:
@@ -52,6 +61,20 @@ def panel_data(panels: Sequence[Panel]) -> Json:
         "colours": {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR, "slip": SLIP_COLOUR},
         "shown_rad": SHOWN_RAD,
     }
+
+
+def panel_groups(panels: Sequence[Panel] | None) -> list[list[Mapping[str, Any]]]:
+    """The panels of each restitution, as plain values."""
+    groups: dict[float, list[Mapping[str, Any]]] = {}
+    for panel in panels or ():
+        groups.setdefault(panel.restitution, []).append(plain(panel))
+    return list(groups.values())
+
+
+def panels_picture(group: Sequence[Mapping[str, Any]], model: str, width_px: float, points: int) -> Picture:
+    """The arrangement of the paper's figures 7 to 9 for one model, named over it."""
+    drawn = picture_of(panels_figure(group, model), width_px, points)
+    return titled(drawn, f"{model}, r = {group[0]['restitution']:g}")
 
 
 def panels_figure(group: Sequence[Mapping[str, Any]], model: str) -> Json:
@@ -146,39 +169,29 @@ def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) 
     return [plain | around, plain | fitted, points]
 
 
-def rose_figure(models: Sequence[str], found: Sequence[Condition]) -> Json | None:
+def rose_picture(models: Sequence[str], found: Sequence[Condition]) -> Picture | None:
     """Least amplitude that overturns the statue, by direction of shaking; None without azimuths and amplitudes."""
     keys = list(found[0].varied) if found else []
     turn = next((key for key in keys if key.endswith("azimuth_deg")), None)
     size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
     if turn is None or size is None:
         return None
-    data: list[Json] = []
     engines = [model.partition(" (")[0] for model in models]
+    drawn: list[Curve] = []
     for number, model in enumerate(models):
-        least: dict[float, float] = {}
+        least: dict[float, float | None] = {}
         for item in found:
             row = item.answers.get(model)
-            if row is not None and row.run is not None and family(row.run.outcome) == "overturns":
-                angle = float(item.varied[turn])
-                least[angle] = min(least.get(angle, np.inf), float(item.varied[size]))
-        if len(least) < 4:
-            continue
-        style = look(engines[number], engines)
-        angles = sorted(least)
-        data.append(
-            {
-                "type": "scatterpolar", "mode": "lines+markers", "name": model, "theta": [*angles, angles[0]],
-                "r": [least[angle] for angle in [*angles, angles[0]]], "line": {"color": style.colour, "dash": style.dash},
-            }
-        )  # fmt: skip
-    if not data:
+            if row is None or row.run is None:
+                continue
+            angle, size_of = float(item.varied[turn]), float(item.varied[size])
+            known = least.setdefault(angle, None)
+            if family(row.run.outcome) == "overturns":
+                least[angle] = size_of if known is None else min(known, size_of)
+        if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
+            style = look(engines[number], engines)
+            drawn.append(Curve(model, sorted(least.items()), style.colour, style.dash, style.width + 0.4))
+    if not drawn:
         return None
-    radial = {"title": {"text": heading(size)}, "rangemode": "tozero", "gridcolor": HAIRLINE}
-    return {
-        "data": data,
-        "layout": {
-            "height": 520, "polar": {"angularaxis": {"rotation": 0, "color": MUTED}, "radialaxis": radial},
-            "font": {"color": INK}, "legend": {"orientation": "h", "y": 1.08, "yanchor": "bottom"},
-        },
-    }  # fmt: skip
+    most = max(float(item.varied[size]) for item in found)
+    return rose_of(drawn, most, " g" if size.endswith("_g") else "")

@@ -14,8 +14,8 @@ from reports.drawing.kinematics import Section
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
-MOST_FACES: Final = 20_000
-"""More faces than this do not show on a page, and would make it slow on a telephone."""
+MOST_FACES: Final = 8_000
+"""More faces than this do not show on a page: shaded smoothly, each is some six pixels wide; they would make it large."""
 CREASE_COS: Final = float(np.cos(np.radians(38.0)))
 """Faces that meet at a sharper angle are drawn with an edge between them, as at a plinth."""
 BUSY_VERTEX: Final = 256

@@ -7,18 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import PATTERN_NAMES
 from harness.model.scene import Initial
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.witness import sentences
 from reports.charts.histories import histories_figure
 from reports.charts.palette import PATTERN_LOOKS, look
+from reports.charts.patterns import pattern_words
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
-from reports.text.glossary import BARE_PATTERNS, score_rows
+from reports.text.glossary import score_rows
 from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
 from reports.text.numbers import angle, digits, given, label, length, plain, short, unit
 from reports.text.wording import run_verdict
@@ -61,12 +61,8 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record.motion, source.scene),
         "patterns": [
-            {
-                "words": words if record.scene.pedestal else BARE_PATTERNS.get(name, words),
-                "name": name,
-                "colour": PATTERN_LOOKS[name][0],
-            }
-            for name, words in PATTERN_NAMES.items()
+            {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
+            for name, words in pattern_words(record.scene).items()
             if any(which == name for run in source.runs.values() for _, _, which in run.patterns)
         ],
         "replay": replay_values(source) if source.histories else None,

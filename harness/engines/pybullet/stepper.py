@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -78,6 +79,12 @@ class StepLog:
         return tuple(self.flat[end - self.width : end])
 
     @property
+    def rate_before(self) -> Row:
+        """The statue's angular velocity in the row before the last."""
+        end = len(self.flat) - 2 * self.width
+        return tuple(self.flat[end + 10 : end + 13])
+
+    @property
     def last(self) -> Row:
         """The last row."""
         return self.row(-1)
@@ -103,12 +110,13 @@ def reader(world: World) -> Callable[[], Row]:
     return alone if pedestal is None else both
 
 
-def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
+def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
     """Bullet's own step under a gravity, and the row after it."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
     def advance(gravity: Vector) -> Row:
         set_gravity(*gravity, client)
+        gyroscope.act()
         step(client)
         return read()
 
@@ -116,7 +124,7 @@ def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
 
 
 def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
-    """The same for several steps: their rows are kept in the record, the last is returned. At least one step."""
+    """The same for several steps of a body that needs no gyroscopic torque: rows are kept, the last is returned."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
     def run(pulls: Sequence[Vector], record: StepLog) -> Row:
@@ -139,13 +147,14 @@ class Stepper:
         self.world, self.schedule = world, schedule
         self.writer = RowWriter(world, scene)
         self.read = reader(world)
-        self.advance = _advancer(world, self.read)
+        self.gyroscope = Gyroscope(world)
+        self.advance = _advancer(world, self.read, self.gyroscope)
         self.run = _runner(world, self.read)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
-        self.plain = not (schedule.moving or self.switches)
+        self.plain = not (schedule.moving or self.switches or self.gyroscope.moments)
         self.stuck = True
         self.grip_limit, self.grips = contact.statue, False
         self._anchor(held=world.feet_over)

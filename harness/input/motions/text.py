@@ -140,12 +140,12 @@ def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) ->
 def _touching(line: str, where: str, number: int) -> list[float]:
     values: list[float] = []
     for word in line.split():
-        found = _NUMBERS.findall(word)
-        if "".join(found) != word or any(part[0] not in "+-" for part in found[1:]):
+        numbers = _NUMBERS.findall(word)
+        if "".join(numbers) != word or any(part[0] not in "+-" for part in numbers[1:]):
             if not _WHOLE.fullmatch(word):
                 raise mistake(
                     where, f"line {number}", "numbers", repr(word), "the file is damaged, or not of this format"
                 )
-            found = [word]
-        values += [fortran(part) for part in found]
+            numbers = [word]
+        values += [fortran(part) for part in numbers]
     return values

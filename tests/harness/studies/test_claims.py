@@ -3,38 +3,39 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from harness.engines.contact.impact import IMPOSED_LABEL
+from harness.model.history import Outcome
+from harness.records.study import StudyRow, Value
 from harness.studies import claims
+from tests import doubles
 
 FREQUENCIES = (1.5, 2.0, 3.0, 4.5, 6.0)
 
 
-def row(
-    frequency: float, pedestal: bool, peak: float, *, fell_s: float | None = None, slip: float = 0.01
-) -> dict[str, Any]:
-    varied = {
+def row(frequency: float, pedestal: bool, peak: float, *, fell_s: float | None = None, slip: float = 0.01) -> StudyRow:
+    varied: dict[str, Value] = {
         "contact.restitution": 0.85,
         "motion.x.amplitude_g": 0.334,
         "motion.x.frequency_hz": frequency,
         "pedestal": "keep" if pedestal else "none",
         "variant": "own impact",
     }
-    run = {
-        "engine": "analytic",
-        "outcome": "stands" if fell_s is None else "overturned_right",
-        "peak_theta_rad": peak,
-        "no_return_time_s": fell_s,
-        "peak_slip_m": slip,
-        "labels": [],
-    }
-    return {"number": 0, "engine": "analytic", "varied": varied, "run": run}
+    outcome = Outcome.STANDS if fell_s is None else Outcome.OVERTURNED_RIGHT
+    run = doubles.case_run(outcome=outcome, peak_theta_rad=peak, no_return_time_s=fell_s, peak_slip_m=slip)
+    return StudyRow(number=0, engine="analytic", reason="", varied=varied, run=run)
 
 
-def paper_rows() -> list[dict[str, Any]]:
+def with_run(row: StudyRow, **fields: Any) -> StudyRow:
+    assert row.run is not None
+    return replace(row, run=replace(row.run, **fields))
+
+
+def paper_rows() -> list[StudyRow]:
     """What the paper describes: the floor's statue rotates more and falls at low frequency, and all fades."""
     found = []
     for frequency in FREQUENCIES:
@@ -44,7 +45,7 @@ def paper_rows() -> list[dict[str, Any]]:
     return found
 
 
-def verdicts(rows: list[dict[str, Any]], top_m: float = 0.70) -> dict[str, claims.Verdict]:
+def verdicts(rows: list[StudyRow], top_m: float = 0.70) -> dict[str, claims.Verdict]:
     return {v.claim: v for v in claims.judge(rows, lambda theta_rad: top_m)}
 
 
@@ -57,13 +58,13 @@ def test_rows_as_the_paper_describes_them_hold_every_claim() -> None:
 @pytest.mark.parametrize(
     ("claim", "change"),
     [
-        ("i", lambda r: r | {"run": r["run"] | {"peak_theta_rad": 0.5, "no_return_time_s": None, "outcome": "stands"}}),
-        ("ii", lambda r: r | {"run": r["run"] | {"no_return_time_s": 2.0, "outcome": "overturned_left"}}),
-        ("v", lambda r: r | {"run": r["run"] | {"peak_slip_m": 0.2}}),
+        ("i", {"peak_theta_rad": 0.5, "no_return_time_s": None, "outcome": Outcome.STANDS}),
+        ("ii", {"no_return_time_s": 2.0, "outcome": Outcome.OVERTURNED_LEFT}),
+        ("v", {"peak_slip_m": 0.2}),
     ],
 )
-def test_a_claim_fails_when_its_rows_say_otherwise(claim: str, change: Any) -> None:
-    rows = [change(item) for item in paper_rows()]
+def test_a_claim_fails_when_its_rows_say_otherwise(claim: str, change: dict[str, Any]) -> None:
+    rows = [with_run(item, **change) for item in paper_rows()]
     assert verdicts(rows)[claim].verdict == claims.FAILS
 
 
@@ -84,8 +85,8 @@ def test_the_walls_limit_wants_geometry_and_no_deeper_return() -> None:
 
 
 def test_models_of_a_variant_with_an_imposed_law_do_not_enter_the_headline() -> None:
-    beside = [r | {"varied": r["varied"] | {"variant": "one ratio"}} for r in paper_rows()]
-    imposed = [r | {"engine": "pymunk", "run": r["run"] | {"labels": [IMPOSED_LABEL]}} for r in beside]
+    beside = [replace(r, varied={**r.varied, "variant": "one ratio"}) for r in paper_rows()]
+    imposed = [replace(with_run(r, labels=[IMPOSED_LABEL]), engine="pymunk") for r in beside]
     judged = claims.judge([*imposed, *beside], lambda theta_rad: 0.70)
     assert all(v.imposed for v in judged)
     assert set(claims.headline(judged).values()) == {claims.UNTESTED}

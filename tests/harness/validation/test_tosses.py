@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from analytic.rotation import rotation_matrices
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -27,7 +28,6 @@ from harness.validation.toss_scores import (
     TossTask,
     errors,
     poses,
-    rotations,
     scene_of,
     scored,
 )
@@ -141,7 +141,7 @@ def columns(cube: Scene, turns: np.ndarray, places: np.ndarray) -> History:
 def test_poses_come_back_from_columns(cube: Scene) -> None:
     rng = np.random.default_rng(3)
     quaternions = rng.normal(size=(50, 4))
-    turns = rotations(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
+    turns = rotation_matrices(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
     places = rng.normal(size=(50, 3))
     turn, place = poses(cube.statue, columns(cube, turns, places))
     assert np.max(np.abs(turn - turns)) < budget.INTEGRATED
