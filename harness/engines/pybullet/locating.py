@@ -62,7 +62,7 @@ def locate_event(
         before, there = state.row, advanced(state.row, room)
         state.turn(room)
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
-        owed, left = touch.standing_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
+        owed, left = touch.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
         floor.writer.ledger.compare("turn_on", owed, left)
     contact_s = until()
     if abs(contact_s) > room:

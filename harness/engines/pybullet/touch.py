@@ -116,7 +116,7 @@ class ContactGaps:
             abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
         )
 
-    def standing_m_s(
+    def foot_speeds_m_s(
         self, row: Row, others: Sequence[Row], floor_m: float = 0.0, floor_m_s: float = 0.0
     ) -> list[float]:
         """How fast the feet that rest on their support in a row move off it or into it in others, on average."""
