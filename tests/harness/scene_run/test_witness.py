@@ -127,6 +127,7 @@ def test_what_a_plain_engine_cannot_compute_is_its_reason() -> None:
 
 
 def test_a_witness_of_another_motion_says_that_it_saw_the_rocking_plane_alone() -> None:
+    pytest.importorskip("pybullet", reason="pybullet is not installed here")
     shaken = load_scene(SCENES / "paestum_floor.toml", ["duration_s=0.5"])
     scene = replace(shaken, base_excitation=replace(shaken.base_excitation, y=shaken.base_excitation.x))
     names = ("analytic", "pybullet")
