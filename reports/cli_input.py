@@ -39,7 +39,7 @@ def mesh_inspect(
     picture: Annotated[
         Path | None,
         typer.Option(
-            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf)."
+            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf, .html)."
         ),
     ] = None,
 ) -> None:
@@ -70,8 +70,9 @@ def _check_picture(picture: Path) -> None:
     from harness.records.result_folder import check_marked
     from reports.export.figures import FORMATS
 
-    if picture.suffix[1:] not in FORMATS:
-        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(FORMATS)}", str(picture)))
+    kinds = (*FORMATS, "html")
+    if picture.suffix[1:] not in kinds:
+        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
     if not picture.resolve().parent.is_dir():
         raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
     check_marked([picture])
@@ -215,7 +216,7 @@ def compare(
     from harness.model.run import to_plain
     from reports.text.glossary import scores_text
 
-    by_pair = cli.compare(
+    compared = cli.compare(
         files,
         asked,
         target,
@@ -226,9 +227,11 @@ def compare(
         slip_uncertainty=slip_uncertainty,
         out=out,
     )
-    lines = [scores_text(pair, scores) for pair, scores in by_pair.items()]
+    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
+    lines += [f"over all scenes, {name}: {scores.sentence}" for name, scores in compared.over_all.items()]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    saying.say(to_plain(by_pair), "\n".join(lines))
+    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
+    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))

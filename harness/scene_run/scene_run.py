@@ -83,7 +83,7 @@ class Result:
 
 def run_scene(
     scene: Scene,
-    names: Sequence[str] = engines.DEFAULT_ENGINES,
+    names: Sequence[str] | None = None,
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
@@ -98,6 +98,8 @@ def run_scene(
 ) -> Result:
     """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
+    `names` None: those that the scene needs (`engines.default_engines`).
+
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
@@ -107,7 +109,7 @@ def run_scene(
     """
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
-    loaded = [engines.load(name) for name in dict.fromkeys(names)]
+    loaded = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene))]
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
     target = RunTarget(accuracy_rad, dt_s, options)

@@ -51,9 +51,10 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
 def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tuple[str, str, list[str]]:
     """Headline, colour and first points: how probable a fall is where the record says so, then the run as given."""
     if not source.record.assessment:
-        return nominal, colour, []
-    item = worst(source.record.assessment)
-    tone = worse_tone(item, colour)
+        # One run is one draw: a shaking that it stands is no reason for green.
+        unknown = colour == "agree" and bool(source.record.motion.accel_m_s2)
+        return nominal, "differ" if unknown else colour, [say("chance.unknown")] if unknown else []
+    item, tone = worst(source.record.assessment), worse_tone(source.record.assessment, colour)
     given = say("chance.given", what=nominal[0].lower() + nominal[1:])
     if item.undecided >= 1.0:
         return say("chance.open"), tone, [given]

@@ -38,6 +38,7 @@ from reports.text.study_rows import (
     family,
     varying_keys,
 )
+from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -67,7 +68,9 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "pairs": agreement(models, cases),
+        "over_all": [
+            (f"{name} and {item.reference}", f"{item.sentence}.") for name, item in (record.scores or {}).items()
+        ],
         "panels": panel_data(record.panels) if record.panels else None,
         "panel_stills": [
             panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
@@ -81,8 +84,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "audit": record.audit,
         "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "warnings": study_warnings(record.rows),
-        "notes": record.notes,
+        "notes": weighed([*study_warnings(record.rows), *record.notes]),
         "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",

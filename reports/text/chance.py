@@ -35,6 +35,6 @@ def worst(answers: Mapping[str, Assessment]) -> Assessment:
     return max(answers.values(), key=lambda each: each.most)
 
 
-def worse_tone(item: Assessment, colour: str) -> str:
-    """The worse of a run's colour and its probability's: a probability makes no run's green greener."""
-    return max(colour, tone_of_probability(item), key=SEVERITY.index)
+def worse_tone(answers: Mapping[str, Assessment], colour: str) -> str:
+    """The worst of a run's colour and every model's probability: a probability makes no run's green greener."""
+    return max([colour, *map(tone_of_probability, answers.values())], key=SEVERITY.index)

@@ -58,6 +58,24 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
     assert found.peaks is not None
     assert found.outcomes.accuracy.value == pytest.approx(10 / 11)
     assert found.peaks.area.value > 0.0
+    assert "12 cases; fallen or standing as analytic in 91 %" in found.sentence
+    assert "the distributions of the peak rotation cannot be told apart" in found.sentence
+
+
+def test_a_model_whose_maxima_are_larger_over_a_suite_of_motions_is_told_apart() -> None:
+    """Thirty motions of unlike strength; twice the rotation in each differs by more than chance, the same by nothing."""
+    rows = []
+    for number in range(30):
+        reference = doubles.rocking(amplitude_rad=0.02 + 0.001 * number)
+        rows += [row(number, "analytic", reference), row(number, "pymunk", doubles.scaled(reference, 2.0))]
+        rows.append(row(number, "pybullet", reference))
+    found = score_sets(rows)
+    assert found["pymunk"].peaks is not None
+    assert found["pymunk"].peaks.differ
+    assert "differ by more than chance: area between them" in found["pymunk"].sentence
+    assert found["pybullet"].peaks is not None
+    assert found["pybullet"].peaks.ks == found["pybullet"].peaks.area.value == 0.0
+    assert "cannot be told apart" in found["pybullet"].sentence
 
 
 def test_without_histories_peaks_and_outcomes_decide() -> None:

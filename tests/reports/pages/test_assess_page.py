@@ -40,7 +40,7 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     assert half.sentence.endswith("(0 to 1 %), and in 50 % the model comes to no end")
     assert tone_of_probability(half) == "differ"
     none = replace(half, undecided=1.0)
-    assert worse_tone(none, "agree") == "differ"
+    assert worse_tone({"analytic": none}, "agree") == "differ"
     assert "0 %" not in none.sentence
     assert "comes to no end in anything that may be true" in none.sentence
 
@@ -69,5 +69,5 @@ def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
 def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
     item = answer(p, 0.0, high)
-    assert worse_tone(item, "agree") == colour
-    assert worse_tone(item, "failed") == "failed"
+    assert worse_tone({"analytic": item}, "agree") == colour
+    assert worse_tone({"analytic": item}, "failed") == "failed"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.records.assess import Assessment
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from reports.drawing.floor_plan import floor_plan
@@ -229,3 +231,35 @@ def test_the_silhouette_is_the_meshs_shadow(tmp_path: Path) -> None:
     assert area(outline) < 0.97 * area(hull), "a figure is not convex"
     assert np.ptp(outline, axis=0) == pytest.approx(np.ptp(hull, axis=0), rel=SHADOW_SHARE)
     assert silhouette_m(source.scene, None) == pytest.approx(hull)
+
+
+def test_the_page_is_green_exactly_where_a_fall_is_improbable(tmp_path: Path) -> None:
+    """Over probabilities, intervals and draws without an end on both sides of 5 and 10 %; all runs shown stand."""
+    source = run_source(write_invented(tmp_path))
+    seen = set()
+    for p in (0.0, 0.01, 0.0499, 0.05, math.nextafter(0.05, 1.0), 0.06, 0.2, 0.5, 1.0):
+        for wide in (0.0, 0.0499, 0.05, 0.051):
+            for undecided in (0.0, 0.03, 0.1):
+                item = Assessment(p, max(p - wide, 0.0), min(p + wide, 1.0), 0.9, 1000, 1000, undecided)
+                record = replace(source.record, assessment={"analytic": item})
+                green = of_run(replace(source, record=record))["tone"] == "agree"
+                assert green == (p <= 0.05 and min(p + wide, 1.0) + undecided < 0.10), item
+                seen.add(green)
+    assert seen == {True, False}
+
+
+def test_one_model_that_doubts_takes_the_green_away(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    # The doubt of one may be a probability above 5 % while the other has the wider interval, below 10 %.
+    safe, unsafe = Assessment(0.03, 0.0, 0.09, 0.9, 1000, 1000), Assessment(0.051, 0.045, 0.06, 0.9, 1000, 1000)
+    for answers in ({"analytic": safe, "pymunk": unsafe}, {"analytic": unsafe, "pymunk": safe}):
+        record = replace(source.record, assessment=answers)
+        assert of_run(replace(source, record=record))["tone"] != "agree"
+
+
+def test_a_shaking_whose_danger_was_not_computed_is_not_green(tmp_path: Path) -> None:
+    """`--no-assess`: that every run stands says nothing of how probable a fall is."""
+    source = run_source(write_invented(tmp_path))
+    page = of_run(replace(source, record=replace(source.record, assessment=None)))
+    assert page["tone"] == "differ"
+    assert "How probable a fall is was not computed." in page["points"]
