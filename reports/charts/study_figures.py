@@ -83,8 +83,8 @@ def panels_figure(group: Sequence[Panel], model: str) -> Json:
     data: list[Json] = []
     notes: list[Json] = []
     layout: Json = {"height": 92 + 118 * len(frequencies), "showlegend": True}
-    curves_shown = [curve for panel in group for curve in panel["curves"].get(model, {}).values()]
-    end_s = max((float(curve["t_s"][-1]) for curve in curves_shown), default=1.0)
+    curves_shown = [curve for panel in group for curve in panel.curves.get(model, {}).values()]
+    end_s = max((float(curve.t_s[-1]) for curve in curves_shown), default=1.0)
     for number, panel in enumerate(group):
         x, y = (f"{letter}{number + 1 if number else ''}" for letter in "xy")
         column, row = amplitudes.index(panel.amplitude_g), frequencies.index(panel.frequency_hz)

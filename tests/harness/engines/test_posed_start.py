@@ -18,6 +18,7 @@ from harness.engines.base import Engine
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.history import Outcome
+from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Contact, Initial, Pose, Scene, Uncertain
 from tests import budgets_spatial_reference as budget
