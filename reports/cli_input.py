@@ -39,7 +39,7 @@ def mesh_inspect(
     picture: Annotated[
         Path | None,
         typer.Option(
-            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf)."
+            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf, .html)."
         ),
     ] = None,
 ) -> None:
@@ -70,8 +70,9 @@ def _check_picture(picture: Path) -> None:
     from harness.records.result_folder import check_marked
     from reports.export.figures import FORMATS
 
-    if picture.suffix[1:] not in FORMATS:
-        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(FORMATS)}", str(picture)))
+    kinds = (*FORMATS, "html")
+    if picture.suffix[1:] not in kinds:
+        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
     if not picture.resolve().parent.is_dir():
         raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
     check_marked([picture])

@@ -85,13 +85,15 @@ def panels_figure(group: Sequence[Mapping[str, Any]], model: str) -> Json:
     data: list[Json] = []
     notes: list[Json] = []
     layout: Json = {"height": 92 + 118 * len(frequencies), "showlegend": True}
+    curves_shown = [curve for panel in group for curve in panel["curves"].get(model, {}).values()]
+    end_s = max((float(curve["t_s"][-1]) for curve in curves_shown), default=1.0)
     for number, panel in enumerate(group):
         x, y = (f"{letter}{number + 1 if number else ''}" for letter in "xy")
         column, row = amplitudes.index(panel["amplitude_g"]), frequencies.index(panel["frequency_hz"])
         left, top = column * wide, 1.0 - row * high
         lowest = row == len(frequencies) - 1
         layout[x.replace("x", "xaxis")] = {
-            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5,
+            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5, "range": [0.0, end_s],
             "title": {"text": "time  [s]" if lowest else ""},
         }  # fmt: skip
         layout[y.replace("y", "yaxis")] = {

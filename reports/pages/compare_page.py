@@ -16,7 +16,7 @@ from harness.records.base import REWRITE
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
-from reports.charts.histories import MOVED_SHARE, event_s
+from reports.charts.event import MOVED_SHARE, event_s
 from reports.charts.palette import HAIRLINE, MUTED, look
 from reports.pages.assets import packed_array
 from reports.text.glossary import score_rows

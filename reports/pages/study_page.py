@@ -39,6 +39,7 @@ from reports.text.study_rows import (
     model_name,
     varying_keys,
 )
+from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -84,8 +85,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "audit": record.audit,
         "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "warnings": study_warnings(record.rows),
-        "notes": record.notes,
+        "notes": weighed([*study_warnings(record.rows), *record.notes]),
         "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
