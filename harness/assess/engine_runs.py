@@ -70,8 +70,8 @@ class EngineRuns:
 
 def draw_key(engine: Engine, scene: Scene) -> str:
     """What names the outcome of a drawn scene: its physics as the engine sees it, the error asked, the versions."""
-    told = versions()
-    mine = [told.get(name) for name in ("rockcheck", "numpy", engine.name)]
+    every = versions()
+    mine = [every.get(name) for name in ("rockcheck", "numpy", engine.name)]
     text = json.dumps([OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine])
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -270,8 +270,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
     if horizon is not None and horizon < end:
         texts.append(
             {
-                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0.09,
-                "yanchor": "bottom", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
+                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts
