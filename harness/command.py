@@ -58,7 +58,11 @@ class Asked:
 
     engine: Annotated[
         list[str] | None,
-        typer.Option("--engine", "-e", help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet."),
+        typer.Option(
+            "--engine",
+            "-e",
+            help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet; thrown: spatial, pybullet.",
+        ),
     ] = None
     overrides: Annotated[
         list[str] | None,

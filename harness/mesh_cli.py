@@ -46,21 +46,21 @@ def inspect(file: Path, known: Known) -> Inspection:
 
 
 def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
-    """Prepare a scan into the mesh file `out`, with its account beside it as JSON; returns the inspection and that
+    """Prepare a scan into the mesh file `out`, with its processing log beside it as JSON; returns the inspection and that
     path.
 
     Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
     """
-    account = out.with_suffix(".account.json")
-    _check_out(out, account, file)
-    found = inspect(file, known)
-    if found.refusal is not None:
-        raise InputError(mesh_mistake(found.refusal, str(file)))
+    log = out.with_suffix(".account.json")
+    _check_out(out, log, file)
+    inspection = inspect(file, known)
+    if inspection.refusal is not None:
+        raise InputError(mesh_mistake(inspection.refusal, str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
     with writing(out) as fresh:
-        found.prepared.write(fresh)
-    record.write_json(account, _plain(found, known) | {"files": listing([out], pages=False)})
-    return found, account
+        inspection.prepared.write(fresh)
+    record.write_json(log, _plain(inspection, known) | {"files": listing([out], pages=False)})
+    return inspection, log
 
 
 def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings | None = None) -> Path:
@@ -87,18 +87,18 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
-    found, account = prepare(scan, mesh, known)
+    inspection, log = prepare(scan, mesh, known)
     try:
-        record.write_text(out, scene_text(found, scan, mesh, shaking, motion, user_input))
+        record.write_text(out, scene_text(inspection, scan, mesh, shaking, motion, user_input))
         load_scene(out)
     except Exception:
-        for written in (out, mesh, account):
+        for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
     return out
 
 
-def _check_out(out: Path, account: Path, file: Path) -> None:
+def _check_out(out: Path, log: Path, file: Path) -> None:
     """Refuse an output that is no mesh format, would overwrite the scan, or anything but a mesh that was prepared before."""
     from meshes.intake import FORMATS
 
@@ -106,11 +106,11 @@ def _check_out(out: Path, account: Path, file: Path) -> None:
         raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
     if out.resolve() == file.resolve():
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
-    check_listed(out, account)
+    check_listed(out, log)
 
 
-def _plain(found: Inspection, known: Known) -> dict[str, object]:
-    """The account as it is written, with what the user said."""
+def _plain(inspection: Inspection, known: Known) -> dict[str, object]:
+    """The processing log as it is written, with what the user said."""
     from dataclasses import asdict
 
-    return {**found.as_dict(), "known": asdict(known)}
+    return {**inspection.as_dict(), "known": asdict(known)}

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated
 
 import typer
 
 from harness import cli as harness_cli
-from harness.campaign.progress import ProgressMessages
 from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
-from harness.model.terminal import printable
-from reports import cli_input
-
-OUT: Final = Path("out")
-READERS: Final = ("engineer", "conservator")
+from reports import cli_bench, cli_input, cli_record
+from reports.cli_result import OUT, Out, say_result
 
 app = typer.Typer(
     name="rockcheck",
@@ -27,7 +22,6 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")]
 Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
 Dask = Annotated[
@@ -74,6 +68,7 @@ def run(
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
+    language: cli_record.InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
@@ -83,16 +78,18 @@ def run(
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
+    cli_record.check_language(language)
     if explain:
         from harness.input.scene_file import load_scene
 
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    more = {"assess": not no_assess, "witness": not no_witness}
-    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
+    result = harness_cli.compute(
+        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=not no_witness
+    )
     write_result(result, folder)
-    _say(plain(result.record()), harness_cli.summary(result), folder, saying)
+    say_result(plain(result.record()), harness_cli.summary(result), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
@@ -126,11 +123,11 @@ def assess(
     from harness.records.result_folder import named_after
 
     folder = out or OUT / f"{named_after(scene)}-assess"
-    found = assess_cli.run(
+    record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
     )  # fmt: skip
-    _say(plain(found), summary(found), folder, saying)
+    say_result(plain(record), summary(record), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -144,20 +141,28 @@ def study(
         Path | None, typer.Option("--export", help="Also write all rows to a .csv or .parquet file.")
     ] = None,
     large: Annotated[bool, typer.Option("--large", help="Run it though it may take more than a day.")] = False,
+    no_witness: Annotated[
+        bool, typer.Option("--no-witness", help="Hold no tenth of the scenes against engines as they come.")
+    ] = False,
+    language: cli_record.InLanguage = "en",
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
+    from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
-    found, summary = study_cli.run(
-        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent
-    )
-    usage = found.get("usage")
-    lines = [f"{study_file.name}: {summary}", *([usage["sentence"]] if usage else [])]
-    _say(found, "\n".join(lines), folder, saying)
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
+    cli_record.check_language(language)
+    record, summary = study_cli.run(
+        study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
+        witness=not no_witness,
+    )  # fmt: skip
+    said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
+    lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    say_result(as_file(record), "\n".join(lines), folder, saying, language)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
@@ -173,7 +178,7 @@ def validate(
             "--engine", "-e", help="A model, with a setting where wanted: pymunk@dt=5e-4, pybullet@accuracy=1e-3."
         ),
     ] = None,
-    samples: Annotated[int, typer.Option("--samples", help="Perturbed runs of each test, for probabilities.")] = 0,
+    samples: Annotated[int, typer.Option("--samples", help="Draws of each test, for probabilities.")] = 0,
     fit_share: Annotated[
         str, typer.Option("--fit-share", help="The share of the tests on which unknowns are fitted.")
     ] = "fit",
@@ -187,18 +192,20 @@ def validate(
     out: Out = None,
 ) -> None:
     """Run the models on measured tests and score them against what was observed; a table of tosses by pose histories."""
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
     from harness.validation.toss_run import body_of_tosses, validate_tosses
-    from harness.validation.validation_run import validate as run_validation
+    from harness.validation.validation_run import run_validation
+    from harness.validation.words import summary
 
     folder = out or OUT / named_after(experiments)
     check_folder(folder, ("validation", "tosses"))
     thrown = body_of_tosses(experiments, body, samples=samples, resume=resume, fit_share=fit_share)
     if thrown is not None:
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
-        _say(measured, "", folder, saying)
+        say_result(as_file(measured), "", folder, saying)
         return
-    found = run_validation(
+    record = run_validation(
         experiments,
         folder,
         models=engine,
@@ -209,93 +216,15 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    _say(found, "", folder, saying)
+    say_result(as_file(record), summary(record), folder, saying)
 
 
-Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
-Parts = Annotated[
-    str | None,
-    typer.Option(
-        "--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."
-    ),
-]
-
-
-@command(app, None, "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")
-def bench(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
-    """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
-    from harness.bench.bench_run import run as measure
-
-    folder = out or OUT / "bench"
-    with ProgressMessages(saying.silent) as messages:
-        found = measure(folder, quick, messages.engine, _names(parts))
-    _say(found, "\n".join(found["sentences"]), folder, saying)
-
-
-@command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")
-def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
-    """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
-    from harness.bench.stress.stress_run import run, sentences
-    from harness.records.base import as_file
-
-    folder = out or OUT / "stress"
-    with ProgressMessages(saying.silent) as messages:
-        found = run(folder, quick, messages.engine, _names(parts))
-    _say(as_file(found), "\n".join(sentences(found)), folder, saying)
-    raise typer.Exit(OK if found.holds else FAILED)
-
-
-@command(app, None, "rockcheck report out/maria", "rockcheck report out/maria --for conservator")
-def report(
-    folder: cli_input.Folder,
-    saying: Saying,
-    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
-) -> None:
-    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.model.errors import InputError, Mistake
-    from reports.pages.page import CONSERVATOR_NAME, write_report
-
-    if reader not in READERS:
-        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
-    page = write_report(folder)
-    if reader == "conservator":
-        page = folder / CONSERVATOR_NAME
-        if not page.is_file():
-            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
-    saying.say({"report": str(page)}, f"report: {page}")
-
-
-def _names(parts: str | None) -> list[str] | None:
-    """The parts named in one option, None for all."""
-    return None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
-
-
-def _say(found: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> None:
-    """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
-    from harness.model.errors import InputError
-    from reports.pages.page import write_report
-
-    if text or saying.as_json:
-        saying.say(found, text)
-    try:
-        page = write_report(folder)
-    except InputError as error:
-        for mistake in error.mistakes:
-            typer.echo(f"error: {mistake}", err=True)
-        raise typer.Exit(FAILED) from error
-    except Exception as fault:
-        page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))
-        fault_text = (
-            f"{page_name} could not be made, {type(fault).__name__}: {fault}; a fault of rockcheck: please report it"
-        )
-        typer.echo(printable(f"error: {fault_text}"), err=True)
-        raise typer.Exit(FAILED) from fault
-    if not saying.silent:
-        typer.echo(printable(f"report: {page}"))
+cli_bench.add_commands(app)
 
 
 harness_cli.add_commands(app)
 cli_input.add_commands(app)
+cli_record.add_commands(app)
 
 
 def main() -> None:

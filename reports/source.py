@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
-
-from jinja2 import UndefinedError
 
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, history_file
-from harness.records.base import REWRITE, Record
+from harness.records.base import REWRITE
 from harness.records.kinds import read_result
 from harness.records.result_folder import RECORD, as_written, owned
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import SceneRecord
-
-DAMAGE: Final = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, StopIteration, UndefinedError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,36 +37,11 @@ class RunSource:
         return self.record.runs
 
 
-def kind_of(record: Record | Mapping[str, Any]) -> str:
-    """The kind of a record."""
-    return record.kind if isinstance(record, Record) else str(record["kind"])
-
-
-@contextmanager
-def naming_damage(folder: Path, record: Record | Mapping[str, Any], page: str = "") -> Iterator[None]:
-    """Turn what a page meets where a part of a record without a class is absent or of another form into an `InputError`.
-
-    A record that has a class was validated when it was read: what a page trips over there is its own fault, and is seen as one.
-    """
-    if isinstance(record, Record):
-        yield
-        return
-    try:
-        yield
-    except InputError:
-        raise
-    except DAMAGE as error:
-        came = f"{type(error).__name__}: {error}"
-        advice = f"{REWRITE}; if it comes again, it is a fault of rockcheck: please report it"
-        wanted = f"a whole record for {page}" if page else "a whole record"
-        raise InputError(Mistake(str(folder / RECORD), "", wanted, came, advice)) from error
-
-
 def run_source(folder: Path) -> RunSource:
     """The record of a run and its histories; raises `InputError` for a damaged folder, or one of another kind."""
     record = read_result(folder)
     if not isinstance(record, RunRecord):
-        raise InputError(Mistake(str(folder / RECORD), "kind", "run", repr(kind_of(record))))
+        raise InputError(Mistake(str(folder / RECORD), "kind", "run", repr(record.kind)))
     return source_of(folder, record)
 
 

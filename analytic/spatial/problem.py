@@ -75,7 +75,7 @@ class Problem:
         Without a given place the lowest vertex is put on the floor; the velocity is then that of a body that turns about it,
         plus what was given.
         """
-        from analytic.spatial.solution import rotation_matrices
+        from analytic.rotation import rotation_matrices
 
         turn = np.array(self.quaternion_wxyz) / math.hypot(*self.quaternion_wxyz)
         velocity, spin = np.array(self.velocity_m_s), np.array(self.angular_velocity_rad_s)

@@ -12,6 +12,7 @@ from analytic.block import positive
 from analytic.encode import encode_motion
 from analytic.kernel.records import Records
 from analytic.motion import Excitation, ZeroExcitation
+from analytic.rotation import rotation_matrices
 from analytic.spatial.body import Body, Floats
 from analytic.spatial.kernel.entries import run
 from analytic.spatial.kernel.records import STATE, Memory, Run, layout
@@ -26,7 +27,6 @@ from analytic.spatial.solution import (
     Interval,
     Solution,
     Work,
-    rotation_matrices,
 )
 
 RUN: Final = layout(Run)

@@ -38,18 +38,13 @@ PIECE: Final = {"pybullet": 8, "pymunk": 25}
 
 def statement(run: Run, truth: Run) -> Statement:
     """A run's statement against the run that stands for the truth."""
-    until_s = reliable_until_s(run)
+    until_s = run.bounded_until_s
     rotation, slip = errors(run, truth, until_s)
     return Statement(
         run.engine, run.outcome.value, run.settings.get("dt_s"), int(run.work.get("runs", 1)),
         int(run.work.get("steps_of_all_runs", run.steps)), run.numerical_uncertainty_rad or 0.0,
         run.slip_uncertainty_m or 0.0, until_s, run.end_s, rotation, slip, run.validity.get("plain_from_s"),
     )  # fmt: skip
-
-
-def reliable_until_s(run: Run) -> float:
-    """Until when a run's statement is said to hold."""
-    return run.end_s if run.reliable_until_s is None else run.reliable_until_s
 
 
 def read(row: Row) -> Coverage:
@@ -68,7 +63,7 @@ def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: 
         begin = time.process_time()
         run = run_to_accuracy(engine, scene, accuracy_rad, RunOptions())
         cpu_s = time.process_time() - begin
-        truth = truth_of(engine, scene, run, reliable_until_s(run))
+        truth = truth_of(engine, scene, run, run.bounded_until_s)
         if run.history is None or truth.history is None:
             continue
         row = Coverage(engine.name, seed, accuracy_rad, statement(run, truth), cpu_s)

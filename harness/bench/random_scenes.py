@@ -18,7 +18,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import reliable_until_s, statement, truth_of
+from harness.bench.coverage import statement, truth_of
 from harness.bench.pages import renew, table
 from harness.bench.seeded_scenes import GENERATORS
 from harness.campaign.parts import source
@@ -74,7 +74,7 @@ def row_of(generator: str, seed: int) -> SceneRow:
         return truth_of(engines.load(run.engine), scene, run, until_s, FINEST_S)
 
     stated = {name: simulate(scene, name) for name in names}
-    statements = {name: statement(run, truth(run, reliable_until_s(run))) for name, run in stated.items()}
+    statements = {name: statement(run, truth(run, run.bounded_until_s)) for name, run in stated.items()}
     result = run_scene(scene, names)
     known = result.horizons.get("analytic")
     pairs = {}
@@ -82,7 +82,7 @@ def row_of(generator: str, seed: int) -> SceneRow:
         refuted = None
         if scores.verdict is Verdict.MODEL:
             both = [result.runs[name] for name in (scores.a, scores.b)]
-            until_s = min(reliable_until_s(run) for run in both)
+            until_s = min(run.bounded_until_s for run in both)
             one, other = (replace(run, history=truth(run, until_s).history) for run in both)
             horizons_s = [known.intrinsic_s if known and run.engine == "analytic" else None for run in both]
             again = compare(one, other, scene=scene, horizons_s=(horizons_s[0], horizons_s[1]))
@@ -119,7 +119,7 @@ def tables(rows: Sequence[SceneRow]) -> str:
         for name in NAMES:
             items = [row.engines[name] for row in rows if row.generator == generator and name in row.engines]
             if items:
-                by_engine.append([generator, f"`{name}`", *_counted(items)])
+                by_engine.append([generator, f"`{name}`", *counted(items)])
     by_pair = []
     for generator in GENERATORS:
         pairs = [pair for row in rows if row.generator == generator for pair in row.pairs.values()]
@@ -130,7 +130,8 @@ def tables(rows: Sequence[SceneRow]) -> str:
     return f"{table(heads, by_engine)}\n\n{table(verdicts, by_pair)}"
 
 
-def _counted(items: Sequence[Statement]) -> list[str]:
+def counted(items: Sequence[Statement]) -> list[str]:
+    """Cells of a table: how many statements there are, and how many held, for how long, in how many runs."""
     held = [sum(item.rotation_holds for item in items), sum(item.slip_holds for item in items)]
     share = np.mean([item.share for item in items])
     shares = [f"{count} ({100.0 * count / len(items):.3g} %)" for count in held]

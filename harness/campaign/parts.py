@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Generic, TypeVar, cast
 
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import Crash, InlinePool, LocalPool
@@ -17,10 +17,14 @@ from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.records.result_folder import check_folder, listing
+from harness.records.base import as_file
+from harness.records.bench import BenchRecord, PartRow
+from harness.records.result_folder import RECORD, check_folder, listing
+from harness.records.stress import StressRecord
 
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
+R = TypeVar("R", BenchRecord, StressRecord)
 PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz")
 
 
@@ -52,6 +56,35 @@ class Measured:
         return [row for task in part.tasks for row in self.rows.get(task, [])]
 
 
+@dataclass(frozen=True)
+class Measurement(Generic[R]):
+    """A command that measures: its parts, whole or `quick`, the record that they and its command line make, what that says."""
+
+    name: str
+    parts: Callable[[bool], list[Part]]
+    assembled: Callable[[Sequence[Part], Mapping[str, Measured], str], R]
+    sentences: Callable[[R], Sequence[str]]
+
+    def run(
+        self,
+        folder: Path,
+        quick: bool = False,
+        only: Sequence[str] | None = None,
+        on_progress: Callable[[str], None] = lambda text: None,
+    ) -> R:
+        """Measure everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
+
+        What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
+        written, or an unknown part.
+        """
+        listed = self.parts(quick)
+        measured = session(folder, listed, quick, only, on_progress)
+        assembled = self.assembled(listed, measured, command(self.name, quick, measured))
+        complete = replace(assembled, files=listing(()))
+        record.write_json(folder / RECORD, as_file(complete))
+        return complete
+
+
 def source() -> str:
     """SHA-256 of what computes: rows of one version, but of different code, are no one measurement."""
     root = Path(__file__).resolve().parents[2]
@@ -70,19 +103,11 @@ def session(
     return measure(folder, parts, only, stamp, on_progress)
 
 
-def written(folder: Path, measured: Mapping[str, Any]) -> dict[str, Any]:
-    """The record of all parts as plain values, written into `folder` as `result.json`."""
-    about = {"versions": record.versions(), "machine": record.machine(), "files": listing(())}
-    plain: dict[str, Any] = record.to_plain({**measured, **about})
-    record.write_json(folder / "result.json", plain)
-    return plain
-
-
 def measure(
     folder: Path,
     parts: Sequence[Part],
     only: Sequence[str] | None,
-    stamp: Mapping[str, Any],
+    stamp: Mapping[str, object],
     on_progress: Callable[[str], None],
 ) -> dict[str, Measured]:
     """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
@@ -110,12 +135,9 @@ def measure(
         return {part.name: _measured(part, keys[part.name], store) for part in parts}
 
 
-def seconds(measured: Mapping[str, Measured]) -> list[Row]:
+def seconds(measured: Mapping[str, Measured]) -> list[PartRow]:
     """What each part took: by the clock, and summed over its tasks."""
-    return [
-        {"part": name, "wall_s": item.wall_s, "busy_s": item.busy_s, "tasks": len(item.rows), "left": list(item.left)}
-        for name, item in measured.items()
-    ]
+    return [PartRow(name, item.wall_s, len(item.rows), item.left, item.busy_s) for name, item in measured.items()]
 
 
 def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
@@ -125,10 +147,10 @@ def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
+def sentences(rows: Sequence[PartRow]) -> list[str]:
     """The seconds of each part in words, and what is not measured yet."""
-    spent = ", ".join(f"{row['part']} {row['wall_s']:.0f} s" for row in rows if row["tasks"])
-    left = [f"{row['part']} ({len(row['left'])} to do)" for row in rows if row["left"]]
+    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s" for row in rows if row.tasks)
+    left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
     return [f"Time by part: {spent}."] + ([f"Not measured yet: {', '.join(left)}."] if left else [])
 
 
@@ -140,7 +162,7 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     return [part for part in parts if only is None or part.name in only]
 
 
-def _key(part: Part, task: str, stamp: Mapping[str, Any]) -> str:
+def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
     text = json.dumps(record.to_plain([part.name, task, stamp]), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -150,7 +172,7 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
     for task, key in keys.items():
         row, timing = store.get(key), store.timing(key)
         if row is not None and timing is not None:
-            measured.rows[task] = row.record["rows"]
+            measured.rows[task] = cast("list[Row]", row.record["rows"])
             measured.busy_s += timing[0]
             measured.wall_s += timing[1]
     measured.left = tuple(task for task in part.tasks if task not in measured.rows)
@@ -193,12 +215,12 @@ def _together(
 ) -> None:
     """The tasks of all these parts on all cores, in the order given: the longest should come first."""
 
-    def tell(done: int, total: int) -> None:
+    def on_count(done: int, total: int) -> None:
         if campaign.latest is not None and done:
             part, task = campaign.latest.argument
             on_progress(f"{done} of {total} done: {part.name}, {task}")
 
     tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
     with closing(LocalPool()) as pool:
-        campaign = Campaign(store, pool, tell)
+        campaign = Campaign(store, pool, on_count)
         campaign.run(tasks, len(tasks))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final, TypedDict
+from typing import Final
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.scores import IsoRating, Scores
+from harness.records.scores import IsoRating, Outcomes, Peaks, Pointwise, Residuals, Scores, Window
 
 __all__ = ["Scores", "compare"]
 
@@ -58,27 +58,23 @@ def compare(
     both = _paired(history_a, history_b, a, b, names)
     until = min(side.until_s for side in sides)
     within = both.until(until)
-    found = events.excursions(history_a), events.excursions(history_b)
+    excursions = events.excursions(history_a), events.excursions(history_b)
     inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     judgement = judge(*sides, both, peaks)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
     return Scores(
-        a=names[0],
-        b=names[1],
-        compared_from_s=within.start_s,
-        compared_until_s=within.end_s,
-        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
-        horizon_s=_finite(until),
-        **_pointwise(within),
-        **_peaks(*peaks),
+        **vars(_window(names, within, longest_s, until)),
+        **vars(_pointwise(within)),
+        **vars(_peaks(*peaks)),
         together_until_s=pointwise.together_until_s(both, together_rad),
         together_tolerance_rad=together_rad,
-        **event_scores(*found, inertia, until),
-        **_residuals(a, b, both, until),
-        **_outcomes(a, b),
-        after_horizon=after_horizon(found, both, until),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, found, until),
+        **vars(event_scores(*excursions, inertia, until)),
+        **vars(_residuals(a, b, both, until)),
+        **vars(pointwise.sprague_geers(within)),
+        **vars(_outcomes(a, b)),
+        after_horizon=after_horizon(excursions, both, until),
+        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until),
         verdict=judgement.verdict,
         verdict_sentence=judgement.sentence,
         evidence=judgement.evidence,
@@ -119,83 +115,59 @@ def _finite(time_s: float) -> float | None:
     return time_s if math.isfinite(time_s) else None
 
 
-class _Pointwise(TypedDict):
-    rms_theta_rad: float
-    largest_difference_rad: float
-    rms_slip_m: float
-    magnitude: float | None
-    phase: float | None
-    combined: float | None
+def _window(names: tuple[str, str], within: Pair, longest_s: float, until_s: float) -> Window:
+    return Window(
+        a=names[0],
+        b=names[1],
+        compared_from_s=within.start_s,
+        compared_until_s=within.end_s,
+        coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
+        horizon_s=_finite(until_s),
+    )
 
 
-def _pointwise(within: Pair) -> _Pointwise:
-    geers = pointwise.sprague_geers(within)
-    return {
-        "rms_theta_rad": pointwise.rms_rad(within),
-        "largest_difference_rad": float(np.max(np.abs(within.difference_rad))),
-        "rms_slip_m": pointwise.rms_slip_m(within),
-        "magnitude": geers.magnitude,
-        "phase": geers.phase,
-        "combined": geers.combined,
-    }
+def _pointwise(within: Pair) -> Pointwise:
+    return Pointwise(
+        rms_theta_rad=pointwise.rms_rad(within),
+        largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
+        rms_slip_m=pointwise.rms_slip_m(within),
+    )
 
 
-class _Peaks(TypedDict):
-    peak_theta_a_rad: float
-    peak_theta_b_rad: float
-    peak_ratio: float | None
-    peak_time_difference_s: float
-
-
-def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> _Peaks:
+def _peaks(a: pointwise.Peak, b: pointwise.Peak) -> Peaks:
     both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
-    ratio = abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None)
-    return {
-        "peak_theta_a_rad": a.theta_rad,
-        "peak_theta_b_rad": b.theta_rad,
-        "peak_ratio": ratio,
-        "peak_time_difference_s": 0.0 if both_still else a.time_s - b.time_s,
-    }
+    return Peaks(
+        peak_theta_a_rad=a.theta_rad,
+        peak_theta_b_rad=b.theta_rad,
+        peak_ratio=abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None),
+        peak_time_difference_s=0.0 if both_still else a.time_s - b.time_s,
+    )
 
 
-class _Residuals(TypedDict):
-    residual_theta_difference_rad: float | None
-    residual_slip_difference_m: float | None
-
-
-def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> _Residuals:
+def _residuals(a: Run | History, b: Run | History, both: Pair, until_s: float) -> Residuals:
     """Differences of the last values; None beyond the horizon, and where a run did not end standing: nothing has come to rest."""
     stood = all(not isinstance(answer, Run) or answer.outcome is Outcome.STANDS for answer in (a, b))
     known = stood and until_s >= both.end_s
-    return {
-        "residual_theta_difference_rad": float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
-        "residual_slip_difference_m": float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
-    }
+    return Residuals(
+        residual_theta_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if known else None,
+        residual_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]) if known else None,
+    )
 
 
-class _Outcomes(TypedDict):
-    outcome_a: Outcome | None
-    outcome_b: Outcome | None
-    outcome_agrees: bool | None
-    side_agrees: bool | None
-    no_return_time_difference_s: float | None
-
-
-def _outcomes(a: Run | History, b: Run | History) -> _Outcomes:
-    outcomes = [answer.outcome if isinstance(answer, Run) else None for answer in (a, b)]
+def _outcomes(a: Run | History, b: Run | History) -> Outcomes:
+    first, second = (answer.outcome if isinstance(answer, Run) else None for answer in (a, b))
     times = [answer.no_return_time_s if isinstance(answer, Run) else None for answer in (a, b)]
-    first, second = outcomes
     agree = side = None
     if first is not None and second is not None:
         agree = first.same_as(second)
         side = first is second if first.overturned and second.overturned else None
-    return {
-        "outcome_a": first,
-        "outcome_b": second,
-        "outcome_agrees": agree,
-        "side_agrees": side,
-        "no_return_time_difference_s": None if times[0] is None or times[1] is None else times[0] - times[1],
-    }
+    return Outcomes(
+        outcome_a=first,
+        outcome_b=second,
+        outcome_agrees=agree,
+        side_agrees=side,
+        no_return_time_difference_s=None if times[0] is None or times[1] is None else times[0] - times[1],
+    )
 
 
 def _iso(both: Pair) -> IsoRating:
@@ -227,9 +199,9 @@ def _without_histories(a: Run | History, b: Run | History, sides: tuple[Side, Si
         magnitude=None,
         phase=None,
         combined=None,
-        **_peaks(*peaks),
-        **event_scores(none, none, None),
-        **_outcomes(a, b),
+        **vars(_peaks(*peaks)),
+        **vars(event_scores(none, none, None)),
+        **vars(_outcomes(a, b)),
         numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, (none, none)),
         verdict=judgement.verdict,
         verdict_sentence=judgement.sentence,

@@ -16,9 +16,11 @@ How to add an engine
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, TypeVar
 
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -28,8 +30,24 @@ FINER: Final = 0.45
 """Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""
 
 
+MOVING_TABLE: Final = "a moving table (table; it accelerates the floor's frame)"
+"""What engines that compute in the floor's frame refuse."""
+
+
 class EngineFailure(RuntimeError):
     """The engine could not finish this run; the harness records it as a failure of this run only."""
+
+
+def refuse(name: str, asked: Mapping[str, bool], *others: str) -> None:
+    """Raise `EngineFailure` for what an engine does not compute, as its answer would be that of another scene.
+
+    `asked` says of each thing whether the scene asks for it; `others` are the engines that have it.
+    """
+    refused = [thing for thing, there in asked.items() if there]
+    if refused:
+        raise EngineFailure(
+            f"{name} does not compute {' nor '.join(refused)}: leave it out, or ask {' or '.join(others)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -42,6 +60,24 @@ class Settings:
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain values, as they stand in the record."""
         return asdict(self)
+
+
+Own = TypeVar("Own", bound=Settings)
+
+
+def own_settings(name: str, kind: type[Own], settings: Settings) -> Own:
+    """The settings as those of an engine's own kind. Raises `TypeError` for another engine's."""
+    if not isinstance(settings, kind):
+        raise TypeError(f"{name} wants its own settings, got {type(settings).__name__}")
+    return settings
+
+
+def near(levels: Sequence[tuple[float, ...]], dt_s: float) -> tuple[float, ...]:
+    """Numbers of the level whose step is nearest to `dt_s`, for that step: its expected error, the last of them, goes with the
+    step, the first.
+    """
+    level_s, *between, error_rad = min(levels, key=lambda level: abs(math.log(level[0] / dt_s)))
+    return (dt_s, *between, error_rad * dt_s / level_s)
 
 
 class Engine(ABC):

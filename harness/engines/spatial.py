@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import Engine, EngineFailure, Settings
+from harness.engines.base import MOVING_TABLE, Engine, EngineFailure, Settings, own_settings, refuse
 from harness.engines.contact import frame
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import planar, statue_columns
@@ -68,15 +68,22 @@ class Spatial(Engine):
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[SpatialSettings, ...]:
         """A hundredth of the local error, and short steps."""
-        own = _own(settings)
+        own = own_settings(self.name, SpatialSettings, settings)
         return (replace(own, tolerance=max(0.01 * own.tolerance, 1e-15)), replace(own, dt_s=VERIFICATION_STEP_S))
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
         from analytic import AnalyticInputError, spatial
 
-        _refuse(scene)
-        own = _own(settings)
+        imposed = "a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)"
+        asked = {
+            "a pedestal (its statue stands on the floor)": scene.pedestal is not None,
+            imposed: scene.contact.restitution is not None,
+            MOVING_TABLE: scene.table == "moving",
+            "a wall": scene.wall is not None,
+        }
+        refuse(self.name, asked, "pymunk", "pybullet")
+        own = own_settings(self.name, SpatialSettings, settings)
         begin = time.perf_counter()
         try:
             certified = spatial.certify(
@@ -89,29 +96,6 @@ class Spatial(Engine):
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
         return _run(scene, own, certified, options, begin)
-
-
-def _own(settings: Settings) -> SpatialSettings:
-    if isinstance(settings, SpatialSettings):
-        return settings
-    raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
-
-
-def _refuse(scene: Scene) -> None:
-    """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
-    refused = []
-    if scene.pedestal is not None:
-        refused.append("a pedestal (its statue stands on the floor)")
-    if scene.contact.restitution is not None:
-        refused.append("a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)")
-    if scene.table == "moving":
-        refused.append("a moving table (table; it accelerates the floor's frame)")
-    if scene.wall is not None:
-        refused.append("a wall")
-    if refused:
-        raise EngineFailure(
-            f"spatial does not compute {' nor '.join(refused)}: leave it out, or ask pymunk or pybullet"
-        )
 
 
 def problem_of(scene: Scene) -> Problem:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import tomli_w
@@ -13,15 +13,11 @@ import tomli_w
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
-from harness.input.motions.spec import Component
 from harness.input.overrides import Overrides, replacements
 from harness.input.tables import ContactTable, InitialTable, ModelTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
-
-if TYPE_CHECKING:
-    pass
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
@@ -59,7 +55,7 @@ Statues = dict[str, tuple["Statue", Sequence[str]]]
 
 
 def resolve(
-    model: SceneFile, path: Path, content: dict[str, object] | None = None, statues: Statues | None = None
+    model: SceneFile, path: Path, content: Mapping[str, object] | None = None, statues: Statues | None = None
 ) -> Scene:
     """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
 
@@ -67,7 +63,7 @@ def resolve(
     """
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    base_excitation = _shake(model, path, mistakes, notes)
+    base_excitation = _base_excitation(model, path, mistakes, notes)
     statue = None
     try:
         statue = _statue_once(model.statue, path, notes, statues)
@@ -124,27 +120,19 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
-    found: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
-    for axis in found:
-        component: Component | None = getattr(model.motion, axis)
-        if component is None:
+def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
+    excitations: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
+    for axis in excitations:
+        motion = motions.SceneMotion.of(model, axis, path)
+        if motion is None:
             continue
-        key = f"motion.{axis}"
         try:
-            prepared = motions.prepare(
-                component,
-                base_dir=path.parent,
-                where=str(path),
-                key=key,
-                duration_s=model.duration_s,
-                gravity_m_s2=model.gravity_m_s2,
-            )
-            found[axis] = prepared.excitation.scaled(model.motion.scale)
-            notes.extend(f"{key}: {warning}" for warning in prepared.warnings)
+            prepared = motions.prepare(motion)
+            excitations[axis] = prepared.excitation.scaled(model.motion.scale)
+            notes.extend(f"{motion.key}: {warning}" for warning in prepared.warnings)
         except InputError as error:
             mistakes.extend(error.mistakes)
-    return BaseExcitation(**found)
+    return BaseExcitation(**excitations)
 
 
 def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedestal | None:

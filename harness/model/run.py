@@ -88,6 +88,11 @@ class Run(Shown):
     motion_axes: Sequence[str] | None = None
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
 
+    @property
+    def bounded_until_s(self) -> float:
+        """Until when its stated numerical errors hold; to its end where none is stated."""
+        return self.end_s if self.reliable_until_s is None else min(self.reliable_until_s, self.end_s)
+
     def facts(self) -> dict[str, str]:
         """Engine, outcome, peak with its numerical error, slip."""
         error = "" if self.numerical_uncertainty_rad is None else f" ± {self.numerical_uncertainty_rad:.1g}"
@@ -157,7 +162,7 @@ def to_plain(value: Any) -> Any:
     return value
 
 
-def write_json(path: Path, record: Mapping[str, Any]) -> None:
+def write_json(path: Path, record: Mapping[str, object]) -> None:
     """Write a record so that the file is either the old one or the whole new one; of a long list each item is one line."""
     try:
         text = _json(record)
@@ -166,7 +171,7 @@ def write_json(path: Path, record: Mapping[str, Any]) -> None:
     write_text(path, text + "\n")
 
 
-def _json(record: Mapping[str, Any]) -> str:
+def _json(record: Mapping[str, object]) -> str:
     lines = [f" {json.dumps(str(key), ensure_ascii=False)}: {_value(value)}" for key, value in record.items()]
     return "{\n" + ",\n".join(lines) + "\n}" if lines else "{}"
 
@@ -200,13 +205,13 @@ def versions() -> dict[str, str]:
 @lru_cache(maxsize=1)
 def _versions() -> Mapping[str, str]:
     # Asked for every key of a study; looking it up opens files.
-    found = {"python": platform.python_version()}
+    versions = {"python": platform.python_version()}
     for name in DISTRIBUTIONS:
         try:
-            found[name] = metadata.version(name)
+            versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return versions
 
 
 def machine() -> dict[str, str | int]:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import SCHEMA_VERSION, write_text
@@ -18,7 +18,9 @@ CLASSES: Final[Mapping[str, str]] = {
     "assess": "harness.records.assess:AssessRecord",
     "study": "harness.records.study:StudyRecord",
     "effects3d": "harness.records.effects3d:EffectsRecord",
+    "rocking_spectrum": "harness.records.rocking_spectrum:RockingSpectrumRecord",
     "validation": "harness.records.validation:ValidationRecord",
+    "tosses": "harness.records.tosses:TossesRecord",
     "bench": "harness.records.bench:BenchRecord",
     "stress": "harness.records.stress:StressRecord",
     "compare": "harness.records.compare:CompareRecord",
@@ -27,17 +29,14 @@ CLASSES: Final[Mapping[str, str]] = {
 
 
 def class_of(kind: str) -> type[Record]:
-    """The class of a kind's record. Raises `KeyError` for a kind that has none."""
+    """The class of a kind's record."""
     module, _, name = CLASSES[kind].partition(":")
     record: type[Record] = getattr(import_module(module), name)
     return record
 
 
-def read_result(folder: Path | str) -> Record | dict[str, Any]:
-    """The record of a result folder, as its class; plain values where its kind has none.
-
-    Raises `InputError` when it is absent, damaged, or of another schema.
-    """
+def read_result(folder: Path | str) -> Record:
+    """The record of a result folder. Raises `InputError` when it is absent, damaged, or of another schema."""
     path = Path(folder) / RECORD
     if not path.is_file():
         advice = "run `rockcheck run SCENE --out DIR` first"
@@ -53,7 +52,7 @@ def read_result(folder: Path | str) -> Record | dict[str, Any]:
     kind = record.get("kind")
     if kind not in KINDS:
         raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
-    return validated(class_of(kind), text, path) if kind in CLASSES else record
+    return validated(class_of(kind), text, path)
 
 
 def schema_text(kind: str) -> str:

@@ -9,20 +9,22 @@ from typing import Literal
 from harness.model.run import OMITTED
 from harness.records.base import Record, Table
 from harness.records.scores import Interval, Scores
-from harness.records.sets import FragilityCurve, OutcomeScores, SetScores
+from harness.records.sets import FragilityCurve, OutcomeScores, ReliabilityBin, SetScores
 
 
 @dataclass(frozen=True)
 class ProbabilityScores:
-    """Brier's score of the probabilities and its skill over the mean, over the tests of which one is known.
+    """Brier's score of the probabilities, its skill over the mean, the area under the curve, and the reliability diagram.
 
-    `samples` perturbed runs of each test; not so for the baseline, which has its own curve.
+    Over the tests of which a probability is known; `samples` perturbed runs of each (none of the baseline, which has a curve).
     """
 
     tests: int
     brier: float | None
     brier_skill: float | None
     samples: int | None = field(default=None, metadata=OMITTED)
+    area: Interval | None = None
+    reliability: Sequence[ReliabilityBin] = ()
 
 
 @dataclass(frozen=True)
@@ -64,12 +66,15 @@ class Curves:
 
 @dataclass(frozen=True)
 class Fitted:
-    """The unknown inputs that were chosen, on how many tests, and the share of these that came out right."""
+    """The unknown inputs that were chosen, on how many tests, the share of these that came out right, the runs it took."""
 
     tests: int
     accuracy: float | None
     friction: float | None
     azimuth_deg: Mapping[str, float]
+    contact_tolerance_m: Mapping[str, float] = field(default_factory=dict)
+    inset_m: Mapping[str, float] = field(default_factory=dict)
+    runs: int = 0
 
 
 @dataclass(frozen=True)
@@ -90,13 +95,26 @@ class ModelSetting:
 
 
 @dataclass(frozen=True)
+class FallScores:
+    """Scores of predicted falls, whichever way they go."""
+
+    cases: int
+    accuracy: Interval | None
+    precision: Interval | None
+    recall: Interval | None
+    f1: Interval | None
+    matthews: Interval | None
+
+
+@dataclass(frozen=True)
 class ModelScores(Curves):
-    """All scores of one model."""
+    """All scores of one model: of its nominal runs, of P ≥ ½ (None without perturbed runs), and of the probabilities."""
 
     tests: int
     failed: int
     fitted: Fitted
     outcomes: OutcomeScores
+    by_probability: FallScores | None
     probability: ProbabilityScores
     by_intensity: Sequence[IntensityClass]
 
@@ -109,27 +127,16 @@ class ModelRecord(ModelScores, ModelSetting):
 
 
 @dataclass(frozen=True)
-class BaselineOutcomes:
-    """The outcomes of the threshold, which knows no side."""
-
-    cases: int
-    accuracy: Interval | None
-    precision: Interval | None
-    recall: Interval | None
-    f1: Interval | None
-    matthews: Interval | None
-
-
-@dataclass(frozen=True)
 class BaselineRecord:
-    """What needs no model: the threshold on PGV, and the probability by PGV alone."""
+    """What needs no model: each body's threshold on PGV (`threshold_m_s`: of all together), the probability by PGV alone."""
 
     rule: str
     threshold_m_s: float
     fitted_on: str
-    outcomes: BaselineOutcomes
+    outcomes: FallScores
     probability: ProbabilityScores
     by_intensity: Sequence[IntensityClass]
+    threshold_by_body_m_s: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,7 +180,10 @@ class RunCounts:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ValidationRecord(Record):
-    """`result.json` of `rockcheck validate`; `unknown` inputs have several values in the table, `unfitted` had no share."""
+    """`result.json` of `rockcheck validate`; `unknown` inputs have several values in the table, `unfitted` had no share.
+
+    `unexplained` are tests whose observed outcome no run of any model gave: at no setting of the table, in no draw.
+    """
 
     kind: Literal["validation"] = "validation"
     title: str = ""
@@ -188,6 +198,7 @@ class ValidationRecord(Record):
     observed: Curves
     baseline: BaselineRecord
     rows: Sequence[TestRow]
+    unexplained: Sequence[str] = ()
     experiments: str
     runs: RunCounts
     seed: int = 0

@@ -43,7 +43,7 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     missing = engine.missing()
     if missing is not None:
         return Witness(name, 0.0, None, None, missing)
-    wanted_s = _bounded_s(own)
+    wanted_s = own.bounded_until_s
     if wanted_s <= LEAST_S:
         return Witness(
             name, 0.0, None, None, f"{own.engine} bounds its numerical error nowhere: there is nothing to confirm"
@@ -76,10 +76,6 @@ def _witness(scene: Scene, runs: Mapping[str, Run], name: str, options: RunOptio
     )
 
 
-def _bounded_s(run: Run) -> float:
-    return run.end_s if run.reliable_until_s is None else min(run.reliable_until_s, run.end_s)
-
-
 def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> tuple[Settings, Settings, float]:
     """The finest settings, with their verification run's, whose two runs to `until_s` take at most so many steps.
 
@@ -98,15 +94,15 @@ def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> t
 def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     scores = compare(run, plain)
     evidence = scores.evidence
-    known_s = min(_bounded_s(run), _bounded_s(plain))
+    known_s = min(run.bounded_until_s, plain.bounded_until_s)
     parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
         at = parts_s
-        convention, convention_s = _convention(scene, run, at)
+        choice, choice_s = convention(scene, run, at)
         fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
         other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
         apart = evidence.largest_difference_rad
-        return Judged(False, at, apart, at, convention, convention_s, other if convention else "")
+        return Judged(False, at, apart, at, choice, choice_s, other if choice else "")
     apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 
@@ -120,7 +116,7 @@ def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
     return f"of the rocking plane alone: {' and '.join(unlike)} got another part of the floor's motion"
 
 
-def _convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
+def convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
     """The choice between conventions that decided what followed, if one came before the two parted, and when."""
     choices = [t_s for t_s in run.validity.get("several_joint_states_s", ()) if t_s <= parts_s]
     slides = [item.start_s for item in run.patterns if item.name in ("sliding", "both") and item.start_s <= parts_s]

@@ -6,9 +6,11 @@ from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
+from harness.scene_run.witness import BUDGET
 from harness.scene_run.workload import LONGEST_S, run_s, words
 from harness.studies.case_selection import COARSEST, REFERENCE, map_axes
 from harness.studies.file import StudyFile
+from harness.studies.witnessed import SHARE
 
 WITH_HISTORY: Final = 10.0
 """By how much a history makes an analytic run dearer; to contact engines it makes no difference."""
@@ -29,7 +31,7 @@ def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
             if engine == REFERENCE:
                 total += study.points * each * (WITH_HISTORY if study.ask.histories else 1.0)
             else:
-                total += _sent(study) * each
+                total += _sent(study) * each * (1.0 + SHARE * (1.0 + BUDGET))
     return total / workers
 
 

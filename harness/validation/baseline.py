@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from harness.comparison.statistics import fragility
 from harness.model.history import Array
 from harness.records.validation import ContourLine, ContourRecord
-from harness.validation.scenes import Intensity
-
-Flags = NDArray[np.bool_]
+from harness.validation.motions import Intensity
 
 RIDGE: Final = 1e-6
 """Weight of the ridge that keeps the contour's Newton steps finite where the classes are separated: one case in a million."""
@@ -43,13 +41,6 @@ def best_threshold(intensity: ArrayLike, fell: ArrayLike) -> float:
     return float(np.nextafter(x[-1], math.inf)) if k == x.size else float(0.5 * (x[k - 1] + x[k]))
 
 
-def leave_one_out(intensity: ArrayLike, fell: ArrayLike) -> Flags:
-    """The threshold's prediction of each case when fitted on all others, shape (n,), n ≥ 2."""
-    x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.bool_)
-    keep = ~np.eye(x.size, dtype=np.bool_)
-    return np.array([x[i] >= best_threshold(x[keep[i]], y[keep[i]]) for i in range(x.size)], dtype=np.bool_)
-
-
 def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
     """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`statistics.fragility`).
 
@@ -65,13 +56,6 @@ def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
             p[at > 0.0] = curve.probability(at[at > 0.0])
     p[at <= 0.0] = 0.0
     return p
-
-
-def chances_left_out(intensity: ArrayLike, fell: ArrayLike) -> Array:
-    """The same for each case from all others, shape (n,), n ≥ 2."""
-    x, y = np.asarray(intensity, dtype=np.float64), np.asarray(fell, dtype=np.float64)
-    keep = ~np.eye(x.size, dtype=np.bool_)
-    return np.concatenate([chances(x[keep[i]], y[keep[i]], x[i : i + 1]) for i in range(x.size)])
 
 
 @dataclass(frozen=True)

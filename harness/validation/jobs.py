@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
@@ -14,8 +13,8 @@ from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import RunOptions
-from harness.validation.scenes import Variant, digest_of, scene_of, variants
-from harness.validation.table import Trial
+from harness.validation.scenes import Variant, digest_of, scene_of
+from harness.validation.table import UNKNOWN, Trial
 
 BATCH: Final = {"analytic": 32, "pymunk": 8}
 """Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""
@@ -75,29 +74,34 @@ def parse_model(text: str) -> Model:
     return Model(text, engine, accuracy, step)
 
 
-def jobs_of(trials: Sequence[Trial], models: Sequence[Model], samples: int, seed: int) -> list[Job]:
-    """All runs wanted, those of one body and azimuth side by side."""
-    jobs = []
-    for model in models:
+class Jobs:
+    """The runs of one model by test and variant, each keyed by all that decides its answer."""
+
+    def __init__(self, model: Model, seed: int) -> None:
         versions = record.versions()
-        mine = [versions.get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-        for trial in sorted(trials, key=lambda each: each.body):
-            digest = digest_of(trial)
-            for variant in variants(trial, samples):
-                jobs.append(Job(_key(digest, trial, variant, model, seed, mine), trial, variant, model, seed))
-    return jobs
+        self._versions = [versions.get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
+        self.model, self._seed = model, seed
+        self._digests: dict[Trial, str] = {}
 
+    def job(self, trial: Trial, variant: Variant) -> Job:
+        """The run of one variant of a test."""
+        return Job(self._key(trial, variant), trial, variant, self.model, self._seed)
 
-def _key(digest: str, trial: Trial, variant: Variant, model: Model, seed: int, versions: Sequence[Any]) -> str:
-    inputs = trial.azimuths_deg[variant.azimuth], trial.frictions[variant.friction], variant.sample
-    drawn = seed if variant.sample else None
-    setting = model.engine, model.accuracy_rad, model.dt_s, trial.history is not None and variant.sample == 0
-    return hashlib.sha256(json.dumps([digest, inputs, drawn, setting, versions]).encode()).hexdigest()
+    def _key(self, trial: Trial, variant: Variant) -> str:
+        inputs = [getattr(trial, UNKNOWN[name])[k] for name, k in variant.chosen.items()]
+        drawn = (variant.sample, self._seed) if variant.sample else None
+        history = trial.history is not None and variant.sample == 0
+        setting = self.model.engine, self.model.accuracy_rad, self.model.dt_s, history
+        if trial not in self._digests:
+            self._digests[trial] = digest_of(trial)
+        text = json.dumps([self._digests[trial], inputs, drawn, setting, self._versions])
+        return hashlib.sha256(text.encode()).hexdigest()
 
 
 def run_job(job: Job) -> Answer:
     """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
-    options = RunOptions(history=job.history)
+    # A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way.
+    options = RunOptions(history=job.history, stated=job.variant.sample == 0)
     run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
     return answer_of(run, job.history)

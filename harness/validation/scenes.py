@@ -15,15 +15,13 @@ import numpy as np
 
 import meshes
 from analytic.constants import GRAVITY_M_S2 as GRAVITY_M_S2
-from analytic.excitation import Excitation, ZeroExcitation
 from harness.campaign.cache_key import scene_key
-from harness.input import motions
 from harness.input import scene_file as load
 from harness.input.mesh_statue import statue_of
-from harness.input.motions.spec import RecordSpec
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
-from harness.model.scene import Array, BaseExcitation, Contact, Form, Scene, Statue
+from harness.model.scene import Array, Contact, Form, Scene, Statue
+from harness.validation.motions import Intensity, intensity, shaking
 from harness.validation.table import Trial
 
 RING_DOWN_S: Final = 5.0
@@ -35,6 +33,9 @@ BASE_SD_M: Final = 0.001
 FRICTION_SD: Final = 0.05
 """Relative scatter of the friction: the spread of repeated tilt tests."""
 
+_Read = tuple[Path, str, str, float | None, float | None, float | None]
+"""What a solid is read by: file, unit, vertical axis, density, mass, contact tolerance."""
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -42,46 +43,49 @@ class Variant:
 
     azimuth: int = 0
     friction: int = 0
+    tolerance: int = 0
+    inset: int = 0
     sample: int = 0
 
-
-@dataclass(frozen=True)
-class Intensity:
-    """Peaks of the motion along the rocking plane; PGV/PGA tells its dominant period."""
-
-    pga_g: float
-    pgv_m_s: float
-
     @property
-    def ratio_s(self) -> float:
-        """PGV/PGA in s."""
-        return self.pgv_m_s / (self.pga_g * GRAVITY_M_S2) if self.pga_g else 0.0
+    def chosen(self) -> dict[str, int]:
+        """The index in each list, by the table's column."""
+        return {
+            "azimuth_deg": self.azimuth,
+            "friction": self.friction,
+            "contact_tolerance_m": self.tolerance,
+            "inset_m": self.inset,
+        }
 
 
-def variants(trial: Trial, samples: int) -> Iterator[Variant]:
-    """All variants of a test: every choice of its unknown inputs, each nominal and `samples` times perturbed."""
-    choices = itertools.product(range(len(trial.azimuths_deg)), range(len(trial.frictions)), range(samples + 1))
-    return (Variant(*choice) for choice in choices)
+def settings(trial: Trial) -> Iterator[Variant]:
+    """Every choice of a test's unknown inputs, each nominal."""
+    lists = (trial.azimuths_deg, trial.frictions, trial.contact_tolerances_m, trial.insets_m)
+    return (Variant(*choice) for choice in itertools.product(*(range(len(values)) for values in lists)))
 
 
 def scene_of(trial: Trial, variant: Variant, seed: int = 0) -> Scene:
     """The scene of one variant. Raises `InputError` that names the test and its file."""
-    azimuth, base, friction = _perturbation(trial, variant, seed)
-    azimuth += trial.azimuths_deg[variant.azimuth]
+    turn_deg, edge_m, friction = _perturbation(trial, variant, seed)
+    turn_deg += trial.azimuths_deg[variant.azimuth]
+    edge_m += trial.insets_m[variant.inset]
     chosen = trial.frictions[variant.friction]
     scene = _base_scene(trial)
-    statue = _turned(trial, azimuth, base) if azimuth or base else scene.statue
+    statue = _turned(trial, turn_deg, edge_m, trial.contact_tolerances_m[variant.tolerance])
     contact = scene.contact if chosen is None else replace(scene.contact, statue=chosen)
     contact = replace(contact, statue=contact.statue * friction)
     return scene.but(title=trial.name, statue=statue, contact=contact)
 
 
 def _perturbation(trial: Trial, variant: Variant, seed: int) -> tuple[float, float, float]:
-    """Azimuth in degrees, base's edge in m, factor on friction; a stream of its own for each test and sample."""
+    """Azimuth in degrees, base's edge in m, factor on friction.
+
+    A statue is drawn once for all tests of its body: making one costs more than a run of the model. Friction is each test's own.
+    """
     if variant.sample == 0:
         return 0.0, 0.0, 1.0
-    stream = np.random.default_rng([seed, variant.sample, *trial.name.encode()])
-    turn, edge, rough = stream.standard_normal(3)
+    turn, edge = np.random.default_rng([seed, variant.sample, *trial.body_name.encode()]).standard_normal(2)
+    rough = np.random.default_rng([seed, variant.sample, *trial.name.encode()]).standard_normal()
     return AZIMUTH_SD_DEG * float(turn), BASE_SD_M * float(edge), math.exp(FRICTION_SD * float(rough))
 
 
@@ -105,10 +109,10 @@ def _base_scene(trial: Trial) -> Scene:
     """The scene of a test before its body is turned: what its scene file says, or its mesh alone on the floor."""
     if trial.scene is not None:
         scene = load.load_scene(trial.scene)
-        base_excitation = scene.base_excitation if trial.motion is None else _shake(trial)
+        base_excitation = scene.base_excitation if trial.motion is None else shaking(trial)
     else:
-        base_excitation = _shake(trial)
-        statue = _turned(trial, 0.0, 0.0)
+        base_excitation = shaking(trial)
+        statue = _turned(trial, 0.0, 0.0, None)
         scene = Scene(trial.name, 1.0, GRAVITY_M_S2, Form(), statue, None, Contact(0.2, 0.15, 1.0), base_excitation)
     if trial.duration_s is not None:
         duration = trial.duration_s
@@ -119,11 +123,15 @@ def _base_scene(trial: Trial) -> Scene:
     return scene.but(base_excitation=base_excitation, duration_s=duration)
 
 
-def _turned(trial: Trial, azimuth_deg: float, inwards_m: float) -> Statue:
+def _turned(trial: Trial, azimuth_deg: float, inwards_m: float, tolerance_m: float | None) -> Statue:
     """The body of a trial, turned, every edge of its base moved inwards."""
     if trial.mesh is not None:
-        return _statue(trial.mesh, trial.unit, trial.up, trial.density_kg_m3, azimuth_deg, inwards_m)
+        density = None if trial.mass_kg is not None else trial.density_kg_m3
+        read = (trial.mesh, trial.unit, trial.up, density, trial.mass_kg, tolerance_m)
+        return _statue(read, azimuth_deg, inwards_m)
     statue = _base_scene(trial).statue
+    if not azimuth_deg and not inwards_m:
+        return statue
     if statue.solid is not None:
         return statue_of(_pared(statue.solid.rotated(azimuth_deg), inwards_m))
     if azimuth_deg:
@@ -132,13 +140,14 @@ def _turned(trial: Trial, azimuth_deg: float, inwards_m: float) -> Statue:
     return inset(statue, inwards_m)
 
 
-@lru_cache(maxsize=128)
-def _statue(path: Path, unit: str, up: str, density_kg_m3: float, azimuth_deg: float, inwards_m: float) -> Statue:
-    solid = _solid(path, unit, up, density_kg_m3)
+@lru_cache(maxsize=256)
+def _statue(read: _Read, azimuth_deg: float, inwards_m: float) -> Statue:
+    solid = _solid(*read)
     try:
         return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inwards_m))
     except meshes.MeshError as error:
-        raise InputError(Mistake(str(path), f"azimuth {azimuth_deg:g}", "a body that can stand", str(error))) from error
+        place = f"azimuth {azimuth_deg:g}"
+        raise InputError(Mistake(str(read[0]), place, "a body that can stand", str(error))) from error
 
 
 def _pared(solid: meshes.Solid, inwards_m: float) -> meshes.Solid:
@@ -161,53 +170,31 @@ def _inwards(points_m: Array, footprint_m: Array, by_m: float) -> Array:
     return moved
 
 
-@lru_cache(maxsize=16)
-def _solid(path: Path, unit: str, up: str, density_kg_m3: float) -> meshes.Solid:
+@lru_cache(maxsize=64)
+def _solid(
+    path: Path, unit: str, up: str, density_kg_m3: float | None, mass_kg: float | None, tolerance_m: float | None
+) -> meshes.Solid:
+    touching = {} if tolerance_m is None else {"contact_tolerance_m": tolerance_m}
     try:
-        return meshes.load_solid(path, unit=unit, up=up, density_kg_m3=density_kg_m3)
+        return meshes.load_solid(path, unit=unit, up=up, density_kg_m3=density_kg_m3, mass_kg=mass_kg, **touching)
     except meshes.MeshError as error:
         raise InputError(Mistake(str(path), "", "a mesh that can be computed", str(error))) from error
 
 
-def _shake(trial: Trial) -> BaseExcitation:
-    if trial.motion is None:
-        raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
-    x = _component(trial.motion, trial.column, trial.motion_unit, trial.sign, trial.scale)
-    y, z = (
-        ZeroExcitation() if column is None else _component(trial.motion, column, trial.motion_unit, sign, trial.scale)
-        for column, sign in ((trial.column_y, trial.sign), (trial.column_z, 1))
-    )
-    return BaseExcitation(x, y, z)
-
-
-@lru_cache(maxsize=256)
-def _component(path: Path, column: str | None, unit: str | None, sign: int, scale: float) -> Excitation:
-    content = {"kind": "record", "file": str(path), "column": column, "unit": unit, "sign": sign, "scale": scale}
-    component = RecordSpec.model_validate({name: value for name, value in content.items() if value is not None})
-    return motions.build(component, base_dir=path.parent, where=str(path), key="motion")
-
-
-def intensity(trial: Trial) -> Intensity:
+def intensity_of(trial: Trial) -> Intensity:
     """Peaks of a test's motion along the rocking plane."""
-    motion = _base_scene(trial).base_excitation.x
-    return _intensity(motion, _base_scene(trial).duration_s)
-
-
-@lru_cache(maxsize=256)
-def _intensity(motion: Excitation, duration_s: float) -> Intensity:
-    samples = getattr(motion, "t_s", None)
-    t_s = np.linspace(0.0, duration_s, 20_001) if samples is None else np.asarray(samples)
-    pgv = float(np.max(np.abs(np.asarray(motion.velocity_m_s(t_s)))))
-    return Intensity(motion.peak_m_s2 / GRAVITY_M_S2, pgv)
+    scene = _base_scene(trial)
+    return intensity(scene.base_excitation.x, scene.duration_s)
 
 
 def digest_of(trial: Trial) -> str:
     """What names a test's input: the bytes of its files, and what its row says of them."""
     files = [None if path is None else _file_digest(path) for path in (trial.mesh, trial.motion)]
     files.append(None if trial.scene is None else _scene_digest(trial.scene))
-    said = (trial.unit, trial.up, trial.density_kg_m3, trial.column, trial.column_y, trial.column_z)
-    said_too = (trial.motion_unit, trial.sign, trial.scale, trial.duration_s, trial.name)
-    return hashlib.sha256(repr((files, said, said_too)).encode()).hexdigest()
+    body = (trial.unit, trial.up, trial.density_kg_m3, trial.mass_kg, trial.body_name)
+    motion = (trial.column, trial.column_y, trial.column_z, trial.motion_unit, trial.time_column, trial.sign)
+    treated = (trial.baseline, trial.bandpass_hz, trial.scale, trial.duration_s, trial.name)
+    return hashlib.sha256(repr((files, body, motion, treated)).encode()).hexdigest()
 
 
 @lru_cache(maxsize=4096)

@@ -24,6 +24,9 @@ COLUMNS: Final[Mapping[str, str]] = {
     "unit": "unit of the mesh: m, dm, cm, mm, in, ft (default m)",
     "up": "vertical axis of the mesh's file (default z)",
     "density_kg_m3": "density of the body (default 2700; without a pedestal it changes nothing)",
+    "mass_kg": "mass of the body of a mesh as weighed (default: from its density)",
+    "contact_tolerance_m": "height above a mesh's lowest point within which it touches; several with ; (default 0.001)",
+    "inset_m": "how far the base's edge is worn inwards; several values with ; where it is not known (default 0)",
     "azimuth_deg": "turn of the body about the vertical; several values with ; where it is not known (default 0)",
     "friction": "friction of the body on its support; several values with ; where it is not known (default: the scene's)",
     "motion": "file of the table's motion, any format that a scene may name (default: the scene's)",
@@ -31,14 +34,27 @@ COLUMNS: Final[Mapping[str, str]] = {
     "column_y": "channel across it",
     "column_z": "vertical channel",
     "motion_unit": "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
+    "time_column": "column of times of a motion's table, by its header or number, where no reader knows it",
+    "baseline": "what is taken off the motion: none, mean, linear, quadratic, rest (default none)",
+    "bandpass_hz": "filter of the motion: two corner frequencies, low;high (default none)",
     "sign": "1 or -1: whether the table's positive direction is the scene's (default 1)",
     "scale": "factor on the motion (default 1)",
     "duration_s": "time to simulate (default: the motion's end and a while for rocking to die down)",
-    "observed": "stands, overturned, or with its side: overturned_left, overturned_right, overturned_front, overturned_back",
+    "observed": "0 or stands, 1 or overturned, or with its side: overturned_left, _right, _front, _back",
     "history": "file of the measured rotation (columns t_s, theta_rad)",
     "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
 }
 OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
+NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
+"""Outcomes as a logbook writes them."""
+BASELINES: Final = ("none", "mean", "linear", "quadratic", "rest")
+UNKNOWN: Final[Mapping[str, str]] = {
+    "azimuth_deg": "azimuths_deg",
+    "contact_tolerance_m": "contact_tolerances_m",
+    "inset_m": "insets_m",
+    "friction": "frictions",
+}
+"""Columns that may list several values, which are fitted, and what a test calls them; all but friction are each body's own."""
 LARGEST: Final = 1e6
 """Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
 LIST_SEPARATOR: Final = ";"
@@ -57,6 +73,9 @@ class Trial:
     unit: str = "m"
     up: str = "z"
     density_kg_m3: float = DEFAULT_DENSITY_KG_M3
+    mass_kg: float | None = None
+    contact_tolerances_m: tuple[float | None, ...] = (None,)
+    insets_m: tuple[float, ...] = (0.0,)
     azimuths_deg: tuple[float, ...] = (0.0,)
     frictions: tuple[float | None, ...] = (None,)
     motion: Path | None = None
@@ -64,6 +83,9 @@ class Trial:
     column_y: str | None = None
     column_z: str | None = None
     motion_unit: str | None = None
+    time_column: str | None = None
+    baseline: str = "none"
+    bandpass_hz: tuple[float, float] | None = None
     sign: int = 1
     scale: float = 1.0
     duration_s: float | None = None
@@ -74,6 +96,11 @@ class Trial:
     def body(self) -> str:
         """What names the body: tests of one body share an unknown azimuth."""
         return str(self.mesh or self.scene)
+
+    @property
+    def body_name(self) -> str:
+        """The body's file, wherever it lies."""
+        return Path(self.body).name
 
     @property
     def fell(self) -> bool:
@@ -138,7 +165,7 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
                 Mistake(str(path), f"row {test.row}: test", wanted, f"{test.name!r}, as row {seen[test.name]}")
             )
         seen.setdefault(test.name, test.row)
-    for column, attribute in (("azimuth_deg", "azimuths_deg"), ("friction", "frictions")):
+    for column, attribute in UNKNOWN.items():
         lists = {getattr(test, attribute) for test in tests if len(getattr(test, attribute)) > 1}
         if len(lists) > 1:
             got = f"{len(lists)} different lists"
@@ -163,15 +190,23 @@ class _Row:
         motion = self._file("motion")
         if self._cell("mesh") and not self._cell("motion"):
             self._wrong("motion", "a file with the table's motion", "nothing")
+        if scene and (self._cell("mass_kg") or self._cell("contact_tolerance_m")):
+            self._wrong("scene", "mass_kg and contact_tolerance_m of a mesh", "a scene", "say them in its own file")
+        band = self._numbers("bandpass_hz", above=0.0)
+        if band and (len(band) != 2 or band[0] >= band[1]):
+            self._wrong("bandpass_hz", "two frequencies, low;high", repr(self._cell("bandpass_hz")))
         return Trial(
             name=self._cell("test") or self._missing("test"),
             row=self._number,
-            observed=self._choice("observed", OBSERVED, ""),
+            observed=NUMBERED.get(self._cell("observed")) or self._choice("observed", OBSERVED, ""),
             scene=scene,
             mesh=mesh,
             unit=self._choice("unit", ("m", "dm", "cm", "mm", "in", "ft"), "m"),
             up=self._choice("up", ("x", "y", "z", "-x", "-y", "-z"), "z"),
             density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3, above=0.0),
+            mass_kg=self._number_in("mass_kg", 0.0, above=0.0) or None,
+            contact_tolerances_m=tuple(self._numbers("contact_tolerance_m", above=0.0)) or (None,),
+            insets_m=tuple(self._numbers("inset_m")) or (0.0,),
             azimuths_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
             frictions=tuple(self._numbers("friction", above=0.0)) or (None,),
             motion=motion,
@@ -179,6 +214,9 @@ class _Row:
             column_y=self._cell("column_y") or None,
             column_z=self._cell("column_z") or None,
             motion_unit=self._choice("motion_unit", ("m/s2", "cm/s2", "mm/s2", "g"), "") or None,
+            time_column=self._cell("time_column") or None,
+            baseline=self._choice("baseline", BASELINES, "none"),
+            bandpass_hz=(band[0], band[1]) if len(band) == 2 else None,
             sign=int(self._choice("sign", ("1", "-1", "+1"), "1")),
             scale=self._number_in("scale", 1.0, above=0.0),
             duration_s=self._number_in("duration_s", 0.0, above=0.0) or None,

@@ -14,9 +14,10 @@ from harness.engines import REGISTRY
 from harness.input.scene_file import load_scene
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.run import SCHEMA_VERSION
 from harness.model.scene import Scene
-from harness.records.result_folder import listing
+from harness.records.base import as_file
+from harness.records.result_folder import RECORD, listing
+from harness.records.tosses import Missed, PoseErrors, TossesRecord, TossModel, TossRow
 from harness.validation.jobs import Model, parse_model
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
 from harness.validation.tosses import Toss, holds_tosses, read_tosses
@@ -64,7 +65,7 @@ def validate_tosses(
     seed: int = 0,
     jobs: int | None = None,
     most: int | None = None,
-) -> dict[str, Any]:
+) -> TossesRecord:
     """Run the models on measured tosses of a scene's body and score them; writes result.json into `folder`.
 
     `body` is a scene file whose statue is thrown; the coefficients of friction and restitution with which a model comes nearest
@@ -84,26 +85,23 @@ def validate_tosses(
         answers = {model.name: _of_model(pool, base, tosses, fitted, model) for model in known}
     finally:
         pool.close()
-    found = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": "tosses",
-        "tosses": table.name,
-        "body": body.name,
-        "count": len(tosses),
-        "fitted_on": [tosses[k].name for k in fitted],
-        "raised_m": quartiles([toss.raised_m for toss in tosses]),
-        "models": answers,
-        "absent": absent,
-        "seed": seed,
-        "versions": record.versions(),
-        "machine": record.machine(),
-        "seconds": time.perf_counter() - start,
-        "files": listing(()),
-    }
+    result = TossesRecord(
+        tosses=table.name,
+        body=body.name,
+        count=len(tosses),
+        fitted_on=[tosses[k].name for k in fitted],
+        raised_m=quartiles([toss.raised_m for toss in tosses]),
+        models=answers,
+        absent=absent,
+        seed=seed,
+        versions=record.versions(),
+        machine=record.machine(),
+        seconds=time.perf_counter() - start,
+        files=listing(()),
+    )
     folder.mkdir(parents=True, exist_ok=True)
-    record.write_json(folder / "result.json", found)
-    plain: dict[str, Any] = record.to_plain(found)
-    return plain
+    record.write_json(folder / RECORD, as_file(result))
+    return result
 
 
 def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
@@ -114,9 +112,7 @@ def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
     return [parse_model(name) for name in TOSS_ENGINES if name in REGISTRY], absent
 
 
-def _of_model(
-    pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model
-) -> dict[str, Any]:
+def _of_model(pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model) -> TossModel:
     """What is fitted for a model, and its scores on the tosses that are left."""
     grid = tuple(Coefficients(mu, e) for e in RESTITUTIONS for mu in FRICTIONS)
     tried = _computed(pool, [TossTask(base, tosses[k], model, grid) for k in fitted])
@@ -132,34 +128,34 @@ def _of_model(
         for item, value in zip(grid, miss, strict=True)
         if item.friction == best.friction
     }
-    return {
-        "engine": model.engine,
-        "dt_s": model.dt_s,
-        "friction": best.friction,
-        "restitution": 0.0 if best.restitution is None else best.restitution,
-        "missed_m": {
-            "by_friction": plastic,
-            "by_restitution": {key: value for key, value in bouncing.items() if np.isfinite(value)},
-        },
-        "failed": failed,
-        **_scores(known, rest),
-    }
+    return TossModel(
+        model.engine,
+        model.dt_s,
+        best.friction,
+        0.0 if best.restitution is None else best.restitution,
+        Missed(
+            {name: value if np.isfinite(value) else None for name, value in plastic.items()},
+            {name: value for name, value in bouncing.items() if np.isfinite(value)},
+        ),
+        failed,
+        *_scores(known, rest),
+    )
 
 
 def _computed(pool: LocalPool, tasks: Sequence[TossTask]) -> Scored:
     """The errors of each task's toss by its name, in the tasks' order."""
-    found: Scored = {}
+    answers: Scored = {}
 
     def done(task: TossTask, result: Any) -> None:
         if isinstance(result, BaseException) and not isinstance(result, Crash):
             raise result
         if isinstance(result, Crash):
-            found[task.toss.name] = [f"the engine's process died: {result}" for _ in task.coefficients]
+            answers[task.toss.name] = [f"the engine's process died: {result}" for _ in task.coefficients]
         else:
-            found[task.toss.name] = result
+            answers[task.toss.name] = result
 
     pool.run(scored, tasks, done)
-    return {task.toss.name: found[task.toss.name] for task in tasks}
+    return {task.toss.name: answers[task.toss.name] for task in tasks}
 
 
 def _miss(answers: Sequence[Errors | str]) -> float:
@@ -168,10 +164,12 @@ def _miss(answers: Sequence[Errors | str]) -> float:
     return float(np.median(np.concatenate(known))) if len(known) == len(answers) else float("inf")
 
 
-def _scores(known: Mapping[str, Errors], tosses: Sequence[Toss]) -> dict[str, Any]:
+def _scores(
+    known: Mapping[str, Errors], tosses: Sequence[Toss]
+) -> tuple[PoseErrors | None, PoseErrors | None, list[PoseErrors], list[TossRow]]:
     """Quartiles over all frames, at the end, and over time; each toss by its name."""
     if not known:
-        return {"frames": None, "end": None, "over_time": [], "rows": []}
+        return None, None, [], []
     every = list(known.values())
     frame_s = {toss.name: toss.frame_s for toss in tosses}
     longest = max(len(item.rotation_rad) * frame_s[name] for name, item in known.items())
@@ -179,32 +177,18 @@ def _scores(known: Mapping[str, Errors], tosses: Sequence[Toss]) -> dict[str, An
     for time_s in np.arange(OVER_TIME_S, longest, OVER_TIME_S).tolist():
         at = {name: round(time_s / frame_s[name]) for name in known}
         there = [(item, at[name]) for name, item in known.items() if at[name] < len(item.rotation_rad)]
+        rotations, places = [item.rotation_rad[k] for item, k in there], [item.place_m[k] for item, k in there]
         over_time.append(
-            {
-                "t_s": time_s,
-                "tosses": len(there),
-                "rotation_rad": quartiles([float(item.rotation_rad[k]) for item, k in there]),
-                "place_m": quartiles([float(item.place_m[k]) for item, k in there]),
-            }
+            PoseErrors(t_s=time_s, tosses=len(there), rotation_rad=quartiles(rotations), place_m=quartiles(places))
         )
-    return {
-        "frames": {
-            "count": int(sum(item.rotation_rad.size for item in every)),
-            "rotation_rad": quartiles(np.concatenate([item.rotation_rad for item in every])),
-            "place_m": quartiles(np.concatenate([item.place_m for item in every])),
-        },
-        "end": {
-            "rotation_rad": quartiles([float(item.rotation_rad[-1]) for item in every]),
-            "place_m": quartiles([float(item.place_m[-1]) for item in every]),
-        },
-        "over_time": over_time,
-        "rows": [
-            {
-                "toss": name,
-                "rotation_rad": float(np.median(item.rotation_rad)),
-                "end_rotation_rad": float(item.rotation_rad[-1]),
-                "end_place_m": float(item.place_m[-1]),
-            }
-            for name, item in known.items()
-        ],
-    }
+    turned, apart = (np.concatenate([getattr(item, name) for item in every]) for name in ("rotation_rad", "place_m"))
+    rows = [
+        TossRow(name, float(np.median(item.rotation_rad)), float(item.rotation_rad[-1]), float(item.place_m[-1]))
+        for name, item in known.items()
+    ]
+    end = PoseErrors(
+        rotation_rad=quartiles([row.end_rotation_rad for row in rows]),
+        place_m=quartiles([row.end_place_m for row in rows]),
+    )
+    frames = PoseErrors(count=turned.size, rotation_rad=quartiles(turned), place_m=quartiles(apart))
+    return frames, end, over_time, rows

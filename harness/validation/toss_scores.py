@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
+from analytic.rotation import rotation_matrices
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.model.history import History
-from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
+from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
 from harness.validation.tosses import Toss
 
@@ -61,15 +62,14 @@ def scored(task: TossTask) -> list[Errors | str]:
 
 def _one(task: TossTask, item: Coefficients) -> Errors | str:
     scene, engine = scene_of(task.base, task.toss, item), engines.load(task.model.engine)
-    dt_s = accuracy_rad = None
     if task.model.dt_s is not None:
         # Frames are whole steps: poses between two steps would be interpolated across a turn of an angle.
-        dt_s = task.toss.frame_s / max(round(task.toss.frame_s / task.model.dt_s), 1)
+        target = RunTarget(dt_s=task.toss.frame_s / max(round(task.toss.frame_s / task.model.dt_s), 1))
     elif engine.capabilities.certifies:
-        accuracy_rad = task.model.accuracy_rad
+        target = RunTarget(task.model.accuracy_rad)
     else:
-        dt_s = task.toss.frame_s / STEPS_A_FRAME
-    run = simulate_with(engine, scene, accuracy_rad, dt_s, RunOptions())
+        target = RunTarget(dt_s=task.toss.frame_s / STEPS_A_FRAME)
+    run = simulate_with(engine, scene, target)
     if run.history is None:
         return run.message or run.outcome.sentence
     return errors(task.toss, scene.statue, run.history)
@@ -92,7 +92,7 @@ def errors(toss: Toss, body: Statue, history: History) -> Errors:
     """A computed pose history beside the measured one, frame by frame."""
     turn, place = poses(body, history)
     count = min(len(turn), len(toss.places_m))
-    measured, seen = rotations(toss.quaternions[:count]), toss.places_m[:count]
+    measured, seen = rotation_matrices(toss.quaternions[:count]), toss.places_m[:count]
     apart = np.einsum("nij,nik->njk", measured, turn[:count])
     # The angle of a rotation from both its sine and its cosine: neither is good near 0 and π alone.
     axis = np.stack([apart[:, 2, 1] - apart[:, 1, 2], apart[:, 0, 2] - apart[:, 2, 0], apart[:, 1, 0] - apart[:, 0, 1]])
@@ -114,19 +114,12 @@ def poses(body: Statue, history: History) -> tuple[Array, Array]:
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     ]
-    turn = rotations(np.stack(quaternions, axis=1))
+    turn = rotation_matrices(np.stack(quaternions, axis=1))
     corner = np.stack([history.extra[f"corner_right_{axis}_m"] for axis in "xyz"], axis=1)
     return turn, corner - turn @ np.array([body.corner_right_m, 0.0, -body.centroid_height_m])
 
 
-def rotations(quaternions: Array) -> Array:
-    """Matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
-    from harness.engines.contact.spatial import matrices
-
-    return matrices(quaternions[:, [1, 2, 3, 0]])
-
-
-def quartiles(values: Sequence[float] | Array) -> dict[str, float]:
+def quartiles(values: Sequence[float] | Array) -> Quartiles:
     """Lower quartile, median and upper quartile."""
     low, middle, high = np.percentile(np.asarray(values), [25.0, 50.0, 75.0])
-    return {"low": float(low), "median": float(middle), "high": float(high)}
+    return Quartiles(float(low), float(middle), float(high))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,8 +18,10 @@ from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
+from harness.model.run import Run
 from harness.records.base import as_file
 from harness.records.result_folder import listing
+from harness.records.study import CaseRun
 from harness.records.validation import (
     FitShare,
     MeasuredHistory,
@@ -29,17 +30,26 @@ from harness.records.validation import (
     TestRow,
     ValidationRecord,
 )
-from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Job, Model, jobs_of, parse_model
+from harness.validation.fit import Answers, Choice, choose
+from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Jobs, Model, parse_model
+from harness.validation.motions import Intensity
 from harness.validation.pairs import score_pairs
-from harness.validation.scenes import Intensity, Variant, intensity
-from harness.validation.scoring import Answers, Choice, choose, curves, probability, score_baseline, score_model
-from harness.validation.table import Trial, read_table
+from harness.validation.scenes import Variant, intensity_of, settings
+from harness.validation.scoring import curves, probability, score_baseline, score_model
+from harness.validation.table import UNKNOWN, Trial, read_table
 
+MOST_SETTINGS: Final = 64
+"""Combinations of unknown inputs that are tried of a test that nothing has explained so far."""
 MAX_SAMPLES: Final = 1000
 """More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
 
 
-def validate(
+def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:
+    """The record of `run_validation` as plain values, as its file has it."""
+    return as_file(run_validation(experiments, folder, **options))
+
+
+def run_validation(
     experiments: Path,
     folder: Path,
     *,
@@ -50,24 +60,26 @@ def validate(
     jobs: int | None = None,
     resume: bool = False,
     quiet: bool = False,
-) -> dict[str, Any]:
+) -> ValidationRecord:
     """Run the models on a table of measured tests and score them; writes store.sqlite and result.json into `folder`.
 
-    `models` are engines, each with a setting where wanted (`pymunk@accuracy=1e-4`, `pybullet@dt=5e-4`); `samples` perturbed
-    runs of each test (azimuth, base, friction) give probabilities beside the nominal outcome; unknown inputs (lists in the
-    table) are fitted on the tests of `fit_share` and scored on the others. Results already in the folder's store are not
-    computed again. Raises `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
+    `models` are engines, each with a setting where wanted (`pymunk@accuracy=1e-4`, `pybullet@dt=5e-4`). Unknown inputs (lists in
+    the table) are fitted for each model on the tests of `fit_share` alone; then every test is run as given and with `samples`
+    draws of the statue (azimuth, base, friction). Results already in the folder's store are not computed again. Raises
+    `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
     """
     start = time.perf_counter()
     _check(folder, samples, jobs, resume)
     chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
     trials = read_table(experiments)
     intensities = _intensities(trials)
-    wanted = jobs_of(trials, chosen, samples, seed)
     with Store(folder / STORE_NAME) as store:
         with progress(experiments.name, quiet) as on_progress, closing(LocalPool(jobs)) as pool:
             campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
-            campaign.run((job.task() for job in wanted), len(wanted))
+            answered = [
+                _answered(model, trials, Runs(store, campaign, model, seed), samples, fit_share) for model in chosen
+            ]
+            unexplained = _unexplained(trials, answered) if samples else []
         asked = {
             "title": f"Validation against {len(trials)} measured tests",
             "tests": len(trials),
@@ -75,17 +87,82 @@ def validate(
             "fit_share": FitShare(fit_share, sum(trial.share == fit_share for trial in trials)),
             "samples": samples,
             "unknown": sorted(_unknown(trials)),
+            "unexplained": unexplained,
             "experiments": experiments.name,
-            "runs": RunCounts(len(wanted), campaign.computed),
+            "runs": RunCounts(campaign.computed + len(campaign.reused), campaign.computed),
             "seed": seed,
             "versions": record.versions(),
             "machine": record.machine(),
             "files": listing(()),
         }
-        result = _record(store, trials, chosen, wanted, intensities, asked)
-    plain = as_file(replace(result, seconds=time.perf_counter() - start))
-    record.write_json(folder / "result.json", plain)
-    return plain
+        result = _record(trials, answered, intensities, asked)
+    result = replace(result, seconds=time.perf_counter() - start)
+    record.write_json(folder / "result.json", as_file(result))
+    return result
+
+
+class Runs:
+    """The answers of one model, by test and variant; what is asked and not in the store is run."""
+
+    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
+        self._store, self._campaign, self._jobs = store, campaign, Jobs(model, seed)
+        self._answers: dict[tuple[str, Variant], CaseRun] = {}
+        self.keys: dict[tuple[str, Variant], str] = {}
+
+    def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
+        # Those of one body side by side: a worker then makes each of its statues once.
+        jobs = [self._jobs.job(*pair) for pair in sorted(wanted, key=lambda pair: pair[0].body)]
+        if jobs:
+            self._campaign.run((job.task() for job in jobs), len(jobs))
+        for job in jobs:
+            row = self._store.get(job.key)
+            if row is None:
+                raise InputError(
+                    Mistake(str(self._store.path), job.key, "the result of every run", "none", "run again")
+                )
+            self._answers[job.trial.name, job.variant] = CaseRun.stored(row.record)
+            self.keys[job.trial.name, job.variant] = job.key
+        return self._answers
+
+    def history(self, trial: Trial, variant: Variant) -> Run | None:
+        """The run of a variant with its history, as the store keeps it."""
+        return self._store.run(self.keys[trial.name, variant])
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """One model: what was fitted, and its runs."""
+
+    model: Model
+    choice: Choice
+    runs: Runs
+    answers: Answers
+
+
+def _answered(model: Model, trials: Sequence[Trial], runs: Runs, samples: int, fit_share: str) -> Answered:
+    """Fit the model on its share, then run every test as given and in its draws."""
+    choice = choose([trial for trial in trials if trial.share == fit_share] if _unknown(trials) else [], runs)
+    answers = runs([(trial, choice.variant(trial, k)) for trial in trials for k in range(samples + 1)])
+    return Answered(model, choice, runs, answers)
+
+
+def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[str]:
+    """Tests whose outcome no model gives: not as fitted, in no draw, and at no other value of what the table does not know."""
+    odd = {trial.name: trial for trial in trials}
+
+    def leave_out_explained(answers: Answers) -> None:
+        for (name, _), answer in answers.items():
+            # A run that comes to no end excludes neither outcome.
+            if name in odd and answer.outcome.fell in (odd[name].fell, None):
+                del odd[name]
+
+    for item in answered:
+        leave_out_explained(item.answers)
+    for item in answered:
+        others = [(trial, variant) for trial in odd.values() for variant in list(settings(trial))[:MOST_SETTINGS]]
+        leave_out_explained(item.runs(others))
+    return list(odd)
 
 
 def _check(folder: Path, samples: int, jobs: int | None, resume: bool) -> None:
@@ -104,7 +181,7 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     mistakes: dict[str, Mistake] = {}
     for trial in trials:
         try:
-            by_test[trial.name] = intensity(trial)
+            by_test[trial.name] = intensity_of(trial)
         except InputError as error:
             mistakes |= {str(mistake): mistake for mistake in error.mistakes}
     if mistakes:
@@ -113,71 +190,55 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
 
 
 def _record(
-    store: Store,
     trials: Sequence[Trial],
-    models: Sequence[Model],
-    wanted: Sequence[Job],
+    answered: Sequence[Answered],
     intensities: Mapping[str, Intensity],
     asked: Mapping[str, Any],
 ) -> ValidationRecord:
     """Everything that a page shows of a validation; `asked` are the fields that are known without a run."""
     samples, fit_share = asked["samples"], asked["fit_share"].name
-    answers = _answers(store, wanted)
-    fitted = [trial for trial in trials if trial.share == fit_share]
-    scored = [trial for trial in trials if trial.share != fit_share] or list(trials)
-    choices = {model.name: choose(fitted, answers[model.name]) for model in models}
-    keys = {(job.model.name, job.trial.name, job.variant): job.key for job in wanted}
-    scores = {
-        model.name: score_model(trials, scored, choices[model.name], answers[model.name], intensities, samples)
-        for model in models
+    taught = [trial for trial in trials if trial.share == fit_share]
+    scored = [trial for trial in trials if trial.share != fit_share]
+    # Where all tests belong to the share they are scored on what they were fitted on, each threshold on all others.
+    apart = taught if scored else []
+    scored = scored or list(trials)
+    models = {
+        item.model.name: ModelRecord(
+            engine=item.model.engine,
+            accuracy_rad=item.model.accuracy_rad,
+            dt_s=item.model.dt_s,
+            histories=_histories(trials, item),
+            **vars(score_model(trials, scored, item.choice, item.answers, intensities, samples)),
+        )
+        for item in answered
     }
+    choices = {item.model.name: item.choice for item in answered}
+    answers = {item.model.name: item.answers for item in answered}
     return ValidationRecord(
-        unfitted=[] if fitted else asked["unknown"],
+        unfitted=[] if taught else asked["unknown"],
         seconds=0.0,
-        models={
-            model.name: ModelRecord(
-                engine=model.engine,
-                accuracy_rad=model.accuracy_rad,
-                dt_s=model.dt_s,
-                histories=_histories(store, trials, model, choices[model.name], keys),
-                **vars(scores[model.name]),
-            )
-            for model in models
-        },
-        pairs=score_pairs(trials, models, choices, answers),
+        models=models,
+        pairs=score_pairs(trials, [item.model for item in answered], choices, answers),
         observed=curves(trials, intensities, lambda trial: trial.fell),
-        baseline=score_baseline(fitted if len(scored) < len(trials) else [], scored, intensities),
+        baseline=score_baseline(apart, scored, intensities),
         rows=_rows(trials, choices, answers, intensities, samples),
         **asked,
     )
 
 
 def _unknown(trials: Sequence[Trial]) -> set[str]:
-    lists = (("azimuth_deg", "azimuths_deg"), ("friction", "frictions"))
-    return {name for name, attribute in lists for trial in trials if len(getattr(trial, attribute)) > 1}
+    return {name for name, values in UNKNOWN.items() for trial in trials if len(getattr(trial, values)) > 1}
 
 
-def _answers(store: Store, wanted: Sequence[Job]) -> dict[str, Answers]:
-    answers: dict[str, dict[tuple[str, Variant], Mapping[str, Any]]] = defaultdict(dict)
-    for job in wanted:
-        row = store.get(job.key)
-        if row is None:
-            raise InputError(Mistake(str(store.path), job.key, "the result of every run", "none", "run again"))
-        answers[job.model.name][job.trial.name, job.variant] = row.record
-    return dict(answers)
-
-
-def _histories(
-    store: Store, trials: Sequence[Trial], model: Model, choice: Choice, keys: Mapping[Any, str]
-) -> list[MeasuredHistory]:
+def _histories(trials: Sequence[Trial], item: Answered) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
         if trial.history is not None:
-            computed = store.run(keys[model.name, trial.name, choice.variant(trial)])
+            computed = item.runs.history(trial, item.choice.variant(trial))
             scores = None
             if computed is not None and not computed.outcome.failed:
-                names = model.name, f"measured {trial.name}"
+                names = item.model.name, f"measured {trial.name}"
                 scores = compare(computed, read_history(trial.history), names=names)
             histories.append(MeasuredHistory(trial.name, scores))
     return histories
@@ -199,7 +260,7 @@ def _rows(
             pga_g=intensities[trial.name].pga_g,
             pgv_m_s=intensities[trial.name].pgv_m_s,
             predicted={
-                name: str(known[trial.name, choices[name].variant(trial)]["outcome"]) for name, known in answers.items()
+                name: str(known[trial.name, choices[name].variant(trial)].outcome) for name, known in answers.items()
             },
             probability={name: probability(trial, choices[name], known, samples) for name, known in answers.items()},
         )

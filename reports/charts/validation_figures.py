@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Final
+from collections.abc import Mapping, Sequence
+from typing import Final
 
+from harness.records.sets import ReliabilityBin
 from harness.records.validation import ValidationRecord
 from harness.validation.scenes import GRAVITY_M_S2
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, INK, faint, look
-
-Json = dict[str, Any]
 
 BASELINE: Final = "PGV threshold"
 BASELINE_COLOUR: Final = "#8a6d00"
@@ -24,6 +24,14 @@ def charts(record: ValidationRecord) -> list[tuple[str, str, Json]]:
     fragility = _fragility(record)
     if fragility["data"]:
         figures.append(("fragility", "Probability of overturning against PGV", fragility))
+    diagram = reliability_diagram(
+        [
+            *((name, *_styles(record)[name], item.probability.reliability) for name, item in record.models.items()),
+            (BASELINE, BASELINE_COLOUR, "dot", record.baseline.probability.reliability),
+        ]
+    )
+    if record.samples and diagram["data"]:
+        figures.append(("reliability", "Share that fell against the probability said, with 95 % intervals", diagram))
     return figures
 
 
@@ -117,6 +125,34 @@ def _fragility(record: ValidationRecord) -> Json:
     layout = {
         "height": 400, "xaxis": {"title": {"text": "PGV  [m/s]"}, "type": "log", "gridcolor": HAIRLINE},
         "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
+        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
+    }  # fmt: skip
+    return {"data": data, "layout": layout}
+
+
+def reliability_diagram(curves: Sequence[tuple[str, str, str, Sequence[ReliabilityBin]]]) -> Json:
+    """Of each name, colour, dash and bins: the share that fell over its bin's mean probability; true ones lie on the diagonal."""
+    data: list[Json] = [
+        {
+            "type": "scatter", "mode": "lines+markers", "name": name, "x": [item.mean for item in bins],
+            "y": [item.fell.value for item in bins], "line": {"color": colour, "dash": dash},
+            "text": [f"{item.cases} tests" for item in bins],
+            "error_y": {
+                "type": "data", "symmetric": False, "array": [item.fell.high - item.fell.value for item in bins],
+                "arrayminus": [item.fell.value - item.fell.low for item in bins],
+            },
+            "hovertemplate": f"{name}, %{{text}}: said %{{x:.2f}}, fell %{{y:.2f}}<extra></extra>",
+        }
+        for name, colour, dash, bins in curves if bins
+    ]  # fmt: skip
+    if data:
+        line = {"color": HAIRLINE, "width": 2}
+        data.insert(
+            0, {"type": "scatter", "mode": "lines", "x": [0, 1], "y": [0, 1], "line": line, "showlegend": False}
+        )
+    layout = {
+        "height": 420, "xaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
+        "yaxis": {"title": {"text": "share that overturned"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
         "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
     return {"data": data, "layout": layout}

@@ -6,7 +6,7 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -30,11 +30,17 @@ GROUPS: Final = {
     "numerical": "numerical error",
 }
 LEAVES_RAD: Final = 1e-3
+ROSE_WORDS: Final = (
+    "Least peak acceleration of the floor that overturns the statue, by direction of shaking, in every model."
+)
+CHANGES_WORDS: Final = (
+    "Change of the overturning amplitude under each condition, in per cent, one dot for each direction."
+)
 
 Peaks = Mapping[float, float]
 
 
-def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
+def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     """Everything that the template shows."""
     engines = record.engines
     source = run_source(folder / record.replay.folder) if record.replay else None
@@ -48,11 +54,11 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
         ],
         "picture": scene_svg(record.scene),
         "scene_title": record.scene.title,
-        "rose": rose(record),
+        "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
         "engines": engines,
         "direction_rows": direction_rows(record, engines),
-        "changes": changes(record, {}),
+        "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
         "effect_rows": effect_rows(record),
         "left_out": [(name, why) for name, why in record.left_out.items()],

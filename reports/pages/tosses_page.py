@@ -3,98 +3,107 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel, TossRow
 from reports.charts.palette import look
 from reports.text.numbers import digits, short, unit
 from reports.text.wording import Verdict
 
 QUARTILES = ("median", "low", "high")
+KINDS: Final[Mapping[str, tuple[Callable[[PoseErrors], Quartiles], str]]] = {
+    "rotation": (lambda errors: errors.rotation_rad, "rad"),
+    "place": (lambda errors: errors.place_m, "m"),
+}
+"""The two errors of a pose and their units."""
 
 
-def context(folder: Path, record: dict[str, Any]) -> dict[str, Any]:
+def context(folder: Path, record: TossesRecord) -> dict[str, object]:
     """Everything that the tosses' template shows."""
-    models: Mapping[str, Any] = record["models"]
+    models = record.models
     return {
-        "title": f"Validation against {record['count']} measured tosses",
+        "title": f"Validation against {record.count} measured tosses",
         "verdict": tosses_verdict(record),
         "chips": [],
         "names": list(models),
         "score_rows": score_rows(models),
         "fitted": {name: fitted_words(item) for name, item in models.items()},
-        "absent": record["absent"],
-        "shares": (len(record["fitted_on"]), record["count"] - len(record["fitted_on"])),
-        "raised": {key: unit(record["raised_m"][key], "m") for key in QUARTILES},
+        "absent": record.absent,
+        "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
+        "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
         "charts": [
-            ("rotation", "Rotation error over time (median; quartiles thin)", chart(models, "rotation_rad", "rad")),
-            ("place", "Place error over time (median; quartiles thin)", chart(models, "place_m", "m")),
+            ("rotation", "Rotation error over time (median; quartiles thin)", chart(models, "rotation")),
+            ("place", "Place error over time (median; quartiles thin)", chart(models, "place")),
         ],
         "rows": toss_rows(models),
         "command": command(record),
-        "versions": record["versions"],
-        "machine": record["machine"],
-        "seconds": unit(record["seconds"], "s"),
+        "versions": record.versions,
+        "machine": record.machine,
+        "seconds": unit(record.seconds, "s"),
     }
 
 
-def tosses_verdict(record: Mapping[str, Any]) -> Verdict:
+def tosses_verdict(record: TossesRecord) -> Verdict:
     """Which model's rotation is nearest at the median of all frames that nothing was fitted on."""
-    known = {
-        name: item["frames"]["rotation_rad"]["median"] for name, item in record["models"].items() if item["frames"]
-    }
+    known = {name: item.frames.rotation_rad.median for name, item in record.models.items() if item.frames}
     if not known:
         return Verdict("No model computed any toss", "failed", [])
     best = min(known, key=lambda name: known[name])
-    ends = {name: item["end"] for name, item in record["models"].items() if item["end"]}
+    ends = {name: item.end for name, item in record.models.items() if item.end}
     points = [
-        f"{name}: at the end rotation {_spread(item['rotation_rad'], 'rad')}, place {_spread(item['place_m'], 'm')}."
+        f"{name}: at the end rotation {_spread(item.rotation_rad, 'rad')}, place {_spread(item.place_m, 'm')}."
         for name, item in ends.items()
     ]
     points += [
-        f"{name} could not compute {len(item['failed'])} tosses."
-        for name, item in record["models"].items()
-        if item["failed"]
+        f"{name} could not compute {len(item.failed)} tosses." for name, item in record.models.items() if item.failed
     ]
     sentence = f"{best} is nearest: its rotation is off by {unit(known[best], 'rad')} at the median of all frames"
     return Verdict(sentence, "agree", points)
 
 
-def _spread(item: Mapping[str, float], name: str) -> str:
-    return f"{unit(item['median'], name)} ({digits(item['low'])} to {digits(item['high'])})"
+def _spread(item: Quartiles, name: str) -> str:
+    return f"{unit(item.median, name)} ({digits(item.low)} to {digits(item.high)})"
 
 
-def score_rows(models: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+def score_rows(models: Mapping[str, TossModel]) -> list[tuple[str, list[str]]]:
     """Medians with their quartiles over all frames and at the end."""
-    parts = (("frames", "all frames"), ("end", "at the end"))
-    kinds = (("rotation_rad", "rotation", "rad"), ("place_m", "place", "m"))
+    parts = {
+        "all frames": {name: item.frames for name, item in models.items()},
+        "at the end": {name: item.end for name, item in models.items()},
+    }
     return [
-        (f"{word}, {where}", [_spread(item[part][key], name) if item[part] else "–" for item in models.values()])
-        for part, where in parts
-        for key, word, name in kinds
+        (f"{word}, {where}", ["–" if item is None else _spread(of(item), name) for item in errors.values()])
+        for where, errors in parts.items()
+        for word, (of, name) in KINDS.items()
     ]
 
 
-def fitted_words(item: Mapping[str, Any]) -> str:
+def fitted_words(item: TossModel) -> str:
     """The coefficients with which a model came nearest to the fitted share, and what others missed by."""
-    friction = ", ".join(f"{key}: {1e3 * value:.1f} mm" for key, value in item["missed_m"]["by_friction"].items())
-    text = f"friction {short(item['friction'])}, restitution {short(item['restitution'])} (plastic: {friction}"
-    bouncing = {key: value for key, value in item["missed_m"]["by_restitution"].items() if float(key) > 0.0}
+    friction = ", ".join(f"{key}: {_missed(value)}" for key, value in item.missed_m.by_friction.items())
+    text = f"friction {short(item.friction)}, restitution {short(item.restitution)} (plastic: {friction}"
+    bouncing = {key: value for key, value in item.missed_m.by_restitution.items() if float(key) > 0.0}
     if not bouncing:
         return f"{text}; plastic impacts only)"
-    return f"{text}; restitution " + ", ".join(f"{key}: {1e3 * value:.1f} mm" for key, value in bouncing.items()) + ")"
+    return f"{text}; restitution " + ", ".join(f"{key}: {_missed(value)}" for key, value in bouncing.items()) + ")"
 
 
-def chart(models: Mapping[str, Any], key: str, name: str) -> dict[str, Any]:
-    """A model's median over time with its quartiles, as Plotly's figure."""
+def _missed(value_m: float | None) -> str:
+    return "not every toss could be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
+
+
+def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:
+    """A model's median error over time with its quartiles, of rotation or place, as Plotly's figure."""
+    of, name = KINDS[kind]
     traces = []
     for model, item in models.items():
         colour = look(model, list(models)).colour
         for part in QUARTILES:
             line = {"color": colour, "width": 2 if part == "median" else 0.7}
-            values = [row[key][part] for row in item["over_time"]]
-            times = [row["t_s"] for row in item["over_time"]]
+            values = [vars(of(row))[part] for row in item.over_time]
+            times = [row.t_s for row in item.over_time]
             traces.append(
                 {
                     "type": "scatter",
@@ -113,19 +122,19 @@ def chart(models: Mapping[str, Any], key: str, name: str) -> dict[str, Any]:
     return {"data": traces, "layout": layout}
 
 
-def toss_rows(models: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+def toss_rows(models: Mapping[str, TossModel]) -> list[tuple[str, list[str]]]:
     """Each scored toss: its rotation error at the end, and its place error, by each model."""
-    by_model = {name: {row["toss"]: row for row in item["rows"]} for name, item in models.items()}
+    by_model = {name: {row.toss: row for row in item.rows} for name, item in models.items()}
     names = dict.fromkeys(toss for rows in by_model.values() for toss in rows)
     return [(toss, [_toss_cell(rows.get(toss)) for rows in by_model.values()]) for toss in names]
 
 
-def _toss_cell(row: Mapping[str, Any] | None) -> str:
-    return "–" if row is None else f"{unit(row['end_rotation_rad'], 'rad')}, {unit(row['end_place_m'], 'm')}"
+def _toss_cell(row: TossRow | None) -> str:
+    return "–" if row is None else f"{unit(row.end_rotation_rad, 'rad')}, {unit(row.end_place_m, 'm')}"
 
 
-def command(record: Mapping[str, Any]) -> str:
+def command(record: TossesRecord) -> str:
     """The command that repeats it."""
-    parts = [f"rockcheck validate {shlex.quote(record['tosses'])} --body {shlex.quote(record['body'])}"]
-    parts += [f"-e {name}" for name in record["models"]]
-    return " ".join([*parts, f"--seed {record['seed']}"] if record["seed"] else parts)
+    parts = [f"rockcheck validate {shlex.quote(record.tosses)} --body {shlex.quote(record.body)}"]
+    parts += [f"-e {name}" for name in record.models]
+    return " ".join([*parts, f"--seed {record.seed}"] if record.seed else parts)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import Fitted, ModelRecord, PairScores, TestRow, ValidationRecord
+from harness.records.validation import BaselineRecord, Fitted, ModelRecord, PairScores, TestRow, ValidationRecord
+from harness.validation.words import SWAPPED, share
 from reports.charts.validation_figures import BASELINE, FELL, charts
 from reports.text.numbers import count_word, digits, listed, plain, short, unit
 from reports.text.study_rows import FAILED, SYMBOLS
@@ -24,7 +25,7 @@ SCORES: Final = (
 )
 
 
-def context(_folder: Path, record: ValidationRecord) -> dict[str, Any]:
+def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
     """Everything that the validation template shows."""
     models = record.models
     return {
@@ -39,6 +40,7 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, Any]:
         "fitted": {name: _fitted(item.fitted) for name, item in models.items()},
         "fit_share": record.fit_share,
         "unfitted": record.unfitted,
+        "unexplained": record.unexplained,
         "baseline": record.baseline,
         "models": list(models),
         "rows": [_row(row, list(models)) for row in record.rows],
@@ -61,9 +63,13 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
         return Verdict("No model decided any test", "failed", [])
     bare = record.baseline.outcomes.accuracy
     best = _best(known)
-    points = [f"{name}: {_share(item)} of the tests that it decides." for name, item in known.items()]
+    points = [f"{name}: {share(item)} of the tests that it decides." for name, item in known.items()]
+    if record.unexplained:
+        points.append(f"{listed(list(record.unexplained))}: {SWAPPED}.")
     for name, item in record.models.items():
         outcomes = item.outcomes
+        if item.by_probability is not None and item.by_probability.accuracy is not None:
+            points.append(f"{name} by P ≥ ½ of {record.samples} draws: {share(item.by_probability.accuracy)}.")
         left = outcomes.undecided + outcomes.within_uncertainty
         if left or item.failed:
             points.append(
@@ -72,19 +78,27 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
             )
     if bare is None:
         return Verdict(best, "agree", points)
-    points.append(f"A bare threshold on PGV ({unit(record.baseline.threshold_m_s, 'm/s')}): {_share(bare)}.")
+    points.append(f"A bare threshold on PGV ({_thresholds(record.baseline)}): {share(bare)}.")
     better = [name for name, item in known.items() if item.low > bare.value]
     worse = [name for name, item in known.items() if item.high < bare.value]
     if better:
-        share = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
-        words = f"{share} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
+        who = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
+        words = f"{who} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
     elif worse:
         words = (
             f"no model beats a bare threshold on PGV, and {listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
         )
     else:
         words = "with these tests no model can be told from a bare threshold on PGV"
-    return Verdict(f"{best}; {words} ({_share(bare)})", "agree" if better else "differ", points)
+    return Verdict(f"{best}; {words} ({share(bare)})", "agree" if better else "differ", points)
+
+
+def _thresholds(baseline: BaselineRecord) -> str:
+    """The thresholds by body, from the least to the greatest."""
+    own = sorted(baseline.threshold_by_body_m_s.values()) or [baseline.threshold_m_s]
+    if own[0] == own[-1]:
+        return unit(own[0], "m/s")
+    return f"{unit(own[0], 'm/s')} to {unit(own[-1], 'm/s')}, by body"
 
 
 def _best(known: Mapping[str, Interval]) -> str:
@@ -92,25 +106,28 @@ def _best(known: Mapping[str, Interval]) -> str:
     most = max(item.value for item in known.values())
     best = [name for name, item in known.items() if item.value == most]
     if len(known) == 1:
-        return f"{best[0]} is right in {_share(known[best[0]])} of the tests that it decides"
+        return f"{best[0]} is right in {share(known[best[0]])} of the tests that it decides"
     if len(best) == 1:
-        return f"{best[0]} is right most often, in {_share(known[best[0]])} of the tests that it decides"
+        return f"{best[0]} is right most often, in {share(known[best[0]])} of the tests that it decides"
     every = "All models are" if len(best) == len(known) else f"{listed(best)} are"
     return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
-
-
-def _share(interval: Interval) -> str:
-    return f"{100 * interval.value:.0f} % ({100 * interval.low:.0f}–{100 * interval.high:.0f} %)"
 
 
 def score_rows(record: ValidationRecord) -> list[tuple[str, list[str]]]:
     """The table of scores with their 95 % intervals, the baseline last."""
     models, bare = record.models, record.baseline
     chances = [*(item.probability for item in models.values()), bare.probability]
+    drawn = [*(item.by_probability for item in models.values()), None]
     rows = []
     for key, words in SCORES:
         cells = [_cell(getattr(item.outcomes, key), key) for item in models.values()]
         rows.append((words, [*cells, _cell(getattr(bare.outcomes, key), key)]))
+    if record.samples:
+        for key, words in SCORES:
+            cells = [_cell(None if item is None else getattr(item, key), key) for item in drawn]
+            rows.append((f"{words}, by P ≥ ½", cells))
+        areas = [item.area for item in chances]
+        rows.append(("area under the curve", [_cell(item, "matthews") for item in areas]))
     for key, words in (("brier", "Brier's score of the probabilities"), ("brier_skill", "skill over the mean")):
         numbers = [getattr(item, key) for item in chances]
         if any(value is not None for value in numbers):
@@ -120,15 +137,15 @@ def score_rows(record: ValidationRecord) -> list[tuple[str, list[str]]]:
 
 def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
     """For each two models, how often they give the same outcome and the shares of the verdicts."""
-    found = []
+    sentences = []
     for pair in pairs:
         same = pair.outcomes.side_accuracy
-        text = f"the same outcome in {_share(same)} of {pair.cases} tests; " if same else ""
+        text = f"the same outcome in {share(same)} of {pair.cases} tests; " if same else ""
         text += "; ".join(f"{each.value}: {100 * pair.verdicts.get(each, 0.0):.0f} %" for each in Verdicts) + "."
         if pair.flips:
             text += f" In {pair.flips} the outcome flips within the numerical error."
-        found.append((f"{pair.a} and {pair.b}", text))
-    return found
+        sentences.append((f"{pair.a} and {pair.b}", text))
+    return sentences
 
 
 def _cell(interval: Interval | None, key: str) -> str:
@@ -136,7 +153,7 @@ def _cell(interval: Interval | None, key: str) -> str:
         return "–"
     if key in ("f1", "matthews"):
         return f"{digits(interval.value, 2)} ({digits(interval.low, 2)} … {digits(interval.high, 2)})"
-    return _share(interval)
+    return share(interval)
 
 
 def _fitted(fitted: Fitted) -> str:
@@ -146,7 +163,9 @@ def _fitted(fitted: Fitted) -> str:
     if fitted.friction is not None:
         parts.append(f"friction {short(fitted.friction)}")
     parts += [f"{Path(body).name}: {short(float(angle))}°" for body, angle in fitted.azimuth_deg.items()]
-    return ", ".join(parts)
+    for words, values in (("contact tolerance", fitted.contact_tolerance_m), ("worn by", fitted.inset_m)):
+        parts += [f"{Path(body).name}: {words} {unit(value, 'm')}" for body, value in values.items()]
+    return f"{', '.join(parts)}; {fitted.runs} runs"
 
 
 def _settings(item: ModelRecord) -> str:

@@ -18,7 +18,7 @@ from harness.records.bench import BenchRecord, Choice, Covered, PartRow, Precisi
 from harness.records.scores import Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
-from harness.records.validation import BaselineOutcomes
+from harness.records.validation import FallScores
 from tests import doubles
 
 COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}
@@ -87,7 +87,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
 
 def _bare_outcomes(cases: list[Case]) -> dict[str, Any]:
     scores = vars(score_outcomes(cases))
-    return {item.name: scores[item.name] for item in fields(BaselineOutcomes)}
+    return {item.name: scores[item.name] for item in fields(FallScores)}
 
 
 def _model(
@@ -114,6 +114,7 @@ def _model(
         "failed": 0,
         "fitted": {"tests": 0, "accuracy": None, "friction": 0.6, "azimuth_deg": {"stone 1": 30.0}},
         "outcomes": score_outcomes(cases),
+        "by_probability": None,
         "probability": {"samples": 0, "tests": 60, "brier": 0.08, "brier_skill": 0.6},
         "by_intensity": [],
         "fragility_pgv": curve,

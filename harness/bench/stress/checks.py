@@ -133,9 +133,8 @@ def _drift(values: Array, early: NDArray[np.bool_], late: NDArray[np.bool_]) -> 
 
 def holds_until_s(exact: Run) -> float:
     """Until when the analytic solution is sure and the two-block model inside its domain, s."""
-    until = exact.reliable_until_s if exact.reliable_until_s is not None else exact.end_s
     left = exact.validity.get("left_domain_s")
-    return min(until, exact.end_s, exact.end_s if left is None else float(left))
+    return min(exact.bounded_until_s, exact.end_s if left is None else float(left))
 
 
 def error_rad(run: Run, exact: Run, until_s: float = math.inf) -> float:

@@ -3,57 +3,40 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Final
 
 from harness import engines
 from harness.bench.stress import hard_scenes as scenes
-from harness.bench.stress import invariance_checks as more
-from harness.bench.stress import mutated_files, stability
+from harness.bench.stress import invariance_checks, mutated_files, stability
 from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
-from harness.campaign.parts import Part
+from harness.campaign.parts import Measured, Measurement, Part
 from harness.model.run import machine, versions
-from harness.records.base import as_file
-from harness.records.bench import PartRow
 from harness.records.stress import Cell, HardRow, StressRecord
 
 INPUTS: Final = 20_000
 QUICK_INPUTS: Final = 500
 
 
-def run(
-    folder: Path,
-    quick: bool = False,
-    on_progress: Callable[[str], None] = lambda text: None,
-    only: Sequence[str] | None = None,
-) -> StressRecord:
-    """Run everything (or `only` some parts) and write `result.json` into `folder`; `quick` takes a few of each kind.
-
-    What was interrupted goes on where it was. `on_progress` hears of it. Raises `InputError` for a folder that cannot be
-    written, or an unknown part.
-    """
-    listed = all_parts(quick)
-    measured = parts.session(folder, listed, quick, only, on_progress)
+def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command: str) -> StressRecord:
+    """The record from the rows of all parts."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     order = {row.name: place for place, row in enumerate(stability.difficulties())}
     cells = [Cell(**row) for row in rows["maps"]]
     spent = parts.seconds(measured)
-    record = StressRecord(
-        command=parts.command("stress", quick, measured),
+    return StressRecord(
+        command=command,
         absent=absent(),
         scenes=[HardRow(**row) for row in (*rows["scenes"], *rows["questions"])],
         cells=sorted(cells, key=lambda cell: (stability.ENGINES.index(cell.engine), order[cell.difficulty])),
         fuzz=mutated_files.summed(rows["fuzz"]),
-        parts=[PartRow(**item) for item in spent],
-        seconds=sum(item["wall_s"] for item in spent),
+        parts=spent,
+        seconds=sum(row.wall_s for row in spent),
         versions=versions(),
         machine=machine(),
     )
-    parts.written(folder, as_file(record))
-    return record
 
 
 def absent() -> dict[str, str]:
@@ -68,7 +51,7 @@ def all_parts(quick: bool) -> list[Part]:
     return [
         Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
-        Part("questions", more.tasks(quick), more.compute, scenes.died),
+        Part("questions", invariance_checks.tasks(quick), invariance_checks.compute, scenes.died),
         Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
 
@@ -102,4 +85,7 @@ def sentences(record: StressRecord) -> list[str]:
     sentences += [
         f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
     ]
-    return [*sentences, *parts.sentences([vars(part) for part in record.parts])]
+    return [*sentences, *parts.sentences(record.parts)]
+
+
+STRESS: Final = Measurement("stress", all_parts, assembled, sentences)

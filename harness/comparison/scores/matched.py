@@ -3,30 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TypedDict
 
 import numpy as np
 
 from harness.comparison.scores import energy, events
 from harness.comparison.verdict import Side
 from harness.model.history import Array
-
-
-class EventScores(TypedDict):
-    """What `Scores` holds of matched uplifts and impacts."""
-
-    uplift_time_differences_s: Sequence[float]
-    uplifts_alone_a: int
-    uplifts_alone_b: int
-    impact_times_a_s: Sequence[float]
-    impact_time_differences_s: Sequence[float]
-    impacts_alone_a: int
-    impacts_alone_b: int
-    impact_energy_share_lost_a: Sequence[float]
-    impact_energy_share_lost_b: Sequence[float]
-    impact_energy_lost_a_j: Sequence[float] | None
-    impact_energy_lost_b_j: Sequence[float] | None
+from harness.records.scores import EventScores
 
 
 def event_scores(
@@ -46,25 +29,25 @@ def event_scores(
     ).until(times_a, times_b, until_s)
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = energy.share_lost(a, inertia)[index_a], energy.share_lost(b, inertia)[index_b]
-    return {
-        "uplift_time_differences_s": _list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
-        "uplifts_alone_a": uplifts.alone_a,
-        "uplifts_alone_b": uplifts.alone_b,
-        "impact_times_a_s": _list(times_a[impacts.index_a]),
-        "impact_time_differences_s": _list(times_a[impacts.index_a] - times_b[impacts.index_b]),
-        "impacts_alone_a": impacts.alone_a,
-        "impacts_alone_b": impacts.alone_b,
-        "impact_energy_share_lost_a": _list(share_a),
-        "impact_energy_share_lost_b": _list(share_b),
-        "impact_energy_lost_a_j": None if inertia is None else _list(energy.lost_j(a, inertia)[index_a]),
-        "impact_energy_lost_b_j": None if inertia is None else _list(energy.lost_j(b, inertia)[index_b]),
-    }
+    return EventScores(
+        uplift_time_differences_s=_list(up_a[uplifts.index_a] - up_b[uplifts.index_b]),
+        uplifts_alone_a=uplifts.alone_a,
+        uplifts_alone_b=uplifts.alone_b,
+        impact_times_a_s=_list(times_a[impacts.index_a]),
+        impact_time_differences_s=_list(times_a[impacts.index_a] - times_b[impacts.index_b]),
+        impacts_alone_a=impacts.alone_a,
+        impacts_alone_b=impacts.alone_b,
+        impact_energy_share_lost_a=_list(share_a),
+        impact_energy_share_lost_b=_list(share_b),
+        impact_energy_lost_a_j=None if inertia is None else _list(energy.lost_j(a, inertia)[index_a]),
+        impact_energy_lost_b_j=None if inertia is None else _list(energy.lost_j(b, inertia)[index_b]),
+    )
 
 
 def numerical_uncertainty(
     sides: tuple[Side, Side],
     peak_b_rad: float,
-    found: tuple[events.Excursions, events.Excursions],
+    excursions: tuple[events.Excursions, events.Excursions],
     until_s: float = math.inf,
 ) -> dict[str, float | None]:
     """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
@@ -75,7 +58,7 @@ def numerical_uncertainty(
     u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
     joint = None if u_a is None or u_b is None else u_a + u_b
     slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
-    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in found]
+    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in excursions]
     slowest = [float(each.min()) if each.size else None for each in rates]
     times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
     return {

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.model.history import History
 from harness.model.history_pair import Pair, first_beyond_s
+from harness.records.scores import SpragueGeers
 
 
 @dataclass(frozen=True)
@@ -17,18 +18,6 @@ class Peak:
 
     theta_rad: float
     time_s: float
-
-
-@dataclass(frozen=True)
-class SpragueGeers:
-    """Magnitude M, phase P and combined error C of a history against a reference; 0 is perfect.
-
-    M and C are None when the reference never moves, P and C when either does not.
-    """
-
-    magnitude: float | None
-    phase: float | None
-    combined: float | None
 
 
 def rms_rad(pair: Pair) -> float:

@@ -1,4 +1,4 @@
-"""Outcomes over a set of cases: confusion by side, classification scores with confidence intervals, probability scores."""
+"""Outcomes over a set of cases: confusion by side, classification scores with confidence intervals."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from harness.comparison.statistics.distributions import bootstrap, wilson
 from harness.model.history import Outcome
@@ -98,21 +98,3 @@ def matthews(predicted: Flags, observed: Flags) -> float:
     tp, tn = float(np.sum(predicted & observed)), float(np.sum(~predicted & ~observed))
     fp, fn = float(np.sum(predicted & ~observed)), float(np.sum(~predicted & observed))
     return (tp * tn - fp * fn) / float(np.sqrt((tp + fp) * (tp + fn) * (tn + fp) * (tn + fn)))
-
-
-def brier(probability: ArrayLike, observed: ArrayLike) -> float:
-    """Brier's score, the mean square of probability minus outcome (0 perfect, 0.25 a coin); NaN of an empty set.
-
-    Raises `ValueError` for a probability outside [0, 1].
-    """
-    p, o = np.asarray(probability, dtype=np.float64), np.asarray(observed, dtype=np.float64)
-    if p.shape != o.shape or np.any((p < 0.0) | (p > 1.0) | ~np.isfinite(p)):
-        raise ValueError(f"probabilities from 0 to 1, one for each outcome, wanted; got {p.size} for {o.size} outcomes")
-    return float(np.mean((p - o) ** 2)) if p.size else float("nan")
-
-
-def brier_skill(probability: ArrayLike, observed: ArrayLike) -> float:
-    """1 − Brier/Brier of the base rate: 1 perfect, 0 no better than always saying the share that fell; NaN of one class."""
-    o = np.asarray(observed, dtype=np.float64)
-    base = brier(np.full(o.shape, o.mean() if o.size else 0.0), o)
-    return 1.0 - brier(probability, o) / base if base > 0.0 else float("nan")

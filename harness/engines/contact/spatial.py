@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.rotation import rotation_matrices
 from harness.model.scene import OVERTURN_RAD, Statue
 
 Array = NDArray[np.float64]
@@ -17,14 +18,8 @@ OVERTURN_COS: Final = math.cos(OVERTURN_RAD)
 
 
 def matrices(turns: Array) -> Array:
-    """Rotation matrices (n, 3, 3) of quaternions (n, 4), ordered (x, y, z, w)."""
-    x, y, z, w = turns.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
+    """Rotation matrices (n, 3, 3) of quaternions (n, 4), ordered (x, y, z, w) as Bullet has them."""
+    return rotation_matrices(turns[:, [3, 0, 1, 2]])
 
 
 def planar(up: Array, spin: Array) -> tuple[Array, Array]:

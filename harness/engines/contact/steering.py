@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from harness.engines.base import EngineFailure
+from harness.engines.base import MOVING_TABLE, refuse
 from harness.model.scene import Scene
 
 
 def refuse_steering(scene: Scene, name: str) -> None:
     """Raise `EngineFailure`, in the name of the plain engine, for what can be had only by writing to bodies."""
-    refused = []
-    if scene.contact.restitution is not None and scene.initial.pose is None:
-        refused.append("a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)")
-    if scene.table == "moving":
-        refused.append("a moving table (table; it accelerates the floor's frame)")
-    if refused:
-        other = name.removesuffix(":plain")
-        raise EngineFailure(f"{name} does not compute {' nor '.join(refused)}: leave it out, or ask {other}")
+    imposed = "a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)"
+    asked = {
+        imposed: scene.contact.restitution is not None and scene.initial.pose is None,
+        MOVING_TABLE: scene.table == "moving",
+    }
+    refuse(name, asked, name.removesuffix(":plain"))

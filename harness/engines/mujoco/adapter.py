@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import Engine, EngineFailure, Settings
+from harness.engines.base import MOVING_TABLE, Engine, EngineFailure, Settings, near, own_settings, refuse
 from harness.engines.contact import frame
 from harness.engines.contact.friction import FloorFriction, floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -43,10 +43,9 @@ RESOLUTION_STEPS: Final = 8.0
 
 @dataclass(frozen=True)
 class MujocoSettings(Settings):
-    """Step and stiffness: `stiff_steps` is the contact's time constant in steps, `impedance_ratio` friction's over normal."""
+    """Step and stiffness: `stiff_steps` is the contact's time constant in steps."""
 
     stiff_steps: float = STIFF_STEPS
-    impedance_ratio: float = 100.0
 
 
 @final
@@ -70,17 +69,16 @@ class Mujoco3D(Engine):
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
         """The nearest level's stiffness with the given step."""
-        dt, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
-        return MujocoSettings(dt_s, error * dt_s / dt)
+        return MujocoSettings(*near(LEVELS, dt_s))
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
         """Half the step, and so half the contact's time constant."""
-        own = _own(settings)
+        own = own_settings(self.name, MujocoSettings, settings)
         return (replace(own, dt_s=0.5 * own.dt_s, expected_error_rad=0.5 * own.expected_error_rad),)
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
-        return _simulated(self.name, scene, _own(settings), options, repeats=True)
+        return _simulated(self.name, scene, own_settings(self.name, MujocoSettings, settings), options, repeats=True)
 
 
 @final
@@ -94,35 +92,30 @@ class PlainMujoco3D(Engine):
     capabilities: ClassVar[Capabilities] = Mujoco3D.capabilities
     order: ClassVar[float] = 1.0
 
-    def missing(self) -> str | None:
-        """Why MuJoCo cannot run here, or None."""
-        return Mujoco3D().missing()
-
-    def refinement_levels(self, scene: Scene) -> tuple[MujocoSettings, ...]:
-        """Steps of 1 ms to 0.05 ms."""
-        return Mujoco3D().refinement_levels(scene)
-
-    def settings_for_dt(self, scene: Scene, dt_s: float) -> MujocoSettings:
-        """The nearest level's stiffness with the given step."""
-        return Mujoco3D().settings_for_dt(scene, dt_s)
-
-    def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MujocoSettings, ...]:
-        """Half the step, and so half the contact's time constant."""
-        return Mujoco3D().verification_settings(scene, settings)
+    missing = Mujoco3D.missing
+    refinement_levels = Mujoco3D.refinement_levels
+    settings_for_dt = Mujoco3D.settings_for_dt
+    verification_settings = Mujoco3D.verification_settings
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where MuJoCo refuses it, or where it asks for what is not computed here."""
-        return _simulated(self.name, scene, _own(settings), options, repeats=False)
+        return _simulated(self.name, scene, own_settings(self.name, MujocoSettings, settings), options, repeats=False)
 
 
 def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions, *, repeats: bool) -> Run:
     """Compute the scene; `repeats` says whether a step in which the pedestal breaks loose is computed again."""
     import mujoco
 
-    _refuse(scene, name)
+    imposed = "a prescribed ratio at impact (contact.restitution; its impact is its own soft contact)"
+    asked = {
+        imposed: scene.contact.restitution is not None,
+        MOVING_TABLE: scene.table == "moving",
+        "a wall": scene.wall is not None,
+    }
+    refuse(name, asked, "pymunk", "pybullet")
     begin = time.perf_counter()
     try:
-        model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps, own.impedance_ratio))
+        model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps))
     except ValueError as error:
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
@@ -142,27 +135,9 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
         stuck_below_m_s=1e-4,
         with_history=options.history or not options.allows("no_history"),
         interventions={"friction_release": Intervention(steps_again=again)} if again else {},
+        coulomb=False,
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
-
-
-def _own(settings: Settings) -> MujocoSettings:
-    if not isinstance(settings, MujocoSettings):
-        raise TypeError(f"mujoco wants its own settings, got {type(settings).__name__}")
-    return settings
-
-
-def _refuse(scene: Scene, name: str) -> None:
-    """Raise `EngineFailure` for what this engine cannot compute: its answer would be that of another scene."""
-    refused = []
-    if scene.contact.restitution is not None:
-        refused.append("a prescribed ratio at impact (contact.restitution; its impact is its own soft contact)")
-    if scene.table == "moving":
-        refused.append("a moving table (table; it accelerates the floor's frame)")
-    if scene.wall is not None:
-        refused.append("a wall")
-    if refused:
-        raise EngineFailure(f"{name} does not compute {' nor '.join(refused)}: leave it out, or ask pymunk or pybullet")
 
 
 def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.contact.spatial import matrices, planar, statue_columns
+from analytic.rotation import rotation_matrices
+from harness.engines.contact.spatial import planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
 from harness.model.scene import Scene
 
@@ -14,7 +15,7 @@ Array = NDArray[np.float64]
 
 def _back(quaternion: Array, rate: Array, half_s: float) -> tuple[Array, Array]:
     """Rotations (n, 3, 3) taken back by half a step, and angular velocities (n, 3) in the world; `rate` is the body's own."""
-    turn = matrices(quaternion[:, [1, 2, 3, 0]])
+    turn = rotation_matrices(quaternion)
     nothing = np.zeros(len(rate))
     x, y, z = rate.T
     cross = np.moveaxis(np.array([[nothing, -z, y], [z, nothing, -x], [-y, x, nothing]]), -1, 0)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.base import FINER, Engine, EngineFailure, Settings, own_settings
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -70,7 +70,10 @@ class Bullet3D(Engine):
         try:
             import pybullet  # noqa: F401
         except ImportError as error:
-            return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
+            return (
+                f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only; "
+                "elsewhere it is built from source, or mujoco or spatial takes its place"
+            )
         return None
 
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
@@ -88,7 +91,7 @@ class Bullet3D(Engine):
         residual of 0), with the bodies in the other order too: before that the order changes how far the solver iterations get,
         not what they seek. It is expected to err by what the finest level does that is no finer.
         """
-        level = _own(settings)
+        level = own_settings(self.name, BulletSettings, settings)
         other = level.reversed_bodies != (level.residual == 0.0)
         tighter = replace(
             level, residual=TIGHTER * level.residual, iterations=2 * level.iterations, reversed_bodies=other
@@ -105,7 +108,7 @@ class Bullet3D(Engine):
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
 
-        level = _own(settings)
+        level = own_settings(self.name, BulletSettings, settings)
         if scene.initial.pose is not None and scene.contact.restitution is not None:
             raise EngineFailure(
                 "pybullet locates plastic impacts only: a coefficient of restitution is pybullet:plain's"
@@ -139,12 +142,6 @@ def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
     most_iterations = MOST_ITERATIONS_ALONE if scene.pedestal is None else MOST_ITERATIONS
     halving = (BulletSettings(dt_s, error_rad) for dt_s, error_rad in zip(STEPS_S, stepped, strict=True))
     return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations))
-
-
-def _own(settings: Settings) -> BulletSettings:
-    if not isinstance(settings, BulletSettings):
-        raise EngineFailure(f"settings of another engine: {type(settings).__name__}")
-    return settings
 
 
 def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, Settings
+from harness.engines.base import FINER, Engine, Settings, near, own_settings
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.contact.friction import FloorFriction, floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
@@ -91,12 +91,11 @@ class PlainBullet3D(Engine):
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> BulletSettings:
         """The nearest level's settings with the given step."""
-        dt, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
-        return _settings(scene, dt_s, error * dt_s / dt)
+        return _settings(scene, *near(LEVELS, dt_s))
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[BulletSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
-        own = _own(settings)
+        own = own_settings(self.name, BulletSettings, settings)
         finer = _settings(scene, FINER * own.dt_s, FINER * own.expected_error_rad)
         return (replace(finer, reversed_bodies=not own.reversed_bodies),)
 
@@ -105,7 +104,7 @@ class PlainBullet3D(Engine):
         from harness.engines.pybullet import course
         from harness.engines.pybullet.columns import trajectory
 
-        own = _own(settings)
+        own = own_settings(self.name, BulletSettings, settings)
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
         setup = course.prepare(scene)
@@ -119,6 +118,7 @@ class PlainBullet3D(Engine):
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
             with_history=options.history or not options.allows("no_history"),
+            repeats=False,
             validity={
                 "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
                 "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),
@@ -134,12 +134,6 @@ def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
     """One level: the reach of contacts is what a step may lift a foot off its support at `TURNING_RAD_S`, twice over."""
     reach = max(BulletSettings(dt_s, error_rad).reach, 2.0 * (TURNING_RAD_S * dt_s) ** 2)
     return BulletSettings(dt_s, error_rad, events=False, reach=reach, iterations=1000)
-
-
-def _own(settings: Settings) -> BulletSettings:
-    if not isinstance(settings, BulletSettings):
-        raise TypeError(f"pybullet:plain wants its own settings, got {type(settings).__name__}")
-    return settings
 
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.base import FINER, Engine, EngineFailure, Settings, near, own_settings
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.pymunk.samples import trajectory
@@ -82,12 +81,11 @@ class Munk2D(Engine):
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
         """The nearest level's iterations with the given step."""
-        dt, iterations, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
-        return _settings(scene, dt_s, iterations, error * dt_s / dt)
+        return _settings(scene, *near(LEVELS, dt_s))
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order and the iterations of that step."""
-        own = _own(settings)
+        own = own_settings(self.name, MunkSettings, settings)
         iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
         return (
             replace(
@@ -109,7 +107,7 @@ class Munk2D(Engine):
         from harness.engines.pymunk import loop, world
         from harness.engines.pymunk.support_vertex import SupportVertex
 
-        own = _own(settings)
+        own = own_settings(self.name, MunkSettings, settings)
         begin = time.perf_counter()
         try:
             built = world.build(scene, own)
@@ -143,9 +141,10 @@ class Munk2D(Engine):
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
 
-def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
+def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: float) -> MunkSettings:
     """A level for this scene: the depth of contact is a rotation of the base, in proportion to the step."""
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    iterations = round(most_iterations)
     if scene.pedestal is None:
         iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
     depth = DEPTH_RAD_S * base * dt_s
@@ -155,12 +154,6 @@ def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> M
 
 def _turning(iterations: int) -> int:
     return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
-
-
-def _own(settings: Settings) -> MunkSettings:
-    if not isinstance(settings, MunkSettings):
-        raise TypeError(f"pymunk wants its own settings, got {type(settings).__name__}")
-    return settings
 
 
 def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total: int) -> tuple[int, tuple[str, ...]]:

@@ -7,14 +7,13 @@ thing that Chipmunk does not know: the floor's follows the pedestal's own veloci
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final
 
 import numpy as np
 
-from harness.engines.base import FINER, Engine, EngineFailure, Settings
+from harness.engines.base import FINER, Engine, EngineFailure, Settings, near, own_settings
 from harness.engines.contact.friction import floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.steering import refuse_steering
@@ -75,12 +74,11 @@ class PlainMunk2D(Engine):
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> MunkSettings:
         """The nearest level's iterations with the given step."""
-        dt, iterations, error = min(LEVELS, key=lambda level: abs(math.log(level[0] / dt_s)))
-        return _settings(scene, dt_s, iterations, error * dt_s / dt)
+        return _settings(scene, *near(LEVELS, dt_s))
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order."""
-        own = _own(settings)
+        own = own_settings(self.name, MunkSettings, settings)
         finer = self.settings_for_dt(scene, FINER * own.dt_s)
         return (
             replace(
@@ -93,7 +91,7 @@ class PlainMunk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
-        own = _own(settings)
+        own = own_settings(self.name, MunkSettings, settings)
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
         try:
@@ -108,22 +106,18 @@ class PlainMunk2D(Engine):
             resolution_rad=resolution,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
             with_history=options.history or not options.allows("no_history"),
+            repeats=False,
         )
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
 
-def _settings(scene: Scene, dt_s: float, iterations: int, error_rad: float) -> MunkSettings:
+def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: float) -> MunkSettings:
+    iterations = round(most_iterations)
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     depth = DEPTH_RAD_S * base * dt_s
     return MunkSettings(
         dt_s, error_rad, iterations, iterations, depth, SLOP_DEPTHS * depth, impact_iterations=iterations, align=False
     )
-
-
-def _own(settings: Settings) -> MunkSettings:
-    if not isinstance(settings, MunkSettings):
-        raise TypeError(f"pymunk:plain wants its own settings, got {type(settings).__name__}")
-    return settings
 
 
 def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> tuple[Trajectory, int, float]:

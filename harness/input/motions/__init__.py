@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, ZeroExcitation
 from harness.input.motions import compatible, process, records
@@ -25,7 +25,10 @@ from harness.input.motions.spec import (
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.input.motions.text import mistake
 
-__all__ = ["Prepared", "build", "prepare"]
+if TYPE_CHECKING:
+    from harness.input.tables import SceneFile
+
+__all__ = ["Prepared", "SceneMotion", "prepare"]
 
 MOST_PERIODS: Final = 150_000
 """Periods of a floor's stiffest mode in its motion: ten million samples (`floor.POINTS_PER_PERIOD`), ten seconds and 1 GB."""
@@ -41,64 +44,62 @@ class Prepared:
     target: DesignSpectrum | None = None
 
 
-def build(
-    component: Component,
-    *,
-    base_dir: Path,
-    where: str,
-    key: str,
-    duration_s: float | None = None,
-    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
-) -> Excitation:
-    """The excitation of one component; `where` and `key` name it in messages. Raises InputError.
+@dataclass(frozen=True)
+class SceneMotion:
+    """One component of a scene's motion, and what of the scene it needs; `where` and `key` name it in messages.
 
     `duration_s` is the scene's: only a harmonic motion through a building needs it. `gravity_m_s2` is the scene's: formulas give
     their amplitude as a share of it, so that a block's limits in g are exact; records in g mean standard gravity.
     """
-    return prepare(
-        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
-    ).excitation
+
+    component: Component
+    base_dir: Path
+    where: str
+    key: str
+    duration_s: float | None = None
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2
+
+    @classmethod
+    def of(cls, scene: SceneFile, axis: str, path: Path) -> SceneMotion | None:
+        """The component of a scene file along an axis, None where it has none."""
+        component: Component | None = getattr(scene.motion, axis)
+        if component is None:
+            return None
+        return cls(component, path.parent, str(path), f"motion.{axis}", scene.duration_s, scene.gravity_m_s2)
 
 
-def prepare(
-    component: Component,
-    *,
-    base_dir: Path,
-    where: str,
-    key: str,
-    duration_s: float | None = None,
-    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
-) -> Prepared:
-    """The excitation with its record of steps and warnings (as `build`)."""
+def prepare(motion: SceneMotion) -> Prepared:
+    """The excitation of one component with its record of steps and warnings. Raises InputError."""
+    component = motion.component
     if isinstance(component, RestSpec):
         return Prepared(ZeroExcitation())
     if isinstance(component, HarmonicSpec):
-        amplitude = component.amplitude_g * gravity_m_s2
+        amplitude = component.amplitude_g * motion.gravity_m_s2
         phase = math.radians(component.phase_deg)
         ground = Prepared(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
     elif isinstance(component, PulseSpec):
-        amplitude = component.amplitude_g * gravity_m_s2
+        amplitude = component.amplitude_g * motion.gravity_m_s2
         ground = Prepared(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
-        loaded = records.load(component, base_dir=base_dir, where=where, key=key)
+        loaded = records.load(component, base_dir=motion.base_dir, where=motion.where, key=motion.key)
         ground = _of_series(loaded.series, loaded.warnings)
     else:
-        ground = _compatible(component, base_dir=base_dir, where=where, key=key)
-    return _on_floor(ground, component.floor, duration_s, where, key) if component.floor else ground
+        ground = _compatible(component, motion)
+    return _on_floor(ground, component.floor, motion) if component.floor else ground
 
 
 def _of_series(series: Series, warnings: tuple[str, ...], target: DesignSpectrum | None = None) -> Prepared:
     return Prepared(series.excitation(), series.done, warnings, target)
 
 
-def _compatible(component: SpectrumSpec, *, base_dir: Path, where: str, key: str) -> Prepared:
-    spectrum = design_spectrum(component)
+def _compatible(component: SpectrumSpec, motion: SceneMotion) -> Prepared:
+    spectrum, where, key = design_spectrum(component), motion.where, motion.key
     try:
         if component.record is None:
             duration = component.duration_s or compatible.DEFAULT_DURATION_S
             made = compatible.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
             return _of_series(made.series, (), spectrum)
-        loaded = records.load(component.record, base_dir=base_dir, where=where, key=f"{key}.record")
+        loaded = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
         series = process.resample(loaded.series, compatible.STEP_S) if component.method != "scale" else loaded.series
         factor = compatible.best_factor(series, spectrum)
         series = process.scaled(series, factor, f"nearest to {spectrum.name}")
@@ -115,9 +116,8 @@ def _compatible(component: SpectrumSpec, *, base_dir: Path, where: str, key: str
         raise mistake(where, key, wanted, str(error), advice) from error
 
 
-def _on_floor(
-    ground: Prepared, modes: tuple[Oscillator, ...], duration_s: float | None, where: str, key: str
-) -> Prepared:
+def _on_floor(ground: Prepared, modes: tuple[Oscillator, ...], motion: SceneMotion) -> Prepared:
+    where, key, duration_s = motion.where, motion.key, motion.duration_s
     end = ground.excitation.end_s
     until = end + ring_down_s(modes)
     if duration_s is not None:

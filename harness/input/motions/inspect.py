@@ -10,14 +10,12 @@ from typing import Final
 import numpy as np
 
 from analytic.excitation import SampledAcceleration
-from harness.input import motions
-from harness.input.motions import components, oscillator
+from harness.input.motions import SceneMotion, components, oscillator, prepare
 from harness.input.motions.layout import Layout
 from harness.input.motions.measures import Measures, measures
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.series import Floats, Series
-from harness.input.motions.spec import Component
 from harness.input.motions.spectra import DesignSpectrum
 
 DAMPING: Final = 0.05
@@ -87,19 +85,9 @@ def inspect_file(
     return Inspection(path.name, source, traces, record.warnings, target)
 
 
-def inspect_component(
-    component: Component,
-    *,
-    base_dir: Path,
-    where: str,
-    key: str,
-    duration_s: float | None = None,
-    gravity_m_s2: float = STANDARD_GRAVITY_M_S2,
-) -> Inspection:
-    """One component of a scene as the models will feel it; InputError as `harness.input.motions.build`."""
-    prepared = motions.prepare(
-        component, base_dir=base_dir, where=where, key=key, duration_s=duration_s, gravity_m_s2=gravity_m_s2
-    )
+def inspect_component(motion: SceneMotion) -> Inspection:
+    """One component of a scene as the models will feel it; InputError as `harness.input.motions.prepare`."""
+    prepared = prepare(motion)
     excitation = prepared.excitation
     if isinstance(excitation, SampledAcceleration):
         steps = np.diff(excitation.t_s)
@@ -110,11 +98,12 @@ def inspect_component(
             t_s = np.arange(0.0, excitation.end_s, dt_s)
             series = Series(dt_s, excitation.accel_m_s2(t_s), (*prepared.done, f"shown at {dt_s:.4g} s"))
     else:
-        end = excitation.end_s if math.isfinite(excitation.end_s) else duration_s or ENDLESS_S
+        end = excitation.end_s if math.isfinite(excitation.end_s) else motion.duration_s or ENDLESS_S
         dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PULSE)
         series = Series(dt_s, excitation.accel_m_s2(dt_s * np.arange(math.ceil(end / dt_s) + 2)))
-    trace = _trace(key, component.kind, series, prepared.target)
-    return Inspection(f"{where}: {key}", {"kind": component.kind}, (trace,), prepared.warnings, prepared.target)
+    kind, title = motion.component.kind, f"{motion.where}: {motion.key}"
+    trace = _trace(motion.key, kind, series, prepared.target)
+    return Inspection(title, {"kind": kind}, (trace,), prepared.warnings, prepared.target)
 
 
 def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | None) -> Trace:

@@ -8,7 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import SAFETY, Error, spread, target_of
 from harness.bench.coverage import FIRST_SEED, coverage
 from harness.bench.seeded_scenes import random_scene, wide_scene
@@ -316,4 +318,32 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
     assert max(below) > 2.0
     assert {s.contact.floor_static == s.contact.floor_kinetic for s in scenes} == {True, False}
     assert {s.planar for s in scenes} == {True, False}
-    assert len({type(s.base_excitation.x) for s in scenes}) == 3
+    # Every kind of motion along x alone, and along all three axes.
+    moved = {(type(s.base_excitation.x), s.base_excitation.z.peak_m_s2 > 0.0) for s in scenes}
+    assert len({kind for kind, _ in moved}) == 3
+    assert {kind for kind, upwards in moved if upwards} == {kind for kind, _ in moved}
+    friction = [s.contact.floor_kinetic for s in scenes]
+    assert min(friction) < 0.06
+    assert max(friction) > 0.9
+    tall = [s for s in scenes if s.pedestal is not None and s.pedestal.height_m > s.pedestal.width_m]
+    assert len(tall) > 10
+
+
+@pytest.mark.parametrize("name", ["analytic", "pymunk"])
+def test_a_draw_is_one_run_that_states_no_error(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is only counted is run once, to the same outcome; a run that states its error takes two or more."""
+    import analytic.solver
+
+    scene = paestum(0.334, 1.5, duration_s=3.0)
+    engine, made = engines.load(name), []
+    owner, method = (analytic.solver, "solve") if name == "analytic" else (type(engine), "simulate")
+    whole = getattr(owner, method)
+    monkeypatch.setattr(owner, method, lambda *given, **named: made.append(1) or whole(*given, **named))
+    stated = simulate(scene, name, options=RunOptions(history=False))
+    several = len(made)
+    single = simulate(scene, name, options=RunOptions(history=False, stated=False))
+    assert len(made) - several == 1
+    assert several >= 2
+    assert single.outcome == stated.outcome
+    assert single.numerical_uncertainty_rad is None
+    assert stated.numerical_uncertainty_rad is not None

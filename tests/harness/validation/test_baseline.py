@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.validation.baseline import best_threshold, chances, chances_left_out, contour, leave_one_out
-from harness.validation.scenes import GRAVITY_M_S2, Intensity
+from harness.validation.baseline import best_threshold, chances, contour
+from harness.validation.motions import Intensity
+from harness.validation.scenes import GRAVITY_M_S2
 from tests.budgets_compare import QUANTILE_SE
 
 
@@ -38,12 +39,6 @@ def test_the_best_threshold_is_the_best_of_all() -> None:
     assert int(np.sum((x >= best_threshold(x, y)) == y)) == right
 
 
-def test_each_case_is_predicted_by_the_others() -> None:
-    assert leave_one_out([1, 2, 8, 9], [0, 0, 1, 1]).tolist() == [False, False, True, True]
-    # The lone faller among the weak is not predicted by itself.
-    assert leave_one_out([1, 2, 3, 4, 5], [1, 0, 0, 1, 1]).tolist()[0] is False
-
-
 def test_the_probability_by_intensity_is_that_of_the_curve_drawn_from() -> None:
     """Median 0.5, dispersion 0.4: with 4000 cases the share at the median is known to some 1/√4000; four of them."""
     rng = np.random.default_rng(3)
@@ -58,13 +53,6 @@ def test_without_a_rising_curve_the_share_that_fell_is_all_that_is_known() -> No
     assert chances([1, 2, 3], [0, 0, 0], [2.0, 0.0]).tolist() == [pytest.approx(0.2), 0.0]
     assert chances([1, 2, 3, 4], [1, 0, 1, 0], [2.0])[0] == pytest.approx(0.5)
     assert chances([0, 0], [0, 0], [1.0])[0] == pytest.approx(0.25)
-
-
-def test_no_case_helps_to_predict_itself() -> None:
-    x, y = [1.0, 2.0, 2.5, 3.0, 4.0, 5.0], [0, 0, 1, 0, 1, 1]
-    found = chances_left_out(x, y)
-    assert found[1] == pytest.approx(chances(x[:1] + x[2:], y[:1] + y[2:], [x[1]])[0])
-    assert np.all((found >= 0.0) & (found <= 1.0))
 
 
 def drawn(count: int) -> tuple[list[Intensity], list[bool]]:

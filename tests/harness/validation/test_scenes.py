@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.excitation import SampledAcceleration
 from harness.model.errors import InputError
+from harness.validation.motions import intensity
 from harness.validation.scenes import (
     BASE_SD_M,
     FRICTION_SD,
@@ -16,12 +18,12 @@ from harness.validation.scenes import (
     RING_DOWN_S,
     Variant,
     digest_of,
-    intensity,
+    intensity_of,
     scene_of,
-    variants,
+    settings,
 )
 from harness.validation.table import Trial, read_table
-from tests.budgets_compare import QUANTILE_SE, TRAPEZOID_REL
+from tests.budgets_compare import QUANTILE_SE, SAMPLED_SINE_REL, TRAPEZOID_REL
 from tests.harness.validation.experiments import BASE, write_experiments, write_table
 
 TURNED = 90.0
@@ -46,10 +48,11 @@ def test_turned_by_a_right_angle_width_and_depth_exchange(trial: Trial) -> None:
     assert turned.contact.statue == 0.8
 
 
-def test_variants_are_every_choice_nominal_and_perturbed(trial: Trial) -> None:
-    found = list(variants(trial, 3))
-    assert len(found) == len(set(found)) == 2 * 2 * 4
+def test_settings_are_every_choice_of_what_is_not_known(trial: Trial) -> None:
+    found = list(settings(replace(trial, insets_m=(0.0, 0.002), contact_tolerances_m=(None, 0.002, 0.003))))
+    assert len(found) == len(set(found)) == 2 * 2 * 2 * 3
     assert found[0] == Variant()
+    assert all(variant.sample == 0 for variant in found)
 
 
 def test_perturbations_are_seeded_small_and_of_the_stated_spread(trial: Trial) -> None:
@@ -83,12 +86,53 @@ def test_a_pared_base_is_narrower_by_twice_the_cut(trial: Trial, monkeypatch: py
     assert pared.inertia_kg_m2 == whole.inertia_kg_m2
 
 
+def burst(offset_m_s2: float = 0.0) -> SampledAcceleration:
+    """Four seconds of 3 m/s² at 2 Hz, swelling and dying away over two each, on an offset of the accelerometer."""
+    t = np.arange(3201) / 800.0
+    wave = 3.0 * np.sin(4 * np.pi * t) * np.minimum(1.0, np.minimum(t, 4.0 - t))
+    return SampledAcceleration(t, wave + offset_m_s2)
+
+
 def test_intensity_is_that_of_the_burst(trial: Trial) -> None:
     """The burst's PGA is its amplitude (800 samples a second see the crest to (πf/800)²/2), its PGV A/ω."""
-    found = intensity(trial)
+    found = intensity_of(trial)
     assert found.pga_g * GRAVITY_M_S2 == pytest.approx(3.0, rel=(np.pi * 2 / 800) ** 2 + TRAPEZOID_REL)
-    assert found.pgv_m_s == pytest.approx(3.0 / (4 * np.pi), rel=(np.pi * 2 / 800) ** 2 + TRAPEZOID_REL)
     assert found.ratio_s == pytest.approx(found.pgv_m_s / (found.pga_g * GRAVITY_M_S2))
+    assert intensity(burst(), 4.0).pgv_m_s == pytest.approx(3.0 / (4 * np.pi), rel=SAMPLED_SINE_REL)
+
+
+def test_an_offset_of_the_record_is_no_velocity() -> None:
+    """0.05 m/s² integrate to 0.2 m/s in four seconds, as much as the burst's own; the drift is taken off as it was put on."""
+    bare, shifted = intensity(burst(), 4.0), intensity(burst(0.05), 4.0)
+    raw = np.max(np.abs(burst(0.05).velocity_m_s(np.arange(3201) / 800.0)))
+    assert raw > 1.5 * bare.pgv_m_s
+    assert shifted.pgv_m_s == pytest.approx(bare.pgv_m_s, rel=TRAPEZOID_REL)
+
+
+def test_bodies_are_drawn_once_for_all_their_tests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forty tests of one body in five draws ask for five turned statues, not for two hundred; friction is each test's own."""
+    from harness.validation import scenes
+
+    made: list[float] = []
+    whole = scenes.statue_of
+    monkeypatch.setattr(scenes, "statue_of", lambda solid: made.append(1.0) or whole(solid))
+    tests = read_table(write_experiments(tmp_path, np.linspace(2.0, 4.0, 40), friction="0.5"))
+    drawn = [[scene_of(test, Variant(sample=k)) for k in range(6)] for test in tests]
+    assert len(made) == 1 + 5
+    assert len({row[3].statue.corner_left_m for row in drawn}) == 1
+    assert len({row[3].contact.statue for row in drawn}) == 40
+
+
+def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
+    given = replace(trial, azimuths_deg=(0.0,), mass_kg=33.0, contact_tolerances_m=(0.9, None), insets_m=(0.0, 0.004))
+    high, worn = scene_of(given, Variant()).statue, scene_of(given, Variant(tolerance=1, inset=1)).statue
+    plain = scene_of(given, Variant(tolerance=1)).statue
+    assert plain.mass_kg == pytest.approx(33.0)
+    width = plain.corner_left_m + plain.corner_right_m
+    assert worn.corner_left_m + worn.corner_right_m == pytest.approx(width - 2 * 0.004)
+    # Within nine tenths of a metre all of the stone touches: its shifted top too, which reaches further right.
+    assert high.solid is not None
+    assert high.solid.contact_tolerance_m == 0.9
 
 
 def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
@@ -135,7 +179,7 @@ def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path
     block = read_table(write_table(tmp_path / "table.csv", rows))[0]
     scene = scene_of(block, Variant())
     assert scene.duration_s == 3.0
-    assert intensity(block).pga_g == pytest.approx(0.3, rel=1e-3)
+    assert intensity_of(block).pga_g == pytest.approx(0.3, rel=1e-3)
     narrower = scene_of(replace(block, azimuths_deg=(0.0,)), Variant())
     assert narrower.statue.corner_left_m == 0.1
     with pytest.raises(InputError, match="numbers alone"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,21 +9,23 @@ import pytest
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
-from harness.validation.scenes import GRAVITY_M_S2, Intensity, Variant
+from harness.records.study import CaseRun
+from harness.validation.fit import Choice, choose
+from harness.validation.motions import Intensity
+from harness.validation.scenes import GRAVITY_M_S2, Variant
 from harness.validation.scoring import (
-    Choice,
     by_intensity,
     case_of,
-    choose,
     curves,
     probability,
     score_baseline,
     score_model,
 )
 from harness.validation.table import Trial, read_table
+from tests import doubles
 from tests.harness.validation.experiments import write_experiments
 
-STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT.value
+STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT
 
 
 def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, frictions: int = 1) -> Trial:
@@ -38,15 +39,8 @@ def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, friction
     )
 
 
-def answer(fell: bool, **fields: Any) -> Mapping[str, Any]:
-    known: dict[str, Any] = {
-        "outcome": FALLS if fell else STANDS,
-        "numerical_uncertainty_rad": None,
-        "reliable_until_s": None,
-        "no_return_time_s": None,
-        "peak_theta_rad": 0.0,
-    }
-    return known | fields
+def answer(fell: bool, **fields: Any) -> CaseRun:
+    return doubles.case_run(**{"outcome": FALLS if fell else Outcome.STANDS} | fields)
 
 
 def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
@@ -63,23 +57,23 @@ def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
         for azimuth in (0, 1)
         for friction in (0, 1)
     }
-    found = choose(trials, answers)
-    assert found == Choice(1, {"a": 1, "b": 0}, 8, 1.0)
+    found = choose(trials, lambda pairs: answers)
+    assert found == Choice(1, {"a": Variant(1), "b": Variant(0)}, 8, 1.0, runs=32)
     assert found.variant(trials[0]) == Variant(1, 1)
     assert found.variant(trial("known", True)) == Variant(0, 0)
-    assert choose([], {}) == Choice(0, {}, 0, None)
+    assert choose([], lambda pairs: {}) == Choice(0, {}, 0, None)
 
 
 def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() -> None:
     one = trial("t", True)
-    outcomes = [answer(True), answer(False), answer(True), answer(True), {**answer(True), "outcome": "crashed"}]
+    outcomes = [answer(True), answer(False), answer(True), answer(True), answer(True, outcome=Outcome.CRASHED)]
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
     choice = Choice(0, {}, 0, None)
     assert probability(one, choice, answers, 4) == 0.75
-    outcomes[1] = {**answer(True), "outcome": "undecided"}
+    outcomes[1] = answer(True, outcome=Outcome.UNDECIDED)
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
     assert probability(one, choice, answers, 4) == 1.0
-    crashed = {(one.name, Variant()): {**answer(True), "outcome": "crashed"}}
+    crashed = {(one.name, Variant()): answer(True, outcome=Outcome.CRASHED)}
     assert probability(one, choice, crashed, 0) is None
 
 
@@ -124,7 +118,7 @@ def test_a_model_is_scored_whole() -> None:
     trials = [trial(f"t{k}", k >= 6) for k in range(12)]
     # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
     shaking = {each.name: Intensity(0.1 * (k + 1), 0.01 * (k + 1) * GRAVITY_M_S2) for k, each in enumerate(trials)}
-    answers: dict[tuple[str, Variant], Mapping[str, Any]] = {}
+    answers: dict[tuple[str, Variant], CaseRun] = {}
     for k, each in enumerate(trials):
         answers[each.name, Variant()] = answer(k >= 5)
         answers[each.name, Variant(sample=1)] = answer(k >= 6)
@@ -133,6 +127,13 @@ def test_a_model_is_scored_whole() -> None:
     assert found.outcomes.accuracy.value == pytest.approx(11 / 12)
     assert found.outcomes.confusion["stands"]["overturned_right"] == 1
     assert found.probability.brier == pytest.approx(0.25 / 12)
+    # At P = 1/2 a fall is said: the same test is wrong. Above it all that fell, below it all that stood.
+    assert found.by_probability is not None
+    assert found.by_probability.accuracy is not None
+    assert found.by_probability.accuracy.value == pytest.approx(11 / 12)
+    assert found.probability.area is not None
+    assert found.probability.area.value == 1.0
+    assert [(item.cases, item.fell.value) for item in found.probability.reliability] == [(5, 0.0), (1, 0.0), (6, 1.0)]
     assert found.fragility_pgv is not None
     assert found.fragility_pgv.separated
     assert found.contour is not None
@@ -154,11 +155,41 @@ def test_the_baseline_is_fitted_on_its_share_or_on_the_others() -> None:
     assert alone.outcomes.accuracy.value == 1.0
 
 
+def test_each_body_has_its_own_threshold() -> None:
+    """Stone a falls from 0.3, stone b from 0.8: no one threshold is right of both."""
+    strengths = [0.1 * (k + 1) for k in range(12)]
+    trials = [
+        trial(f"{body}{k}", v >= limit, body=body)
+        for body, limit in (("a", 0.25), ("b", 0.75))
+        for k, v in enumerate(strengths)
+    ]
+    shaking = {each.name: Intensity(0.1, strengths[int(each.name[1:])]) for each in trials}
+    found = score_baseline([], trials, shaking)
+    assert found.threshold_by_body_m_s == {"a": pytest.approx(0.25), "b": pytest.approx(0.75)}
+    assert found.outcomes.accuracy is not None
+    # But for the two beside each threshold: without itself a test is predicted by the middle of its neighbours.
+    assert found.outcomes.accuracy.value == pytest.approx(22 / 24)
+    together = sum((shaking[each.name].pgv_m_s >= found.threshold_m_s) == each.fell for each in trials)
+    assert together < 22
+
+
+def test_no_test_helps_to_predict_itself() -> None:
+    """A lone faller among the weak is not predicted by itself, nor by its own probability."""
+    trials = [trial(f"t{k}", k in (0, 6, 7, 8)) for k in range(9)]
+    shaking = {each.name: Intensity(0.1, 0.1 * (k + 1)) for k, each in enumerate(trials)}
+    found = score_baseline([], trials, shaking)
+    assert found.outcomes.recall is not None
+    assert found.outcomes.recall.value == pytest.approx(3 / 4)
+    others = score_baseline(trials[1:], trials[:1], shaking)
+    assert others.probability.brier is not None
+    assert others.probability.brier > 0.5
+
+
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
-    undecided = {**answer(True), "outcome": "undecided"}
+    undecided = answer(True, outcome=Outcome.UNDECIDED)
     trials = [trial("stood", False, azimuths=2), trial("fell", True, azimuths=2)]
     answers = {(each.name, Variant(0)): undecided for each in trials}
     answers |= {(each.name, Variant(1)): answer(each.name == "fell") for each in trials}
-    assert choose(trials, answers) == Choice(0, {"a": 1}, 2, 1.0)
+    assert choose(trials, lambda pairs: answers) == Choice(0, {"a": Variant(1)}, 2, 1.0, runs=4)
     shaken = {each.name: Intensity(0.3, 0.2 * (k + 1)) for k, each in enumerate(trials)}
     assert curves(trials, shaken, lambda each: None).fragility_pgv is None

@@ -59,11 +59,27 @@ def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
         ({"sign": "2"}, "one of 1, -1"),
         ({"scale": "1;2"}, "one number"),
         ({"scene": "stone.ply"}, "either a scene or a mesh"),
+        ({"bandpass_hz": "20;0.2"}, "two frequencies, low;high"),
+        ({"bandpass_hz": "20"}, "two frequencies, low;high"),
+        ({"baseline": "parabola"}, "one of none, mean"),
+        ({"observed": "2"}, "one of overturned, stands"),
     ],
 )
 def test_a_wrong_cell_is_told(tmp_path: Path, columns: dict[str, str], says: str) -> None:
     with pytest.raises(InputError, match=says):
         read_table(write_experiments(tmp_path, [2.0], **columns))
+
+
+def test_outcomes_may_be_numbers_and_motions_are_treated(tmp_path: Path) -> None:
+    path = write_experiments(
+        tmp_path, [2.0], observed="1", mass_kg="12.5", baseline="linear", bandpass_hz="0.2;20", inset_m="0;0.002"
+    )
+    first = read_table(path)[0]
+    assert first.fell
+    assert first.observed == "overturned"
+    assert (first.mass_kg, first.baseline, first.bandpass_hz) == (12.5, "linear", (0.2, 20.0))
+    assert first.insets_m == (0.0, 0.002)
+    assert not read_table(write_experiments(tmp_path, [2.0], observed="0"))[0].fell
 
 
 def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:

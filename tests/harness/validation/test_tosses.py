@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from analytic.rotation import rotation_matrices
 from harness.accuracy.simulation import simulate
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.history import History
+from harness.model.run import write_json
 from harness.model.scene import Scene
+from harness.records.base import as_file
+from harness.records.tosses import Missed, Quartiles, TossesRecord, TossModel
 from harness.validation.jobs import parse_model
 from harness.validation.toss_run import FRICTIONS, body_of_tosses, validate_tosses
 from harness.validation.toss_scores import (
@@ -24,7 +28,6 @@ from harness.validation.toss_scores import (
     TossTask,
     errors,
     poses,
-    rotations,
     scene_of,
     scored,
 )
@@ -138,7 +141,7 @@ def columns(cube: Scene, turns: np.ndarray, places: np.ndarray) -> History:
 def test_poses_come_back_from_columns(cube: Scene) -> None:
     rng = np.random.default_rng(3)
     quaternions = rng.normal(size=(50, 4))
-    turns = rotations(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
+    turns = rotation_matrices(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
     places = rng.normal(size=(50, 3))
     turn, place = poses(cube.statue, columns(cube, turns, places))
     assert np.max(np.abs(turn - turns)) < budget.INTEGRATED
@@ -163,16 +166,29 @@ def test_the_coefficient_that_threw_them_is_found_again(tmp_path: Path, root: Pa
     table = written(tmp_path, {str(seed): thrown(cube, seed) for seed in STEADY})
     body = root / "scenes" / "cube_toss.toml"
     found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1)
-    model = found["models"]["pybullet:plain"]
-    assert (model["friction"], model["restitution"]) == (FRICTION, 0.0)
-    assert len(found["fitted_on"]) == 1
-    assert len(model["rows"]) == 2
-    assert not model["failed"]
-    assert model["frames"]["place_m"]["median"] < budget.THROWN_AGAIN_M
-    assert model["missed_m"]["by_restitution"]["0.4"] > model["missed_m"]["by_restitution"]["0.0"]
+    model = found.models["pybullet:plain"]
+    assert (model.friction, model.restitution) == (FRICTION, 0.0)
+    assert len(found.fitted_on) == 1
+    assert len(model.rows) == 2
+    assert not model.failed
+    assert model.frames is not None
+    assert model.frames.place_m.median < budget.THROWN_AGAIN_M
+    assert model.missed_m.by_restitution["0.4"] > model.missed_m.by_restitution["0.0"]
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "Validation against 3 measured tosses" in page
     assert "friction 0.2, restitution 0" in page
+
+
+def test_a_coefficient_with_which_a_toss_could_not_be_computed_is_said(tmp_path: Path) -> None:
+    model = TossModel("pybullet", None, 0.2, 0.0, Missed({"0.1": None, "0.2": 0.001}, {}), {"7": "flew off"})
+    record = TossesRecord(
+        tosses="t.csv", body="b.toml", count=2, fitted_on=["1"], raised_m=Quartiles(0.0, 0.0, 0.0),
+        models={"pybullet": model}, absent={}, versions={}, machine={}, seconds=1.0,
+    )  # fmt: skip
+    write_json(tmp_path / "result.json", as_file(record))
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "0.1: not every toss could be computed, 0.2: 1.0 mm" in page
+    assert "No model computed any toss" in page
 
 
 def test_an_engine_that_cannot_bounce_says_so(tmp_path: Path, cube: Scene) -> None:
@@ -193,8 +209,9 @@ def test_real_tosses_slide_with_the_friction_that_their_authors_found(
     if not table.is_file():
         pytest.skip(f"real data absent: {table}")
     found = validate_tosses(table, tmp_path / "out", body, models=["pybullet:plain"], jobs=1, most=6)
-    model = found["models"]["pybullet:plain"]
+    model = found.models["pybullet:plain"]
     low, high = budget.MEASURED_FRICTION
-    assert low <= model["friction"] <= high
-    assert model["restitution"] <= budget.MEASURED_RESTITUTION
-    assert model["frames"]["rotation_rad"]["median"] < budget.TOSSED_RAD
+    assert low <= model.friction <= high
+    assert model.restitution <= budget.MEASURED_RESTITUTION
+    assert model.frames is not None
+    assert model.frames.rotation_rad.median < budget.TOSSED_RAD

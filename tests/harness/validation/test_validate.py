@@ -9,7 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from harness.accuracy.simulation import simulate
 from harness.comparison.statistics.outcomes import FELL
@@ -18,8 +20,9 @@ from harness.model.options import RunOptions
 from harness.validation import validate
 from harness.validation import validation_run as run
 from harness.validation.jobs import parse_model
-from harness.validation.scenes import Variant, scene_of
+from harness.validation.scenes import Variant, intensity_of, scene_of
 from harness.validation.table import read_table
+from reports.cli import app
 from reports.pages.page import write_report
 from tests.harness.validation.experiments import write_experiments, write_table
 
@@ -74,7 +77,9 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     assert set(model["fitted"]["azimuth_deg"].values()) <= {0.0, 90.0, 180.0}
     assert model["tests"] == 2
     assert model["failed"] == 0
-    assert found["runs"] == {"wanted": len(AMPLITUDES) * 3 * 3, "computed": len(AMPLITUDES) * 3 * 3}
+    # Six tests of the share at three azimuths, once each; then what is missing of eight tests as fitted and in two draws.
+    assert model["fitted"]["runs"] == 6 * 3
+    assert found["runs"]["computed"] == found["runs"]["wanted"] == 6 * 3 + 2 + 8 * 2
     assert found["baseline"]["fitted_on"] == "the named share"
     assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8")) == found
 
@@ -165,6 +170,79 @@ def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "pymunk@dt=0.002 and analytic</dt>" in page
     assert "No numerical error is stated for pymunk@dt=0.002 (" in page
+
+
+def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
+    """Observed as the model has it, but for the strongest test, which is said to have stood."""
+    path = write_experiments(tmp_path, AMPLITUDES)
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row, trial in zip(rows, read_table(path), strict=True):
+        true = simulate(scene_of(trial, Variant()), "analytic", options=RunOptions(history=False))
+        row["observed"] = str(int(true.outcome.overturned))
+    assert rows[-1]["observed"] == "1"
+    rows[-1]["observed"] = "0"
+    write_table(path, rows)
+    answer = CliRunner().invoke(
+        app, ["validate", str(path), "-e", "analytic", "--samples", "4", "-j", "1", "--out", str(tmp_path / "out")]
+    )
+    assert answer.exit_code == 0, answer.output
+    record = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
+    assert record["unexplained"] == [rows[-1]["test"]]
+    assert f"{rows[-1]['test']}: no run gives what was observed (label swapped?)" in answer.output
+    for words in ("nominal run right in", "by P ≥ 1/2 right in", "Brier", "area under the curve", "PGV threshold"):
+        assert words in answer.output
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "label swapped?" in page
+    assert "Share that fell against the probability said" in page
+    assert "right, by P ≥ ½" in page
+
+
+def test_a_label_that_another_value_of_the_list_explains_is_none_to_doubt(tmp_path: Path) -> None:
+    """Worn by a tenth of its base the stone falls in what it stands whole; nothing was fitted, so the list's first is taken."""
+    path = write_experiments(tmp_path, [4.0, 4.25, 6.0], inset_m="0;0.02", observed="stands")
+    trials = read_table(path)
+    ends = [
+        [
+            simulate(scene_of(trial, Variant(inset=k)), "analytic", options=RunOptions(history=False)).outcome
+            for k in (0, 1)
+        ]
+        for trial in trials
+    ]
+    differ = [k for k, (whole, worn) in enumerate(ends) if worn.overturned and not whole.overturned]
+    assert differ
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row, (whole, _) in zip(rows, ends, strict=True):
+        row["observed"] = str(int(whole.overturned))
+    rows[differ[0]]["observed"] = "1"
+    found = validate(write_table(path, rows), tmp_path / "out", models=["analytic"], samples=1, quiet=True)
+    assert found["unexplained"] == []
+    assert found["unfitted"] == ["inset_m"]
+
+
+def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
+    """The same burst under headers that no reader knows: the same key figures, whatever else stands beside it."""
+    path = write_experiments(tmp_path, [3.0, 3.0])
+    times, table = np.loadtxt(tmp_path / "burst1.csv", delimiter=",", skiprows=1, unpack=True)
+    head = "Messzeit;Tisch;Seilzug mm"
+    np.savetxt(
+        tmp_path / "burst1.csv",
+        np.column_stack((times, table, 7.0 * times)),
+        delimiter=";",
+        header=head,
+        comments="",
+        fmt="%.9g",
+    )
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    rows[1] |= {"time_column": "Messzeit", "column": "Tisch"}
+    first, second = read_table(write_table(path, rows))
+    assert intensity_of(second) == intensity_of(first)
+    rows[1]["column"] = "Tish"
+    wrong = read_table(write_table(path, rows))[1]
+    with pytest.raises(InputError, match="a column of Messzeit, Tisch, Seilzug mm"):
+        intensity_of(wrong)
 
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:

@@ -100,12 +100,12 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(record: EffectsRe
 
 
 def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) -> None:
-    picture = str(rose(record))
+    picture = str(rose(record).svg())
     curves = re.findall(r'<path d="M([^"]*)Z" fill="none" stroke="#(?!6d6353)', picture)
     assert [len(points.split("L")) for points in curves] == [4, 4, 4]
     assert "pybullet, 270°: stands" in picture
     assert "analytic, 60°: 1.000 g" in picture
-    dots = str(changes(record, {}))
+    dots = str(changes(record).svg())
     assert dots.count("<circle") == 3
     assert "pybullet, 0°: -3.0 %" in dots
 

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.input import paths
-from harness.input.motions import build, prepare
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Component, Motion
 from harness.model.errors import InputError
 from tests.harness.input.motions import writers
@@ -23,7 +23,7 @@ ADAPTER: TypeAdapter[Any] = TypeAdapter(Component)
 
 def made(base: Path = Path(), scene_s: float | None = None, **keys: Any) -> Excitation:
     component = ADAPTER.validate_python(keys)
-    return build(component, base_dir=base, where="scene.toml", key="motion.x", duration_s=scene_s)
+    return prepare(SceneMotion(component, base, "scene.toml", "motion.x", scene_s)).excitation
 
 
 def test_the_plain_kinds() -> None:
@@ -40,7 +40,7 @@ def test_steps_are_taken_in_their_order_and_recorded(tmp_path: Path) -> None:
         "kind": "record", "file": "a.AT2", "column": "90", "window_s": [1.0, 9.0], "baseline": "linear",
         "bandpass_hz": [0.2, 20.0], "resample_dt_s": 0.005, "significant": [0.05, 0.95], "sign": -1, "pga_g": 0.4,
     }  # fmt: skip
-    found = prepare(ADAPTER.validate_python(keys), base_dir=tmp_path, where="scene.toml", key="motion.x")
+    found = prepare(SceneMotion(ADAPTER.validate_python(keys), tmp_path, "scene.toml", "motion.x"))
     words = ("90 (azimuth 90°)", "window", "baseline", "band-pass", "resampled", "significant", "times", "sign")
     assert len(found.done) == len(words)
     assert all(word in said for word, said in zip(words, found.done, strict=True))
@@ -132,7 +132,7 @@ def test_a_floor_has_no_ground_target() -> None:
         "duration_s": 5.0,
     }
     ground, floor = (
-        prepare(ADAPTER.validate_python({**keys, **more}), base_dir=Path(), where="s", key="motion.x")
+        prepare(SceneMotion(ADAPTER.validate_python({**keys, **more}), Path(), "s", "motion.x"))
         for more in ({}, {"floor": [{"period_s": 0.3, "damping": 0.1}]})
     )
     assert ground.target is not None

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
+from harness.input.motions import SceneMotion
 from harness.input.motions.inspect import PERIODS_S, inspect_component, inspect_file
 from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
@@ -69,7 +70,7 @@ def test_thinning_keeps_every_peak() -> None:
 )
 def test_components_without_a_file(keys: dict[str, Any]) -> None:
     component = ADAPTER.validate_python(keys)
-    found = inspect_component(component, base_dir=Path(), where="scene.toml", key="motion.x", duration_s=4.0)
+    found = inspect_component(SceneMotion(component, Path(), "scene.toml", "motion.x", 4.0))
     peak = found.traces[0].measures.pga_g
     assert peak == pytest.approx(0.0 if keys["kind"] == "rest" else 0.3, rel=1.5)
     charts = histories_figure(found), spectrum_figure(found), build_up_figure(found)

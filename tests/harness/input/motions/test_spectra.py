@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from harness.input.motions import compatible, oscillator, prepare
+from harness.input.motions import SceneMotion, compatible, oscillator, prepare
 from harness.input.motions.series import Series, displacement_m, velocity_m_s
 from harness.input.motions.spec import Component, SpectrumSpec, Target
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
@@ -170,7 +170,7 @@ def test_a_real_record_is_matched_within_its_work(data_dir: Path) -> None:
     keys = {**COLLAPSE, "code": "ntc2018"}
     record = {"file": str(data_dir / "records" / "elcentro1940_NS.csv"), "column": "a_NS_ms2"}
     spec = SpectrumSpec(kind="spectrum", **keys, record=record)  # type: ignore[arg-type]
-    found = prepare(spec, base_dir=Path(), where="scene.toml", key="motion.x")
+    found = prepare(SceneMotion(spec, Path(), "scene.toml", "motion.x"))
     series = Series(compatible.STEP_S, found.excitation.accel_m_s2(compatible.STEP_S * np.arange(6237)))
     shape = target(**keys)
     assert _eqsig_misfit(series, shape) <= EQSIG_MISFIT
@@ -180,7 +180,7 @@ def test_a_real_record_is_matched_within_its_work(data_dir: Path) -> None:
     passes = int(found.done[-1].split(" in ")[1].split()[0])
     assert passes <= MATCHING_PASSES
     original = prepare(
-        ADAPTER.validate_python({"kind": "record", **record}), base_dir=Path(), where="scene.toml", key="motion.x"
+        SceneMotion(ADAPTER.validate_python({"kind": "record", **record}), Path(), "scene.toml", "motion.x")
     )
     t_s = original.excitation.t_s  # type: ignore[attr-defined]
     likeness = np.corrcoef(original.excitation.accel_m_s2(t_s), found.excitation.accel_m_s2(t_s))[0, 1]
@@ -190,7 +190,7 @@ def test_a_real_record_is_matched_within_its_work(data_dir: Path) -> None:
 def test_scaling_to_a_spectrum_is_one_factor(data_dir: Path) -> None:
     record = {"file": str(data_dir / "records" / "elcentro1940_NS.csv")}
     made = [
-        prepare(ADAPTER.validate_python(keys), base_dir=Path(), where="s", key="motion.x").excitation
+        prepare(SceneMotion(ADAPTER.validate_python(keys), Path(), "s", "motion.x")).excitation
         for keys in (
             {"kind": "record", **record},
             {"kind": "spectrum", **LIFE_SAFETY, "record": record, "method": "scale"},
@@ -210,4 +210,4 @@ def test_what_cannot_be_matched_is_refused(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(compatible, "_PASSES", 1)
     keys = {"kind": "spectrum", **LIFE_SAFETY, "seed": 1, "duration_s": 10.0}
     with pytest.raises(InputError, match="try another seed"):
-        prepare(ADAPTER.validate_python(keys), base_dir=Path(), where="s", key="motion.x")
+        prepare(SceneMotion(ADAPTER.validate_python(keys), Path(), "s", "motion.x"))

@@ -1,0 +1,87 @@
+"""The record of measured tosses: by model what was fitted on a share of them, and how far its poses are off on the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from harness.model.run import OMITTED
+from harness.records.base import Record, Table
+
+
+@dataclass(frozen=True)
+class Quartiles:
+    """Lower quartile, median and upper quartile."""
+
+    low: float
+    median: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Missed:
+    """Median distance of the body's points, m, with each coefficient tried (None: a toss could not be computed).
+
+    `by_friction` with plastic impacts, `by_restitution` at the fitted friction.
+    """
+
+    by_friction: Mapping[str, float | None]
+    by_restitution: Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseErrors:
+    """Errors of rotation and place: of all frames (`count`), at the ends, or at one instant `t_s` of so many `tosses`."""
+
+    t_s: float | None = field(default=None, metadata=OMITTED)
+    tosses: int | None = field(default=None, metadata=OMITTED)
+    count: int | None = field(default=None, metadata=OMITTED)
+    rotation_rad: Quartiles
+    place_m: Quartiles
+
+
+@dataclass(frozen=True)
+class TossRow:
+    """One scored toss: the median of its frames, and its end."""
+
+    toss: str
+    rotation_rad: float
+    end_rotation_rad: float
+    end_place_m: float
+
+
+@dataclass(frozen=True)
+class TossModel:
+    """A model with the coefficients fitted for it: `failed` tosses with why; errors over all frames, at the end, over time."""
+
+    engine: str
+    dt_s: float | None
+    friction: float
+    restitution: float
+    missed_m: Missed
+    failed: Mapping[str, str]
+    frames: PoseErrors | None = None
+    end: PoseErrors | None = None
+    over_time: Sequence[PoseErrors] = ()
+    rows: Sequence[TossRow] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TossesRecord(Record):
+    """`result.json` of `rockcheck validate` on a table of tosses; `raised_m` was added to their heights."""
+
+    kind: Literal["tosses"] = "tosses"
+    title: str = ""
+    tosses: str
+    body: str
+    count: int
+    fitted_on: Sequence[str]
+    raised_m: Quartiles
+    models: Mapping[str, TossModel]
+    absent: Mapping[str, str]
+    seed: int = 0
+    versions: Mapping[str, str]
+    machine: Table
+    seconds: float
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

@@ -1,0 +1,143 @@
+"""What the table does not know, fitted for each model on the tests of one share: one friction for all, the rest by body."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from harness.records.study import CaseRun
+from harness.records.validation import Fitted
+from harness.validation.scenes import Variant
+from harness.validation.table import UNKNOWN, Trial
+
+Answers = Mapping[tuple[str, Variant], CaseRun]
+"""The runs of one model, by test and variant."""
+Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
+"""Runs what is not known yet, and gives all answers so far."""
+
+OF_BODY: Final[Mapping[str, str]] = {"azimuth": "azimuth_deg", "tolerance": "contact_tolerance_m", "inset": "inset_m"}
+"""What each body has of its own: the field of a variant, and the table's column."""
+PASSES: Final = 4
+"""Passes over the unknown inputs; a choice that one pass leaves as it was is the last."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which values of the unknown inputs are taken: one friction for all, the others by body (indices in the lists).
+
+    `fitted_on` tests of the named share, with `accuracy` there; nothing was fitted where it is 0.
+    """
+
+    friction: int = 0
+    bodies: Mapping[str, Variant] = field(default_factory=dict)
+    fitted_on: int = 0
+    accuracy: float | None = None
+    runs: int = 0
+
+    def variant(self, trial: Trial, sample: int = 0) -> Variant:
+        """The chosen variant of a test; what its row knows stays as it says."""
+        own = self.bodies.get(trial.body, Variant())
+        known = {name: getattr(own, name) if _count(trial, name) > 1 else 0 for name in OF_BODY}
+        return Variant(friction=self.friction if len(trial.frictions) > 1 else 0, sample=sample, **known)
+
+    def with_body(self, body: str, **values: int) -> Choice:
+        """The choice with other values of one body."""
+        return replace(self, bodies={**self.bodies, body: replace(self.bodies.get(body, Variant()), **values)})
+
+
+def _count(trial: Trial, name: str) -> int:
+    return len(getattr(trial, UNKNOWN[OF_BODY[name]]))
+
+
+def choose(trials: Sequence[Trial], ask: Ask) -> Choice:
+    """Fit the unknown inputs on these tests: the most outcomes right, the first in the lists where several are as good.
+
+    One input after another with the others held, azimuth together with the friction first, until a pass changes nothing: the
+    runs are a sum over the lists, not their product, and only of these tests.
+    """
+    if not trials:
+        return Choice()
+    choice, asked = Choice(fitted_on=len(trials)), _Asked(trials, ask)
+    for _ in range(PASSES):
+        before = choice
+        choice = _with_friction(choice, asked)
+        for name in ("tolerance", "inset", "azimuth"):
+            choice = _by_body(choice, name, asked)
+        if choice == before:
+            break
+    return replace(choice, accuracy=asked.right(choice, trials) / len(trials), runs=asked.runs)
+
+
+class _Asked:
+    """The tests of the share by body, and how many of them a choice gets right; counts runs of unknown inputs."""
+
+    def __init__(self, trials: Sequence[Trial], ask: Ask) -> None:
+        self.trials, self._ask, self._seen = trials, ask, set[tuple[str, Variant]]()
+        self.bodies = {
+            body: list(group)
+            for body, group in itertools.groupby(sorted(trials, key=lambda trial: trial.body), lambda trial: trial.body)
+        }
+
+    @property
+    def runs(self) -> int:
+        """Runs that the fit has asked for."""
+        return len(self._seen)
+
+    def know(self, choices: Sequence[Choice], trials: Sequence[Trial]) -> None:
+        """Run these choices of these tests at once, so that all workers have something to do."""
+        self._answers([(trial, choice.variant(trial)) for choice in choices for trial in trials])
+
+    def right(self, choice: Choice, trials: Sequence[Trial]) -> int:
+        """How many of these tests come out as observed."""
+        pairs = [(trial, choice.variant(trial)) for trial in trials]
+        answers = self._answers(pairs)
+        return sum(answers[trial.name, variant].outcome.fell is trial.fell for trial, variant in pairs)
+
+    def _answers(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
+        self._seen.update((trial.name, variant) for trial, variant in pairs)
+        return self._ask(pairs)
+
+
+def _with_friction(choice: Choice, asked: _Asked) -> Choice:
+    """The common friction with which, each body's azimuth at its best, most tests are right."""
+    values = [replace(choice, friction=k) for k in range(max(len(trial.frictions) for trial in asked.trials))]
+    if len(values) == 1:
+        return choice
+    turned = [_by_body(value, "azimuth", asked) for value in values]
+    return max(turned, key=lambda value: asked.right(value, asked.trials))
+
+
+def _by_body(choice: Choice, name: str, asked: _Asked) -> Choice:
+    """Each body's best value of one input, the others held."""
+    options = {
+        body: [choice.with_body(body, **{name: k}) for k in range(max(_count(trial, name) for trial in group))]
+        for body, group in asked.bodies.items()
+    }
+    for body, values in options.items():
+        if len(values) > 1:
+            asked.know(values, asked.bodies[body])
+            best = max(values, key=lambda value, body=body: asked.right(value, asked.bodies[body]))  # type: ignore[misc]
+            choice = choice.with_body(body, **{name: getattr(best.bodies[body], name)})
+    return choice
+
+
+def fitted(trials: Sequence[Trial], choice: Choice) -> Fitted:
+    """What was chosen, as values of the table."""
+    by_column = {
+        column: {
+            trial.body: getattr(trial, UNKNOWN[column])[getattr(choice.bodies[trial.body], name)]
+            for trial in trials
+            if trial.body in choice.bodies and _count(trial, name) > 1
+        }
+        for name, column in OF_BODY.items()
+    }
+    frictions = next((trial.frictions for trial in trials if len(trial.frictions) > 1), None)
+    return Fitted(
+        choice.fitted_on,
+        choice.accuracy,
+        None if frictions is None else frictions[choice.friction],
+        **by_column,
+        runs=choice.runs,
+    )

@@ -1,0 +1,97 @@
+"""The motion of a test: its table's columns, treated as the row says, and how strong it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation, ZeroExcitation
+from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.spec import RecordSpec
+from harness.input.text_file import decoded, read_bytes
+from harness.model.errors import InputError, Mistake
+from harness.model.scene import Array, BaseExcitation
+from harness.validation.table import Trial
+
+
+@dataclass(frozen=True)
+class Intensity:
+    """Peaks of the motion along the rocking plane; PGV/PGA tells its dominant period."""
+
+    pga_g: float
+    pgv_m_s: float
+
+    @property
+    def ratio_s(self) -> float:
+        """PGV/PGA in s."""
+        return self.pgv_m_s / (self.pga_g * GRAVITY_M_S2) if self.pga_g else 0.0
+
+
+def shaking(trial: Trial) -> BaseExcitation:
+    """The floor's motion of a test that names a file. Raises `InputError`."""
+    if trial.motion is None:
+        raise InputError(Mistake(trial.body, f"test {trial.name}: motion", "a file with the table's motion", "nothing"))
+    treatment = (trial.motion_unit, trial.time_column, trial.scale, trial.baseline, trial.bandpass_hz)
+    x = _component(trial.motion, trial.column, trial.sign, treatment)
+    y, z = (
+        ZeroExcitation() if column is None else _component(trial.motion, column, sign, treatment)
+        for column, sign in ((trial.column_y, trial.sign), (trial.column_z, 1))
+    )
+    return BaseExcitation(x, y, z)
+
+
+@lru_cache(maxsize=256)
+def _component(path: Path, column: str | None, sign: int, treatment: tuple[Any, ...]) -> Excitation:
+    unit, time_column, scale, baseline, bandpass_hz = treatment
+    keys: dict[str, object] = {"column": column, "unit": unit, "bandpass_hz": bandpass_hz}
+    if time_column is not None:
+        keys |= _columns(path, time_column, column)
+    given = {name: value for name, value in keys.items() if value is not None}
+    try:
+        component = RecordSpec(kind="record", file=str(path), sign=sign, scale=scale, baseline=baseline, **given)  # type: ignore[arg-type]
+    except ValidationError as error:
+        reasons = "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in error.errors())
+        raise InputError(Mistake(str(path), "motion", "a motion that can be read", reasons)) from error
+    return prepare(SceneMotion(component, path.parent, str(path), "motion")).excitation
+
+
+def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int | str]:
+    """Where times and accelerations stand in a table whose headers no reader knows, counted from 1; both by header or number."""
+    text = decoded(read_bytes(path, "a motion"), str(path), "a table with a header")
+    lines = [line for line in text.splitlines() if line.strip()]
+    mark = next((each for each in ("\t", ";", ",") if lines and each in lines[0]), None)
+    headers = [cell.strip().strip('"') for cell in lines[0].split(mark)] if lines else []
+    numbered = [str(number + 1) for number in range(len(headers))]
+
+    def number(name: str, key: str) -> int:
+        for names in (headers, numbered):
+            if name in names:
+                return names.index(name) + 1
+        raise InputError(Mistake(str(path), key, f"a column of {', '.join(headers)}", repr(name)))
+
+    if column is None:
+        raise InputError(Mistake(str(path), "column", f"a column of {', '.join(headers)}", "nothing"))
+    times, values = number(time_column, "time_column"), number(column, "column")
+    return {"time_column": times, "columns": f"{values}:a", "column": "a", "skip_lines": 1}
+
+
+@lru_cache(maxsize=1024)
+def intensity(motion: Excitation, duration_s: float) -> Intensity:
+    """Peaks of a motion; PGV without the drift of its velocity, for an offset of the record is no shaking."""
+    samples = getattr(motion, "t_s", None)
+    t_s = np.linspace(0.0, duration_s, 20_001) if samples is None else np.asarray(samples)
+    velocity = detrended(t_s, np.asarray(motion.velocity_m_s(t_s)))
+    return Intensity(motion.peak_m_s2 / GRAVITY_M_S2, float(np.max(np.abs(velocity))))
+
+
+def detrended(t_s: Array, velocity_m_s: Array) -> Array:
+    """Velocity (n,) less the drift c t that fits it best: a record's offset c integrates to it, and a table begins at rest."""
+    since = t_s - t_s[0]
+    weight = float(since @ since)
+    return np.asarray(velocity_m_s - (float(since @ velocity_m_s) / weight if weight else 0.0) * since)

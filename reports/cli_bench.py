@@ -1,0 +1,56 @@
+"""The commands that measure: run time against error, and numerical stability."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from harness.campaign.progress import ProgressMessages
+from harness.command import FAILED, OK, Saying, command
+from reports.cli_result import OUT, Out, say_result
+
+if TYPE_CHECKING:
+    from harness.campaign.parts import Measurement, R
+
+Quick = Annotated[bool, typer.Option("--quick", help="A few rows of each kind: to see that it works, not to judge.")]
+Parts = Annotated[
+    str | None,
+    typer.Option(
+        "--parts", metavar="NAMES", help="Only these parts (a,b), the others as measured before; see the docs."
+    ),
+]
+
+
+def add_commands(app: typer.Typer) -> None:
+    """Mount the commands on the application."""
+    command(app, "bench", "rockcheck bench --out out/bench", "rockcheck bench --parts precision,skips")(bench)
+    command(app, "stress", "rockcheck stress --out out/stress", "rockcheck stress --parts fuzz")(stress)
+
+
+def bench(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+    """Measure run time against error for every engine and setting, what skips gain, and how cost grows."""
+    from harness.bench.bench_run import BENCH
+
+    _measured(BENCH, saying, quick, parts, out)
+
+
+def stress(saying: Saying, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
+    """Run hard scenes, map each engine's stability, and read thousands of mutated files."""
+    from harness.bench.stress.stress_run import STRESS
+
+    record = _measured(STRESS, saying, quick, parts, out)
+    raise typer.Exit(OK if record.holds else FAILED)
+
+
+def _measured(measurement: Measurement[R], saying: Saying, quick: bool, parts: str | None, out: Path | None) -> R:
+    """The record of a measurement of these parts (comma-separated; None: of all), once it is said."""
+    from harness.records.base import as_file
+
+    folder = out or OUT / measurement.name
+    only = None if parts is None else [name.strip() for name in parts.split(",") if name.strip()]
+    with ProgressMessages(saying.silent) as messages:
+        record = measurement.run(folder, quick, only, messages.engine)
+    say_result(as_file(record), "\n".join(measurement.sentences(record)), folder, saying)
+    return record

@@ -1,0 +1,40 @@
+"""Where a command's result goes, and how it is said: as JSON or as text, then its pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import typer
+
+from harness.command import FAILED, Saying
+from harness.model.errors import InputError
+from harness.model.terminal import printable
+
+OUT: Final = Path("out")
+
+Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
+
+
+def say_result(record: Mapping[str, Any], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
+    """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
+    from reports.pages.page import write_report
+
+    if text or saying.as_json:
+        saying.say(record, text)
+    try:
+        page = write_report(folder, language)
+    except InputError as error:
+        for mistake in error.mistakes:
+            typer.echo(f"error: {mistake}", err=True)
+        raise typer.Exit(FAILED) from error
+    except Exception as fault:
+        page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))
+        fault_text = (
+            f"{page_name} could not be made, {type(fault).__name__}: {fault}; a fault of rockcheck: please report it"
+        )
+        typer.echo(printable(f"error: {fault_text}"), err=True)
+        raise typer.Exit(FAILED) from fault
+    if not saying.silent:
+        typer.echo(printable(f"report: {page}"))
