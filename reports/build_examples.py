@@ -81,7 +81,7 @@ def main() -> int:
     seconds = time.perf_counter() - start
     busy_s = done.usage.busy_s + sum(answer.seconds for answer in answers.values())
     busy = f"{pool.workers} workers {100.0 * busy_s / (seconds * pool.workers):.0f} % busy"
-    texts = [answer.record["text"] for answer in answers.values()]
+    texts = [str(answer.record["text"]) for answer in answers.values()]
     print("\n".join([f"{STUDY}: {done}", str(done.usage), *texts]))
     print("\n".join([f"\ndone in {seconds:.0f} s, {busy}. Reports:", *(f"  {page}" for page in pages)]))
     return int(_failed(record.rows) or any(answer.failed for answer in answers.values()))

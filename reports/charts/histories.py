@@ -10,6 +10,7 @@ import numpy as np
 from harness.model.history import History
 from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord
+from reports.charts import Json
 from reports.charts.decimate import Array, kept_samples
 from reports.charts.event import run_event_s
 from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
@@ -17,8 +18,6 @@ from reports.charts.patterns import pattern_strip
 from reports.pages.assets import packed_array
 from reports.source import RunSource
 from reports.text.wording import horizon_s, prediction_s
-
-Json = dict[str, Any]
 
 BAND_SAMPLES: Final = 3000
 ACROSS: Final = "out_of_plane_rad"
@@ -86,8 +85,8 @@ def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[fl
 
 
 def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
-    kept = kept_samples(values) if most is None else kept_samples(values, most)
-    return packed_array(history.t_s[kept], "f4"), packed_array(values[kept], "f4")
+    shown = kept_samples(values) if most is None else kept_samples(values, most)
+    return packed_array(history.t_s[shown], "f4"), packed_array(values[shown], "f4")
 
 
 def _rotation(source: RunSource, name: str, history: History, names: list[str], axis: str) -> list[Json]:
@@ -131,8 +130,8 @@ def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
     if np.count_nonzero(within) < 2:
         return None
     t_s, theta = history.t_s[within], history.theta_rad[within]
-    kept = kept_samples(theta, BAND_SAMPLES)
-    t_s, theta = t_s[kept], theta[kept]
+    shown = kept_samples(theta, BAND_SAMPLES)
+    t_s, theta = t_s[shown], theta[shown]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
     return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
 
@@ -271,8 +270,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
     if horizon is not None and horizon < end:
         texts.append(
             {
-                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0.09,
-                "yanchor": "bottom", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
+                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

@@ -12,13 +12,12 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.accuracy.simulation import check_target, simulate
+from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.campaign import isolate
 from harness.cli import summary
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict
@@ -73,7 +72,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.M
             awaited.set()
 
     scene = paestum(0.3, 2.0, pedestal=False)
-    monkeypatch.setattr(run, "_apart", slow)
+    monkeypatch.setattr(run, "_isolated", slow)
     run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, on_progress=told)
     assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
 
@@ -114,11 +113,9 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     history = doubles.rocking()
     asked: list[tuple[str, float | None]] = []
 
-    def answer(
-        engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, options: RunOptions
-    ) -> Run:
-        asked.append((engine.name, accuracy_rad))
-        wrong = engine.name == "pymunk" and accuracy_rad is None
+    def answer(engine: Engine, scene: Scene, target: RunTarget) -> Run:
+        asked.append((engine.name, target.accuracy_rad))
+        wrong = engine.name == "pymunk" and target.accuracy_rad is None
         path = doubles.raised(history, off) if wrong else history
         known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
         return doubles.run_of(path, engine.name, **known)
@@ -143,7 +140,7 @@ def _slow(told: Path) -> None:
 @needs_pybullet
 def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a process of its own that is long, or stopped, is not waited for."""
-    monkeypatch.setattr(run, "_apart", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
+    monkeypatch.setattr(run, "_isolated", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
 
     def interrupt(text: str) -> None:
         if text.endswith("still"):
