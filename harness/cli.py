@@ -208,13 +208,14 @@ def summary(result: Result) -> str:
 
     lines = [result.scene.title]
     lines += [f"  {name}: the statue {item.sentence}" for name, item in result.assessment.items()]
-    outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
+    answered = [run for run in result.runs.values() if not run.outcome.failed]
+    outcomes = sorted({run.outcome for run in answered})
     if len(result.runs) > 1 and outcomes:
-        who = _who_agrees(len(result.runs), sum(not run.outcome.failed for run in result.runs.values()))
+        who = _who_agrees(len(result.runs), len(answered))
         ended = f"{who}: {outcomes[0].sentence}" if len(outcomes) == 1 else "the models differ"
         if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
             ended = f"{who} that the statue overturns; the side differs"
-        given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
+        given = {tuple(run.motion_axes) for run in answered if run.motion_axes is not None}
         lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
     width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
     for name, run in result.runs.items():

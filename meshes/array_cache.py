@@ -1,4 +1,4 @@
-"""Arrays that are dear to compute, kept in the user's cache folder under a digest of what they were computed from.
+"""Arrays that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
 
 The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written, or
 where others could write into it, nothing is kept.

@@ -75,7 +75,7 @@ EVENT_TIME_S: Final = 1e-6
 UPLIFT_TIME_S: Final = 2e-4
 """An uplift's time extrapolated from a power law to the start: the samples are 1 ms apart."""
 BARE_LOOP_STEPS: Final = 1.02
-"""Engine steps of a run over those of a bare loop: a split impact costs one more in four, a split halt one in two."""
+"""Engine steps of a run over those of a baseline loop: a split impact costs one more in four, a split halt one in two."""
 STATED_SHARE: Final = 0.95
 """Share of seeded scenes in which the true error stays within what is stated."""
 MOVING_TABLE_RAD: Final = 1e-3
@@ -120,7 +120,7 @@ THROWN_SLIP_M: Final = 1e-6
 TWO_STEPS_S: Final = 2.5e-3
 """What is told by samples of 1 ms comes within two of them and an event's own part."""
 BOUNCES_RATIO: Final = 2e-3
-"""A ratio at impact from the half-cycles' peaks in a bare loop of 0.1 ms, of first order: measured within 5e-4 on 5 widths."""
+"""A ratio at impact of the half-cycles' peaks in a baseline loop of 0.1 ms, first order: measured within 5e-4 on 5 widths."""
 
 WRITTEN_M_S: Final = 1e-3
 """Velocities that turning on at impacts changes in all in the first second of the paper's cases at 1 ms: 8e-5 m/s in pymunk."""

@@ -166,5 +166,5 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
 
 def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) -> Option:
     other = reread(scene, values, f"{path}: option {name!r}")
-    told: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
-    return Option(name, ", ".join(told), lambda _: other, path.name, user=True)
+    sets: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
+    return Option(name, ", ".join(sets), lambda _: other, path.name, user=True)

@@ -71,7 +71,8 @@ def row_of(seed: int, engine: str) -> CalibrationRow:
     probability = model_draws(scene, draw(inputs, DRAWS, seed)).probability
     # A draw of its own: another seed than those behind the probability.
     true = varied(scene, row(draw(inputs, 1, seed + FIRST_SEED), 0))
-    return CalibrationRow(seed, engine, probability, overturns(DrawnRun(engine, true)).record["overturned"])
+    overturned = overturns(DrawnRun(engine, true)).record["overturned"]
+    return CalibrationRow(seed, engine, probability, None if overturned is None else bool(overturned))
 
 
 def measured(path: Path, seeds: Sequence[int], engine: str) -> list[CalibrationRow]:

@@ -62,7 +62,7 @@ def analytic_run(scene: Scene) -> Run:
 
 
 def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]:
-    """Cost of a whole pymunk run (split steps, record, reduction) over a bare loop with the same settings and read-outs."""
+    """Cost of a whole pymunk run (split steps, record, reduction) over a baseline loop with the same settings and read-outs."""
     from harness.bench.pymunk_defaults import baseline_loop
     from harness.engines.pymunk.settings import MunkSettings
 
@@ -74,10 +74,10 @@ def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]
         settings: Settings = engine.settings_for_dt(scene, dt_s)
         if not isinstance(settings, MunkSettings):
             raise TypeError("pymunk's settings are wanted")
-        own, bare = [], []
+        own, baseline = [], []
         for _ in range(BEST_OF):
             own.append(engine.simulate(scene, settings, RunOptions(skips=frozenset())).wall_s)
-            bare.append(baseline_loop(scene, replace(settings))[0])
-        ratios[f"{kind}_bare_s"], ratios[f"{kind}_run_s"] = min(bare), min(own)
-        ratios[f"{kind}_ratio"] = min(own) / min(bare)
+            baseline.append(baseline_loop(scene, replace(settings))[0])
+        ratios[f"{kind}_bare_s"], ratios[f"{kind}_run_s"] = min(baseline), min(own)
+        ratios[f"{kind}_ratio"] = min(own) / min(baseline)
     return ratios

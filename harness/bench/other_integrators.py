@@ -81,7 +81,7 @@ def sentences(measured: OtherSolvers) -> list[str]:
             f"Its first call from the cache takes {measured.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
         ]
     sentences += [
-        f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a bare loop."
+        f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a baseline loop."
         for name, ratio in measured.overhead.items()
         if name.endswith("_ratio")
     ]

@@ -23,7 +23,7 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, PrecisionRow
+from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, PrecisionRow
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ DEFAULTS: Final = (
         {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
     ),
     Default(
-        "pybullet", PEER, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+        "pybullet", OTHER_PROJECT, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
         {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
     ),
     Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),

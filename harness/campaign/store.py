@@ -9,14 +9,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.campaign.serialization import Packed, history_sum, packed, record_sum, unpack
 from harness.campaign.task import RUN, answer_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
-from harness.records.base import part
+from harness.records.base import Plain, part
 from harness.records.run import EngineRunRecord
 from harness.records.study import Value
 
@@ -65,7 +65,7 @@ class Row:
     """One stored result: its key and its record as plain values."""
 
     key: str
-    record: Mapping[str, Any]
+    record: Plain
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class PlannedRow:
     key: str | None
     reason: str
     varied: dict[str, Value]
-    run: Mapping[str, Any] | None
+    run: Plain | None
 
 
 class Store:
@@ -162,7 +162,7 @@ class Store:
             row = self._db.execute("SELECT kind, record, has_history, crc32 FROM result WHERE key=?", (key,)).fetchone()
         return None if row is None else Row(key, self._decoded_record(key, *row))
 
-    def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> dict[str, Any]:
+    def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> Plain:
         """A record, as it was stored."""
         with self._decoded():
             if record_sum(key, kind, record, has_history) != crc32:

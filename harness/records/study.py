@@ -26,7 +26,7 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseRun:
-    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted."""
+    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
 
     engine: str
     outcome: Outcome
@@ -46,6 +46,8 @@ class CaseRun:
     validity: Table
     motion_axes: Sequence[str] | None = None
     impacts: int
+    last_impact_s: float | None = None
+    impact_loss_j: float | None = None
 
     @classmethod
     def stored(cls, run: Mapping[str, Any]) -> CaseRun:

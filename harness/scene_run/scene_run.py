@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.history import Outcome, history_file
@@ -113,13 +113,13 @@ def run_scene(
     loaded = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene))]
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
-    target = Target(accuracy_rad, dt_s, options)
+    target = RunTarget(accuracy_rad, dt_s, options)
     runs = dict(stored or {})
     with _beside(scene, [item for item in loaded if item.name not in runs], target, apart=apart) as waiting:
         for engine in loaded:
             on_progress(engine.name)
             if engine.name not in waiting and engine.name not in runs:
-                runs[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, options)
+                runs[engine.name] = simulate_with(engine, scene, target)
         for name, future in waiting.items():
             if not future.done():
                 on_progress(f"{name}, still")
@@ -143,39 +143,33 @@ def answers_of(runs: Mapping[str, Run]) -> list[Run]:
     return [run for run in runs.values() if not run.outcome.failed]
 
 
-def _notes(scene: Scene, runs: Mapping[str, Run], finer: Mapping[str, Run], target: Target) -> list[str]:
+def _notes(scene: Scene, runs: Mapping[str, Run], finer: Mapping[str, Run], target: RunTarget) -> list[str]:
     """What is said of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
-    judged = f"was run to {target.finer_rad:g} rad, before its difference from another model was judged"
+    judged = f"was run to {_finer_rad(target):g} rad, before its difference from another model was judged"
     still = standstill(scene, answers_of(runs))
     return [*(f"{name} {judged}" for name in finer), *([] if still is None else [still])]
 
 
-@dataclass(frozen=True)
-class Target:
-    """What a run aims at: an accuracy, rad, or the expert's own step, s (neither: the default accuracy); and its options."""
-
-    accuracy_rad: float | None
-    dt_s: float | None
-    options: RunOptions
-
-    @property
-    def finer_rad(self) -> float:
-        """The target of a run that is made again before models are said to differ."""
-        return (self.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
-
-
 @contextmanager
-def _beside(scene: Scene, left: Sequence[Engine], target: Target, *, apart: bool) -> Iterator[dict[str, Future[Run]]]:
+def _beside(
+    scene: Scene, left: Sequence[Engine], target: RunTarget, *, apart: bool
+) -> Iterator[dict[str, Future[Run]]]:
     """The runs in three dimensions, each in a process of its own (none unless `apart`), by engine; an interrupt ends them."""
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
     beside = [item for item in beside if item.missing() is None]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
-        waiting = {item.name: threads.submit(_apart, item.name, scene, target) for item in beside}
+        waiting = {item.name: threads.submit(_isolated, item.name, scene, target) for item in beside}
         try:
             yield waiting
         except BaseException:
             _give_up(waiting.values())
             raise
+
+
+def _isolated(name: str, scene: Scene, target: RunTarget) -> Run:
+    from harness.campaign.isolate import simulate_isolated
+
+    return simulate_isolated(scene, name, target)
 
 
 def _give_up(waiting: Iterable[Future[Run]]) -> None:
@@ -187,14 +181,23 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
         time.sleep(KILLED_S)
 
 
+def _finer_rad(target: RunTarget) -> float:
+    """The accuracy of a run that is made again before models are said to differ."""
+    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+
+
 def _finer_runs(
-    scene: Scene, refinable: set[str], target: Target, scores: Mapping[str, Scores], on_progress: Callable[[str], None]
+    scene: Scene,
+    refinable: set[str],
+    target: RunTarget,
+    scores: Mapping[str, Scores],
+    on_progress: Callable[[str], None],
 ) -> dict[str, Run]:
     """Runs to a finer target of the engines whose difference from another model is near its limit; none for an expert's step."""
     runs = {}
     for name in sorted(refinable & doubted(scores)) if target.dt_s is None else ():
         on_progress(f"{name}, again and finer")
-        again = simulate_with(engines.load(name), scene, target.finer_rad, None, target.options)
+        again = simulate_with(engines.load(name), scene, replace(target, accuracy_rad=_finer_rad(target)))
         if not again.outcome.failed:
             runs[name] = again
     return runs
@@ -232,12 +235,6 @@ def _scores(scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, Horizo
         )
         for a, b in itertools.combinations(answers_of(runs), 2)
     }
-
-
-def _apart(name: str, scene: Scene, target: Target) -> Run:
-    from harness.campaign.isolate import simulate_isolated
-
-    return simulate_isolated(scene, name, accuracy_rad=target.accuracy_rad, dt_s=target.dt_s, options=target.options)
 
 
 def _horizons(

@@ -100,7 +100,7 @@ class StudyFile(Table):
     variant: list[Variant] = Field(min_length=1)
     accuracy: dict[EngineName, Annotated[float, Field(ge=1e-9, le=0.1)]] = Field(default_factory=dict)
     ask: Ask = Ask()
-    claims: Literal["paper"] | None = None
+    claims: Literal["paper", "pedestal", "planes"] | None = None
 
     @property
     def points(self) -> int:

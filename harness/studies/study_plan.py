@@ -10,6 +10,7 @@ from typing import Final
 
 from harness.campaign.store import Store
 from harness.campaign.task import Task
+from harness.records.study import CaseRun
 from harness.studies import case_selection as selection
 from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, expand
@@ -114,9 +115,11 @@ class Plan:
         for case, engine, key in self._fresh:
             row = store.get(key)
             if row is not None:
-                share = row.record["validity"].get("peak_over_slenderness") or abs(row.record["peak_theta_rad"])
+                run = CaseRun.stored(row.record)
+                share = run.validity.get("peak_over_slenderness")
                 known = self._answers.setdefault((engine, case.variant), {})
-                known[case.position] = selection.Answer(str(row.record["outcome"]), float(share))
+                peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
+                known[case.position] = selection.Answer(run.outcome.value, peak)
         self._fresh.clear()
 
     def rows(self) -> Iterator[PlanRow]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -20,6 +21,7 @@ from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
+from harness.studies.impact_loss import energy_lost_j, last_impact_s
 from harness.studies.random_rechecks import recheck
 from harness.studies.rows import KeyedRow, study_rows
 from harness.studies.study_run import Summary, study_name
@@ -39,7 +41,9 @@ def study_record(
     scene = base.scene({})
     rows = study_rows(store, study_name(study))
     paper = study.claims == "paper"
-    verdicts = claims.judge(rows, top_displacement(scene)) if paper else []
+    if study.claims:
+        rows = _weighed(rows, store, scene)
+    verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
     return StudyRecord(
         title=study.title,
         file=path.name,
@@ -56,8 +60,8 @@ def study_record(
         witness=witness,
         versions=record.versions(),
         machine=record.machine(),
-        claims=verdicts if paper else None,
-        headline=claims.headline(verdicts) if paper else None,
+        claims=verdicts,
+        headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if paper else None,
         rows=rows,
         files=listing(()),
@@ -120,6 +124,22 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
         for curve in curves:
             chosen |= {low + int(np.argmin(curve[low:high])), low + int(np.argmax(curve[low:high]))}
     return np.array(sorted(chosen))
+
+
+def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
+    """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
+    weighed: dict[str | None, tuple[float | None, float | None]] = {}
+    for key in {row.key for row in rows if row.key is not None}:
+        history = store.history(key)
+        if history is not None:
+            losses = energy_lost_j(history, scene.pivot_inertia_kg_m2)
+            weighed[key] = float(np.mean(losses)) if losses.size else None, last_impact_s(history)
+    shown = []
+    for row in rows:
+        loss_j, last_s = weighed.get(row.key, (None, None))
+        run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
+        shown.append(replace(row, run=run))
+    return shown
 
 
 def _seconds(rows: Sequence[KeyedRow], store: Store) -> dict[str, float]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 from harness.records.study import CaseRun
+from reports.charts import Json
 from reports.charts.map_figures import LEAST, map_axes, numeric
 from reports.charts.palette import HAIRLINE, look
 from reports.text.numbers import heading
 from reports.text.study_rows import FAILED, SYMBOLS, Condition
-
-Json = dict[str, Any]
 
 MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""
@@ -19,16 +18,18 @@ ROWS: Final = (((0.70, 1.0), ""), ((0.36, 0.62), "largest rotation  [rad]"), ((0
 """Share of the chart's height and title of each row, from above."""
 
 
-def curve_figures(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[tuple[str, Json]]:
+def curve_figures(
+    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str]
+) -> list[tuple[str, Json]]:
     """For each axis of numbers, and each combination of the other `keys`, a chart of all models; none where there is a map."""
-    if map_axes(found, keys) is not None:
+    if map_axes(conditions, keys) is not None:
         return []
     figures = []
     for key in keys:
-        if len(numeric(found, key)) < LEAST:
+        if len(numeric(conditions, key)) < LEAST:
             continue
         groups: dict[tuple[str, ...], list[Condition]] = {}
-        for item in found:
+        for item in conditions:
             where = tuple(f"{heading(other)} {item.varied[other]}" for other in keys if other != key)
             groups.setdefault(where, []).append(item)
         if len(groups) <= MOST_GROUPS:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -10,26 +10,19 @@ import numpy as np
 from harness.model.history import History
 from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord
+from reports.charts import Json
 from reports.charts.decimate import Array, kept_samples
+from reports.charts.event import run_event_s
 from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.charts.patterns import pattern_strip
 from reports.pages.assets import packed_array
 from reports.source import RunSource
-from reports.text.wording import horizon_s
-
-Json = dict[str, Any]
+from reports.text.wording import horizon_s, prediction_s
 
 BAND_SAMPLES: Final = 3000
 ACROSS: Final = "out_of_plane_rad"
 ACROSS_RAD: Final = 1e-4
 """A 3D engine's rotation across the rocking plane below this does not show beside the rotation in it."""
-MOVED_SHARE: Final = 0.01
-"""A rotation of this share of the balance point's shows on a page."""
-MOVED_M: Final = 1e-4
-"""A slip that shows on a page."""
-BESIDE: Final = 0.05
-LEAST_BESIDE_S: Final = 0.25
-"""Room before and after an event: a share of its length, and at least the time in which an eye finds its place."""
 GAP: Final = 0.055
 AXIS_COLOURS: Final = {"x": INK, "y": "#AA4499", "z": "#3A8FC7"}
 
@@ -59,32 +52,6 @@ def histories_figure(source: RunSource) -> Json:
         data += _floor(source.record.motion, source.scene.gravity_m_s2, axes["floor"])
     layout = _layout(source, rows, axes, domains)
     return {"data": data, "layout": layout, "views": _views(source)}
-
-
-def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tuple[float, float]:
-    """From shortly before anything moves to shortly after it has come to its last place: what a chart opens on, s.
-
-    A rotation of `level_rad` counts as moving, a slip of `MOVED_M`; the whole of a run in which nothing moves.
-    """
-    starts, ends = [], []
-    for history in histories:
-        for values, least in ((history.theta_rad, level_rad), (history.slip_m, MOVED_M)):
-            gone, left = (np.flatnonzero(np.abs(values - values[k]) > least) for k in (0, -1))
-            if len(gone):
-                starts.append(float(history.t_s[gone[0]]))
-                ends.append(float(history.t_s[left[-1]]))
-    if not starts:
-        return 0.0, end_s
-    begin, end = min(starts), max(ends)
-    margin = max(BESIDE * (end - begin), LEAST_BESIDE_S)
-    return max(0.0, begin - margin), min(end_s, end + margin)
-
-
-def run_event_s(source: RunSource) -> tuple[float, float]:
-    """The event of a run."""
-    statue = source.scene.statue
-    level_rad = MOVED_SHARE * min(statue.slenderness_left_rad, statue.slenderness_right_rad)
-    return event_s(source.histories.values(), level_rad, source.scene.duration_s)
 
 
 def _rows(source: RunSource) -> dict[str, float]:
@@ -118,8 +85,8 @@ def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[fl
 
 
 def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
-    kept = kept_samples(values) if most is None else kept_samples(values, most)
-    return packed_array(history.t_s[kept], "f4"), packed_array(values[kept], "f4")
+    shown = kept_samples(values) if most is None else kept_samples(values, most)
+    return packed_array(history.t_s[shown], "f4"), packed_array(values[shown], "f4")
 
 
 def _rotation(source: RunSource, name: str, history: History, names: list[str], axis: str) -> list[Json]:
@@ -163,8 +130,8 @@ def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
     if np.count_nonzero(within) < 2:
         return None
     t_s, theta = history.t_s[within], history.theta_rad[within]
-    kept = kept_samples(theta, BAND_SAMPLES)
-    t_s, theta = t_s[kept], theta[kept]
+    shown = kept_samples(theta, BAND_SAMPLES)
+    t_s, theta = t_s[shown], theta[shown]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
     return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
 
@@ -267,6 +234,14 @@ def _shapes(source: RunSource, axis: str) -> list[Json]:
                 "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
             }
         )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        shapes.append(
+            {
+                "type": "line", "xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis} domain", "y0": 0, "y1": 1,
+                "layer": "below", "line": {"color": MUTED, "width": 1, "dash": "dot"},
+            }
+        )  # fmt: skip
     return shapes
 
 
@@ -279,8 +254,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             "text": f"balances on the {side} edge", "font": small,
         }
         for level, side, anchor in (
-            (statue.slenderness_right_rad, "right", "top"),
-            (-statue.slenderness_left_rad, "left", "bottom"),
+            (statue.slenderness_right_rad, "right", "bottom"),
+            (-statue.slenderness_left_rad, "left", "top"),
         )
     ]  # fmt: skip
     until = horizon_s(source)
@@ -289,6 +264,14 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             {
                 "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
                 "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
+            }
+        )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        texts.append(
+            {
+                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

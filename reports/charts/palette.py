@@ -23,7 +23,8 @@ def dark_css() -> str:
     rules = []
     for light, dark in DARK.items():
         rules += [f'svg [{part}="{light}" i]{{{part}:{dark}}}' for part in ("fill", "stroke")]
-        rules.append(f'[style*="--c: {light}" i]{{--c:{dark}!important}}')
+        if len(light) == len(INK):  # shorter ones begin others
+            rules.append(f'[style*="--c: {light}" i]{{--c:{dark}!important}}')
     return f"@media screen and (prefers-color-scheme:dark){{{''.join(rules)}}}"
 
 

@@ -10,9 +10,10 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
+from reports.charts import Json
 from reports.charts.decimate import kept_samples
 from reports.charts.palette import HAIRLINE, INK, MUTED, solid
-from reports.charts.static_svg_axes import MARGIN, Array, Axis, Json, axes, numbers
+from reports.charts.static_svg_axes import MARGIN, Array, Axis, axes, numbers
 from reports.charts.static_svg_heatmap import heatmap
 from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, area, box, line
 

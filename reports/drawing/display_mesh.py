@@ -85,8 +85,8 @@ def _creased(vertices: Array, faces: Faces, source_faces: int) -> DisplayMesh:
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(length > 0.0, length, 1.0)
     keys = np.column_stack([faces.ravel(), np.round(normals * 60.0).astype(np.int64)])
-    _, kept, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return DisplayMesh(vertices[faces.ravel()[kept]], normals[kept], inverse.reshape(-1, 3), source_faces)
+    _, unique_at, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return DisplayMesh(vertices[faces.ravel()[unique_at]], normals[unique_at], inverse.reshape(-1, 3), source_faces)
 
 
 def _corner_pairs(vertex_of_corner: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

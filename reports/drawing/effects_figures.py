@@ -46,13 +46,13 @@ class Curve:
 def curves(record: EffectsRecord) -> list[Curve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
     engines = record.engines
-    found = []
+    drawn = []
     for name in engines[::-1]:
         points = [(row.azimuth_deg, row.peak_g) for row in record.amplitudes(name, BASELINE)]
         style = look(name, engines)
-        found.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
+        drawn.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
     sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
-    return [*found, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
+    return [*drawn, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
 
 
 def rose(record: EffectsRecord) -> Picture:

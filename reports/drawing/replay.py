@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from harness.model.history import History
 from harness.model.run import to_plain
 from harness.records.scene import MotionRecord
-from reports.charts.histories import run_event_s
+from reports.charts.event import run_event_s
 from reports.charts.palette import look
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, section

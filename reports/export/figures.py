@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.records.base import Record
@@ -14,7 +14,7 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
 from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
-from harness.records.study import StudyRecord
+from harness.records.study import Panel, StudyRecord
 from reports.charts.histories import histories_figure
 from reports.charts.static_svg import picture_of
 from reports.charts.study_figures import panel_groups, panels_picture, rose_picture
@@ -85,7 +85,7 @@ def _study_pictures(record: StudyRecord, width_px: float, model: str | None) -> 
     """What a study's page shows beside its charts: panels, what the pedestal changes, a rose."""
     for group in panel_groups(record.panels):
         chosen = _chosen(group, model)
-        name = f"panels_{group[0]['restitution']:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
+        name = f"panels_{group[0].restitution:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
         yield name, panels_picture(group, chosen, width_px, POINTS)
     models, cases = conditions(record.rows)
     effect = pedestal_effect(record, models, cases)
@@ -96,8 +96,8 @@ def _study_pictures(record: StudyRecord, width_px: float, model: str | None) -> 
         yield "rose", as_wide(drawn, width_px)
 
 
-def _chosen(group: Sequence[Mapping[str, Any]], model: str | None) -> str:
-    known = list(dict.fromkeys(name for panel in group for name in panel["curves"]))
+def _chosen(group: Sequence[Panel], model: str | None) -> str:
+    known = list(dict.fromkeys(name for panel in group for name in panel.curves))
     if model is not None and model not in known:
         raise InputError(Mistake("--model", "", f"one of {', '.join(known)}", repr(model)))
     return model or known[0]

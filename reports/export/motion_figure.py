@@ -11,12 +11,11 @@ from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
 from harness.input.motions.measures import arias_share
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.model.terminal import printable
+from reports.charts import Json
 from reports.charts.decimate import kept_samples
 from reports.charts.palette import MUTED
 from reports.charts.static_svg import picture
 from reports.drawing.shapes import Picture, Shape, Text, moved
-
-Json = dict[str, Any]
 
 ACROSS: Final = (770, 517)
 """Width in pixels of the histories, and of the charts beside them."""

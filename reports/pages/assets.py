@@ -113,7 +113,7 @@ def _shown(value: Any) -> Any:
 def environment() -> Environment:
     """The templates, everything in them escaped, a missing value an error; compiled once for each state of theirs."""
     home = folder()
-    found = Environment(
+    templates = Environment(
         bytecode_cache=None if home is None else FileSystemBytecodeCache(str(home)),
         loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(default=True),
@@ -122,13 +122,13 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    found.filters |= {
+    templates.filters |= {
         "script_json": json_for_script,
         "packed_chart": packed_chart,
         "packed_json": packed_json,
         "still": still,
     }
-    return found
+    return templates
 
 
 def source_text(name: str) -> Markup:

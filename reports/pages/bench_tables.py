@@ -123,7 +123,7 @@ def _overhead(ratios: Mapping[str, float]) -> Table:
         (kind.replace("_", " "), [digits(ratios[f"{kind}_{what}"], 3) for what in ("run_s", "bare_s", "ratio")])
         for kind in kinds
     ]
-    return "A whole pymunk run over a bare loop", ["run [s]", "bare loop [s]", "ratio"], rows
+    return "A whole pymunk run over a baseline loop", ["run [s]", "baseline loop [s]", "ratio"], rows
 
 
 def _scaling(items: Sequence[ScalingRow]) -> Table:

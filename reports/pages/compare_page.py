@@ -16,7 +16,7 @@ from harness.records.base import REWRITE
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
-from reports.charts.histories import MOVED_SHARE, event_s
+from reports.charts.event import MOVED_SHARE, event_s
 from reports.charts.palette import HAIRLINE, MUTED, look
 from reports.pages.assets import packed_array
 from reports.text.glossary import score_rows
@@ -79,9 +79,9 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
 
 
 def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ...]) -> dict[str, Any]:
-    kept, style = kept_samples(values), look(name, names)
+    shown, style = kept_samples(values), look(name, names)
     return {
         "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
-        "x": packed_array(t_s[kept], "f4"), "y": packed_array(values[kept], "f4"),
+        "x": packed_array(t_s[shown], "f4"), "y": packed_array(values[shown], "f4"),
         "line": {"color": style.colour, "dash": style.dash, "width": style.width},
     }  # fmt: skip

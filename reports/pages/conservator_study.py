@@ -48,7 +48,7 @@ def context(folder: Path, record: StudyRecord | EffectsRecord, say: Language = E
     return page(record.title, record.versions, said, say)
 
 
-def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, Any]:
+def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
     ends = {model: _ends(cases, model) for model in models}
@@ -232,7 +232,7 @@ def _plainly(figure: Mapping[str, Any], say: Language) -> dict[str, Any]:
     return {"data": [trace | {"name": plain(trace["name"])} for trace in figure["data"]], "layout": layout}
 
 
-def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> dict[str, Any]:
+def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
     borne: dict[float, float] = {}
     for row in record.rows:

@@ -6,7 +6,7 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -40,7 +40,7 @@ CHANGES_WORDS: Final = (
 Peaks = Mapping[float, float]
 
 
-def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
+def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     """Everything that the template shows."""
     engines = record.engines
     source = run_source(folder / record.replay.folder) if record.replay else None

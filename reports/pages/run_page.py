@@ -21,6 +21,7 @@ from reports.source import RunSource, source_of
 from reports.text.glossary import score_rows
 from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
 from reports.text.numbers import angle, digits, given, label, length, plain, short, unit
+from reports.text.weights import weighed
 from reports.text.wording import run_verdict
 
 OUTCOME_ROWS: Final[Sequence[tuple[Callable[[EngineRunRecord], float | None], str, str]]] = (
@@ -80,8 +81,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "fall": fall_sentence(source),
         "plan": plan_rows(record.plan),
         "skipped": skipped_rows(source.runs),
-        "warnings": record.warnings,
-        "notes": record.notes,
+        "notes": weighed([*record.warnings, *record.notes]) if record.warnings or record.notes else {},
         "settings": {
             name: [(label(k), plain(v)) for k, v in run.settings.items()] for name, run in source.runs.items()
         },

@@ -36,9 +36,9 @@ from reports.text.study_rows import (
     cell,
     conditions,
     family,
-    model_name,
     varying_keys,
 )
+from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -50,7 +50,7 @@ NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
 
-def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
+def context(folder: Path, record: StudyRecord) -> dict[str, object]:
     """Everything that the study template shows."""
     models, cases = conditions(record.rows)
     keys = varying_keys(cases)
@@ -73,7 +73,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         ],
         "panels": panel_data(record.panels) if record.panels else None,
         "panel_stills": [
-            panels_picture(group, next(iter(group[0]["curves"])), WIDE, PANEL_POINTS).svg()
+            panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
             for group in panel_groups(record.panels)
         ],
         "pedestal_effect": pedestal_effect(record, models, cases),
@@ -84,8 +84,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "audit": record.audit,
         "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "warnings": study_warnings(record.rows),
-        "notes": record.notes,
+        "notes": weighed([*study_warnings(record.rows), *record.notes]),
         "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
@@ -145,8 +144,8 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
 def left_domain(rows: Sequence[StudyRow]) -> list[str]:
     """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
     sentences = []
-    for model in dict.fromkeys(model_name(row) for row in rows):
-        runs = [row.run for row in rows if row.run is not None and model_name(row) == model]
+    for model in dict.fromkeys(row.model for row in rows):
+        runs = [row.run for row in rows if row.run is not None and row.model == model]
         causes = Counter(run.validity.get("left_domain_by") or "" for run in runs)
         del causes[""]
         if causes:

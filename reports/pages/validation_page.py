@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
@@ -25,7 +25,7 @@ SCORES: Final = (
 )
 
 
-def context(_folder: Path, record: ValidationRecord) -> dict[str, Any]:
+def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
     """Everything that the validation template shows."""
     models = record.models
     return {

@@ -10,13 +10,12 @@ import numpy as np
 
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, MUTED
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
-
-Json = dict[str, Any]
 
 WALL_COLOUR: Final = "#8c1d2f"
 

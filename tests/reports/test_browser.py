@@ -215,3 +215,18 @@ def test_without_scripts_the_charts_are_still_there(browser: Any, pages: dict[st
     assert not any(page.locator(".tools, .transport, .wait, .stage").nth(k).is_visible() for k in range(3))
     assert page.locator("table:visible").count() > 0
     context.close()
+
+
+def test_a_page_opens_on_the_event(browser: Any, pages: dict[str, Path]) -> None:
+    """The first view and the replay begin shortly before anything moves; zooming leaves the rotation's scale alone."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    page = context.new_page()
+    page.goto(pages["run"].as_uri())
+    page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+    views = page.evaluate("rockcheck.charts.histories.views")
+    assert page.evaluate("rockcheck.charts.histories.box.layout.xaxis.range") == views["event_s"]
+    assert page.evaluate("rockcheck.time") == views["event_s"][0]
+    assert page.evaluate("rockcheck.charts.histories.box.layout.yaxis.fixedrange") is True
+    verdict = page.locator("#verdict").bounding_box()
+    assert verdict["y"] + verdict["height"] <= 800, "the answer stands before the fold"
+    context.close()

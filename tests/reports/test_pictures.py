@@ -11,7 +11,7 @@ from PIL import Image
 
 from harness.model.errors import InputError
 from harness.model.run import PATTERN_NAMES, write_json
-from harness.records.base import as_file, plain
+from harness.records.base import as_file
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
@@ -88,20 +88,19 @@ def test_a_column_holds_its_chart_whole(folder: Path) -> None:
 def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
     record = read_result(table)
     assert isinstance(record, StudyRecord)
-    panels = [plain(panel) for panel in record.panels or ()]
-    group = [item for item in panels if item["restitution"] == 0.85]
+    group = [item for item in record.panels or () if item.restitution == 0.85]
     figure = panels_figure(group, "pymunk (own impact)")
     layout = figure["layout"]
     for note in layout["annotations"]:
         number = note["xref"].partition(" ")[0][1:]
         panel = group[int(number or 1) - 1]
-        assert note["text"] == f"{panel['amplitude_g']:g} g, {panel['frequency_hz']:g} Hz"
+        assert note["text"] == f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
         x, y = layout[f"xaxis{number}"]["domain"], layout[f"yaxis{number}"]["domain"]
-        assert (x[0] > 0.0) == (panel["amplitude_g"] == 0.429)
-        assert (y[1] == 1.0) == (panel["frequency_hz"] == 1.5)
+        assert (x[0] > 0.0) == (panel.amplitude_g == 0.429)
+        assert (y[1] == 1.0) == (panel.frequency_hz == 1.5)
         mine = [trace for trace in figure["data"] if trace["xaxis"] == f"x{number}"]
         (drawn,) = [trace for trace in mine if trace["name"].startswith("θ, on the pedestal")]
-        assert drawn["y"] == panel["curves"]["pymunk (own impact)"]["pedestal"]["theta_rad"]
+        assert drawn["y"] == panel.curves["pymunk (own impact)"]["pedestal"].theta_rad
 
 
 def test_a_study_has_a_figure_for_each_restitution(table: Path) -> None:

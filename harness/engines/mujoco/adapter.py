@@ -135,6 +135,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
         stuck_below_m_s=1e-4,
         with_history=options.history or not options.allows("no_history"),
         interventions={"friction_release": Intervention(steps_again=again)} if again else {},
+        coulomb=False,
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
 

@@ -14,6 +14,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.schedule import Schedule, Vector
@@ -36,8 +37,8 @@ WIDER: Final = 4.0
 """How many times as wide it is made as that, when it is too narrow, and"""
 NARROWER: Final = 256.0
 """how many times too wide it may be."""
-SLIP_ONSET: Final = "friction_release"
-"""Kind of what is written where static friction gives way."""
+REVERSAL: Final = "friction_reversal"
+"""Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
 STICKS_BELOW: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
@@ -183,7 +184,7 @@ class Stepper:
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
             self._hold(self.static)
-            self._again(before)
+            self._again(before, REVERSAL)
             row = self._slip_onset(gravity, pull, before, self.advance(gravity))
         return row
 
@@ -196,10 +197,10 @@ class Stepper:
         self._again(before)
         return self.advance(gravity)
 
-    def _again(self, before: Row) -> None:
+    def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
         """Back to where the step began, which is to be solved again."""
         self.writer.restore(before)
-        self.writer.ledger.of(SLIP_ONSET).steps_again += 1
+        self.writer.ledger.of(kind).steps_again += 1
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """After whole steps under `pulls`: what the bodies' contacts need next."""

@@ -249,8 +249,8 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
         "A 200 × 200 overturning map on a pedestal takes 4 s on 2 cores.",
         "Importing analytic takes 1.20 times importing numpy and numba.",
         "Its first call from the cache takes 2.50 times that of a trivial cached kernel.",
-        "A pymunk run (no pedestal) takes 0.50 times a bare loop.",
-        "A pymunk run (pedestal) takes 1.20 times a bare loop.",
+        "A pymunk run (no pedestal) takes 0.50 times a baseline loop.",
+        "A pymunk run (pedestal) takes 1.20 times a baseline loop.",
     ]
 
 

@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.assess.assessment import assess
 from harness.assess.by_model import assess_model
 from harness.engines.base import Engine
@@ -44,7 +44,7 @@ def run(name: str, on: Scene, dt_s: float) -> Run:
     engine = engines.load(name)
     if engine.missing() is not None:
         pytest.skip(str(engine.missing()))
-    return simulate_with(engine, on, None, dt_s, RunOptions())
+    return simulate_with(engine, on, RunTarget(dt_s=dt_s))
 
 
 def turned(found: Run) -> Rotation:
