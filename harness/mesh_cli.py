@@ -15,6 +15,7 @@ from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
+    from harness.input.motions.layout import Layout
     from meshes.inspection import Inspection
 
 MARBLE_KG_M3 = 2700.0
@@ -63,7 +64,14 @@ def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
     return inspection, log
 
 
-def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings | None = None) -> Path:
+def new(
+    scan: Path,
+    motion: Path,
+    out: Path,
+    known: Known,
+    around: Surroundings | None = None,
+    layout: Layout | None = None,
+) -> Path:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
@@ -80,9 +88,15 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     around = around or Surroundings()
     user_input = UserInput(
-        known.density_kg_m3, known.mass_kg, around.pedestal_keys(), around.friction, around.scale, around.motion_unit
+        known.density_kg_m3,
+        known.mass_kg,
+        around.pedestal_keys(),
+        around.friction,
+        around.scale,
+        around.motion_unit,
+        layout,
     )
-    shaking = read_record(motion, unit=user_input.motion_unit)
+    shaking = read_record(motion, unit=user_input.motion_unit, layout=layout)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):

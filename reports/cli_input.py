@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.command import Asked, Known, Saying, Surroundings, Target, command
+from harness.command import Asked, Known, Saying, Surroundings, Target, TextLayout, command
 from harness.model.terminal import printable
 from reports.cli_result import OUT
 
@@ -97,15 +97,17 @@ def new(
     motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
     known: Known,
     around: Surroundings,
+    text: TextLayout,
     saying: Saying,
     out: Annotated[
         Path | None, typer.Option("--out", help="The scene to write. Default: SCAN's name with .toml.")
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
+    from harness.input.motions.layout import Layout
     from harness.mesh_cli import new as write_scene
 
-    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around)
+    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around, Layout(**vars(text)))
     saying.say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}")
 
 
@@ -119,24 +121,10 @@ def new(
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
     saying: Saying,
+    text: TextLayout,
     unit: Annotated[
         str | None,
         typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
-    ] = None,
-    dt: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
-    ] = None,
-    skip_lines: Annotated[
-        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
-    ] = None,
-    columns: Annotated[
-        str | None,
-        typer.Option(
-            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
-        ),
-    ] = None,
-    time_column: Annotated[
-        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
     ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
@@ -154,7 +142,7 @@ def motion_inspect(
     picture, record = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
     check_listed(picture, record)
-    inspected = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
+    inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
     write_picture(motion_picture(inspected), picture, dpi=150)
     write_json(record, plain(InspectionRecord.of(inspected, listing([picture], pages=False))))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.input.motions.check import DRIFTS
+from harness.input.motions.layout import Layout
 from harness.input.motions.recordfile import Channel, RecordFile
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ class UserInput:
     friction: float | None = None
     scale: float | None = None
     motion_unit: str | None = None
+    layout: Layout | None = None
 
 
 def scene_text(
@@ -140,9 +142,9 @@ def _motion(
     }
     for axis, channel in channels.items():
         file = os.path.relpath(motion.resolve(), folder.resolve())
+        said = {"unit": user_input.motion_unit, **vars(user_input.layout or Layout())}
         keys = {"kind": "record", "file": file, "column": channel.name}
-        if user_input.motion_unit is not None:
-            keys["unit"] = user_input.motion_unit
+        keys |= {key: value for key, value in said.items() if value is not None}
         peak = float(np.abs(channel.accel_m_s2).max())
         yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []
