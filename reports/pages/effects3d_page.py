@@ -94,6 +94,11 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
     solid, planar = _peaks(record, engine), _peaks(record, "analytic")
     points: list[str] = []
     headline, tone = "The planar model was not asked", "differ"
+    unsafe = {
+        a: planar[a] / solid[a] - 1.0
+        for a in solid
+        if math.isfinite(solid[a]) and math.isfinite(planar.get(a, math.inf))
+    }
     if planar:
         over = [a for a in solid if math.isfinite(solid[a]) and planar[a] > (1.0 + NEAR) * solid[a]]
         headline = (
@@ -103,6 +108,10 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
         tone = "differ" if over else "agree"
         sides = _by_sides(record, solid, engine)
         headline += f"; asked at the base's sides, it is right within {sides[0]} % in the median" if sides else ""
+        if unsafe and (share := max(unsafe.values())) > 0.0:
+            points.append(
+                f"The plane is {digits(100.0 * share, 2)} % unsafe towards {max(unsafe, key=lambda a: unsafe[a]):g}°."
+            )
         points += [*_worst(over, solid, planar, engine), *sides[1:]]
     points += [*_solid_pair(record), *_least(solid, planar), *_effect_points(record, engine), *_leaving(record, engine)]
     return Verdict(headline, tone, points)

@@ -45,7 +45,7 @@ def drawn(seed: int) -> spatial.Problem:
     rng = np.random.default_rng(1000 + seed)
     body = drawn_body(rng, 3 + seed % 10)
     mu = (0.05, 0.15, 0.3, 0.5, 0.75, 1.0)[seed % 6]
-    least = min(mu, float(np.min(np.hypot(*body.vertices_m[:, :2].T))) / body.standing_height_m)
+    least = min(mu, float(np.min(np.hypot(*body.vertices_m[:, :2].T))) / -float(body.vertices_m[0, 2]))
     x, y = (
         analytic.Pulse("one_sine", rng.uniform(0.8, 2.5) * least * GRAVITY, rng.uniform(0.3, 0.9)) for _ in range(2)
     )
