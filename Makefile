@@ -2,11 +2,12 @@
 VENV := .venv
 PY := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
-PYTHON ?= $(shell for p in python3.11 python3 python; do \
-	if $$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
+# 3.11 first: above it pybullet has no wheels, and its engine and tests are left out.
+PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3.14 python3 python; do \
+	if $$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
 
 .DEFAULT_GOAL := setup
-.PHONY: help setup report test lint docs types contracts bench stress lock clean
+.PHONY: help setup report test wheel lint docs types contracts bench stress lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | column -t -s "$$(printf '\t')"
@@ -16,11 +17,11 @@ setup: $(STAMP) ## create the environment in .venv from the lock file (plain mak
 
 $(STAMP): requirements.lock pyproject.toml
 	@if [ -z "$(PYTHON)" ]; then \
-		echo "rockcheck needs CPython 3.11 (pybullet has no wheels above it): install it, or name it with make PYTHON=/path/to/python3.11" >&2; \
+		echo "rockcheck needs CPython 3.11 to 3.14 (pybullet only has wheels for 3.11): install it, or name it with make PYTHON=/path/to/python3.11" >&2; \
 		exit 1; fi
 	@echo "setting up $(VENV) with $(PYTHON)"
 	@$(PYTHON) -m venv --clear $(VENV) || { \
-		echo "rockcheck needs the venv module of Python 3.11 (on Debian: apt-get install python3.11-venv)" >&2; exit 1; }
+		echo "rockcheck needs Python's venv module (on Debian: apt-get install python3.11-venv)" >&2; exit 1; }
 	@$(PY) -m pip install --quiet --disable-pip-version-check --prefer-binary --only-binary pybullet -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@# Compiled once here, not in whatever runs first.
@@ -34,6 +35,9 @@ test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
 	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
 	@$(PY) -m pytest -q -n auto
+
+wheel: $(STAMP) ## build the wheel, install it in a fresh environment (of a newer Python where there is one), run the main job from it
+	@.ci/wheel $(VENV)
 
 lint: $(STAMP) ## check style, types and import rules
 	@$(VENV)/bin/ruff check .
@@ -55,8 +59,8 @@ stress: $(STAMP) ## hard scenes and mutated input
 
 lock: ## renew requirements.lock from pyproject.toml
 	@$(PY) -m pip install --quiet uv
-	@$(VENV)/bin/uv pip compile --quiet pyproject.toml --all-extras --python-version 3.11 \
-		--python-platform x86_64-manylinux_2_28 --no-emit-index-url --no-header -o requirements.lock
+	@$(VENV)/bin/uv pip compile --quiet pyproject.toml --all-extras --python-version 3.11 --universal \
+		--no-emit-index-url --no-header -o requirements.lock
 
 clean: ## remove the environment and all output
 	rm -rf $(VENV) out

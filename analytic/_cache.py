@@ -58,18 +58,18 @@ def folder(sources: Path, *shared: Path) -> Path | None:
     return None
 
 
-def prune(home: Path, kept: int = KEPT) -> None:
+def prune(home: Path, most: int = KEPT) -> None:
     """Remove all but the newest folders of compiled code.
 
     Safe while other processes run: the compiler takes a file that is gone for one that was never written.
     """
-    found = []
+    folders = []
     for each in home.glob(PREFIX + "*"):
         try:
-            found.append((each.stat().st_mtime_ns, each))
+            folders.append((each.stat().st_mtime_ns, each))
         except FileNotFoundError:  # removed by another process just now
             continue
-    for _, old in sorted(found, reverse=True)[kept:]:
+    for _, old in sorted(folders, reverse=True)[most:]:
         shutil.rmtree(old, ignore_errors=True)
 
 

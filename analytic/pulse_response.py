@@ -191,7 +191,7 @@ def overturning_ranges(
     for low, high, before, after in zip(grid[:-1], grid[1:], labels[:-1], labels[1:], strict=True):
         if before == after:
             continue
-        edge = _root(lambda a, kept=before: 1.0 if label(a) == kept else -1.0, float(low), float(high))  # type: ignore[misc]
+        edge = _root(lambda a, low_label=before: 1.0 if label(a) == low_label else -1.0, float(low), float(high))  # type: ignore[misc]
         if before >= 0:
             ranges.append((opened, edge, before))
         opened = edge
@@ -207,7 +207,7 @@ def minimum_overturning_spectrum(
     resolution: float = 0.05,
 ) -> NDArray[np.float64]:
     """Least A/(gα) that overturns, for each ω/p (nan: none below `highest`)."""
-    found = [
+    least = [
         overturning_ranges(float(w), restitution, kind, highest=highest, resolution=resolution) for w in omega_over_p
     ]
-    return np.array([ranges[0][0] if ranges else math.nan for ranges in found])
+    return np.array([ranges[0][0] if ranges else math.nan for ranges in least])

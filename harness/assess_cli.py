@@ -55,7 +55,7 @@ def run(
         closing(pool),
         unbegun(folder),
         Store(folder / STORE_NAME) as store,
-        ProgressMessages(quiet) as telling,
+        ProgressMessages(quiet) as messages,
     ):
         assessed = assess(
             scene,
@@ -64,7 +64,7 @@ def run(
             more_options=None if no_options else own_options,
             store=store,
             pool=pool,
-            on_progress=telling.now,
+            on_progress=messages.now,
         )
     written: list[AssessRecord] = []
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,9 +15,20 @@ from harness.model.errors import InputError, Mistake
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
+    from harness.model.options import RunOptions
+    from harness.model.run import Run
     from harness.model.scene import Scene
     from harness.records.scores import Scores
+    from harness.records.sets import SetScores
     from harness.scene_run.scene_run import Result
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Scores by pair (and scene), and of several scenes each model's against a reference over all of them, by model."""
+
+    pairs: dict[str, Scores]
+    over_all: dict[str, SetScores] = field(default_factory=dict)
 
 
 def add_commands(app: typer.Typer) -> None:
@@ -57,8 +68,8 @@ def compare(
     uncertainty: float | None = None,
     slip_uncertainty: float | None = None,
     out: Path | None = None,
-) -> dict[str, Scores]:
-    """The scores of engines on scenes, or of two history files (written into `out` where it is given), by pair.
+) -> Compared:
+    """The scores of engines on scenes, or of two history files (written into `out` where it is given).
 
     Raises `InputError` for a mixture of both, and for options of the one with the other.
     """
@@ -76,7 +87,12 @@ def compare(
         scores = compare_files(a, b, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso)
         if out is not None:
             write_comparison(a, b, scores, out)
-        return {f"{a.name}_vs_{b.name}": scores}
+        return Compared({f"{a.name}_vs_{b.name}": scores})
+    from harness.campaign.task import answer_of
+    from harness.records.study import CaseRun
+    from harness.studies.ensembles import score_sets
+    from harness.studies.rows import KeyedRow
+
     if uncertainty is not None or slip_uncertainty is not None:
         named = "--slip-uncertainty" if uncertainty is None else "--uncertainty"
         raise InputError(Mistake(named, "", "two .csv histories: runs state their own", "scenes"))
@@ -85,11 +101,18 @@ def compare(
             Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
         )
     by_pair: dict[str, Scores] = {}
-    for path in files:
+    rows: list[KeyedRow] = []
+    for number, path in enumerate(files):
         result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
         prefix = f"{path.stem}: " if len(files) > 1 else ""
         by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
-    return by_pair
+        for name, run in result.runs.items():
+            case = CaseRun.stored(answer_of(run, False).record)
+            rows.append(KeyedRow(number=number, engine=name, reason="", varied={}, run=case, key=None))
+    if len(files) == 1:
+        return Compared(by_pair)
+    names = [row.engine for row in rows]
+    return Compared(by_pair, score_sets(rows, reference="analytic" if "analytic" in names else names[0]))
 
 
 def salvage(
@@ -112,23 +135,26 @@ def compute(
     *,
     quiet: bool,
     out: Path | None = None,
-    **more: Any,
+    iso: bool = False,
+    horizon: bool = False,
+    assess: bool = False,
+    witness: bool = False,
 ) -> Result:
-    """Load and run one scene, telling on stderr what is at work; `more` goes to `run_scene`.
+    """Load and run one scene (see `harness.scene_run.scene_run.run_scene`), telling on stderr what is at work.
 
     Raises `InputError`, also where `out` cannot take the result.
     """
     from harness.accuracy.simulation import check_target
-    from harness.engines import DEFAULT_ENGINES, load
+    from harness.engines import default_engines, load
     from harness.input.scene_file import load_scene
     from harness.scene_run.scene_run import check_writing, run_scene
     from harness.scene_run.workload import check as check_work
 
     accuracy, dt = target.accuracy, target.dt
     check_target(accuracy, dt)
-    options = wanted(no_skip)
+    options = options_without(no_skip)
     scene = load_scene(scene_file, asked.overrides or ())
-    names = asked.engine or DEFAULT_ENGINES
+    names = asked.engine or default_engines(scene)
     if out is not None:
         check_writing(out, scene, names)
     dimensions = {name: load(name).capabilities.dimensions for name in names}
@@ -143,23 +169,26 @@ def compute(
             dt_s=dt,
             options=options,
             on_progress=messages.engine,
+            iso=iso,
+            horizon=horizon,
             apart=True,
-            **more,
+            assess=assess,
+            witness=witness,
         )
 
 
-def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[Any], str]:
+def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | None) -> tuple[list[object], str]:
     """The plan of a scene: its steps as plain values, and as text."""
-    from harness.engines import DEFAULT_ENGINES, REGISTRY, load
+    from harness.engines import REGISTRY, default_engines, load
     from harness.model.run import to_plain
     from harness.statics.plan import plan
 
-    steps = plan(scene, [load(name) for name in names or DEFAULT_ENGINES], wanted(no_skip), REGISTRY)
+    steps = plan(scene, [load(name) for name in names or default_engines(scene)], options_without(no_skip), REGISTRY)
     return to_plain(steps), "\n".join(printable(str(step)) for step in steps)
 
 
-def wanted(no_skip: Sequence[str] | None) -> Any:
-    """What is asked, from the `--no-skip` options. Raises `InputError` for a name that is no skip."""
+def options_without(no_skip: Sequence[str] | None) -> RunOptions:
+    """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
     from difflib import get_close_matches
 
     from harness.model.options import SKIPS, RunOptions
@@ -179,13 +208,14 @@ def summary(result: Result) -> str:
 
     lines = [result.scene.title]
     lines += [f"  {name}: the statue {item.sentence}" for name, item in result.assessment.items()]
-    outcomes = sorted({run.outcome for run in result.runs.values() if not run.outcome.failed})
+    answered = [run for run in result.runs.values() if not run.outcome.failed]
+    outcomes = sorted({run.outcome for run in answered})
     if len(result.runs) > 1 and outcomes:
-        who = _who_agrees(len(result.runs), sum(not run.outcome.failed for run in result.runs.values()))
+        who = _who_agrees(len(result.runs), len(answered))
         ended = f"{who}: {outcomes[0].sentence}" if len(outcomes) == 1 else "the models differ"
         if len(outcomes) > 1 and all(outcome.overturned for outcome in outcomes):
             ended = f"{who} that the statue overturns; the side differs"
-        given = {tuple(run.motion_axes) for run in result.runs.values() if run.motion_axes is not None}
+        given = {tuple(run.motion_axes) for run in answered if run.motion_axes is not None}
         lines.append(f"  outcome: {ended}" + (" (given unlike motions, see below)" if len(given) > 1 else ""))
     width = max(len("analytic"), *(len(name) for name in result.runs)) + 1
     for name, run in result.runs.items():
@@ -206,7 +236,7 @@ def _who_agrees(asked: int, answered: int) -> str:
     return f"one model of {asked} answered" if answered == 1 else f"{answered} of {asked} models answered and agree"
 
 
-def _details(run: Any) -> str:
+def _details(run: Run) -> str:
     if run.outcome.failed:
         return f": {run.message}"
     # An overturned run has no peak of its own: it was ended at the rotation that counts as overturned.

@@ -58,7 +58,11 @@ class Asked:
 
     engine: Annotated[
         list[str] | None,
-        typer.Option("--engine", "-e", help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet."),
+        typer.Option(
+            "--engine",
+            "-e",
+            help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet; thrown: spatial, pybullet.",
+        ),
     ] = None
     overrides: Annotated[
         list[str] | None,
@@ -151,6 +155,27 @@ class Surroundings:
         except ValueError:
             wanted = "four numbers with commas between them: " + ", ".join(names)
             raise InputError(Mistake("--pedestal", "", wanted, repr(self.pedestal))) from None
+
+
+@dataclass(frozen=True)
+class TextLayout:
+    """How the numbers of a record stand in a text that no reader knows (`harness.input.motions.layout.Layout`)."""
+
+    dt_s: Annotated[
+        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
+    ] = None
+    skip_lines: Annotated[
+        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
+    ] = None
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
+        ),
+    ] = None
+    time_column: Annotated[
+        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
+    ] = None
 
 
 def command(app: typer.Typer, name: str | None = None, *examples: str) -> Callable[[Callable[..., None]], None]:

@@ -15,6 +15,7 @@ from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
+    from harness.input.motions.layout import Layout
     from meshes.inspection import Inspection
 
 MARBLE_KG_M3 = 2700.0
@@ -46,24 +47,31 @@ def inspect(file: Path, known: Known) -> Inspection:
 
 
 def prepare(file: Path, out: Path, known: Known) -> tuple[Inspection, Path]:
-    """Prepare a scan into the mesh file `out`, with its account beside it as JSON; returns the inspection and that
+    """Prepare a scan into the mesh file `out`, with its processing log beside it as JSON; returns the inspection and that
     path.
 
     Raises `InputError` for a scan that cannot be prepared or does not stand; then nothing is written.
     """
-    account = out.with_suffix(".account.json")
-    _check_out(out, account, file)
-    found = inspect(file, known)
-    if found.refusal is not None:
-        raise InputError(mesh_mistake(found.refusal, str(file)))
+    log = out.with_suffix(".account.json")
+    _check_out(out, log, file)
+    inspection = inspect(file, known)
+    if inspection.refusal is not None:
+        raise InputError(mesh_mistake(inspection.refusal, str(file)))
     out.parent.mkdir(parents=True, exist_ok=True)
     with writing(out) as fresh:
-        found.prepared.write(fresh)
-    record.write_json(account, _plain(found, known) | {"files": listing([out], pages=False)})
-    return found, account
+        inspection.prepared.write(fresh)
+    record.write_json(log, _plain(inspection, known) | {"files": listing([out], pages=False)})
+    return inspection, log
 
 
-def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings | None = None) -> Path:
+def new(
+    scan: Path,
+    motion: Path,
+    out: Path,
+    known: Known,
+    around: Surroundings | None = None,
+    layout: Layout | None = None,
+) -> Path:
     """Write a first scene `out` (TOML) for a scan and a record, with the prepared mesh beside it; returns its path.
 
     Everything assumed stands in the scene as a comment. Raises `InputError`; then no scene is written.
@@ -80,25 +88,31 @@ def new(scan: Path, motion: Path, out: Path, known: Known, around: Surroundings 
         raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
     around = around or Surroundings()
     user_input = UserInput(
-        known.density_kg_m3, known.mass_kg, around.pedestal_keys(), around.friction, around.scale, around.motion_unit
+        known.density_kg_m3,
+        known.mass_kg,
+        around.pedestal_keys(),
+        around.friction,
+        around.scale,
+        around.motion_unit,
+        layout,
     )
-    shaking = read_record(motion, unit=user_input.motion_unit)
+    shaking = read_record(motion, unit=user_input.motion_unit, layout=layout)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
         if os.path.lexists(beside):
             raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
-    found, account = prepare(scan, mesh, known)
+    inspection, log = prepare(scan, mesh, known)
     try:
-        record.write_text(out, scene_text(found, scan, mesh, shaking, motion, user_input))
+        record.write_text(out, scene_text(inspection, scan, mesh, shaking, motion, user_input))
         load_scene(out)
     except Exception:
-        for written in (out, mesh, account):
+        for written in (out, mesh, log):
             written.unlink(missing_ok=True)
         raise
     return out
 
 
-def _check_out(out: Path, account: Path, file: Path) -> None:
+def _check_out(out: Path, log: Path, file: Path) -> None:
     """Refuse an output that is no mesh format, would overwrite the scan, or anything but a mesh that was prepared before."""
     from meshes.intake import FORMATS
 
@@ -106,11 +120,11 @@ def _check_out(out: Path, account: Path, file: Path) -> None:
         raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
     if out.resolve() == file.resolve():
         raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
-    check_listed(out, account)
+    check_listed(out, log)
 
 
-def _plain(found: Inspection, known: Known) -> dict[str, object]:
-    """The account as it is written, with what the user said."""
+def _plain(inspection: Inspection, known: Known) -> dict[str, object]:
+    """The processing log as it is written, with what the user said."""
     from dataclasses import asdict
 
-    return {**found.as_dict(), "known": asdict(known)}
+    return {**inspection.as_dict(), "known": asdict(known)}

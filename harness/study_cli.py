@@ -9,8 +9,8 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from harness import effects3d
 from harness.campaign.dask_pool import DaskPool
@@ -20,9 +20,11 @@ from harness.campaign.store import STORE_NAME, Store
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.base import as_file
-from harness.records.effects3d import EffectsSummary
+from harness.records.effects3d import EffectsRecord, EffectsSummary
 from harness.records.result_folder import RECORD, checksum, read_own
-from harness.studies import estimate
+from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumSummary
+from harness.records.study import ExportRecord, StudyRecord
+from harness.studies import estimate, rocking_spectrum
 from harness.studies.cases import base_of
 from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
@@ -44,7 +46,7 @@ def run(
     pool: Pool | None = None,
     beside: Beside | None = None,
     witness: bool = True,
-) -> tuple[dict[str, Any], Summary | EffectsSummary]:
+) -> tuple[StudyRecord | EffectsRecord | RockingSpectrumRecord, Summary | EffectsSummary | SpectrumSummary]:
     """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
@@ -52,6 +54,11 @@ def run(
     for a wrong study, a store that cannot be used, or `resume` where there is nothing to go on with.
     """
     with ExitStack() as stack:
+        if rocking_spectrum.asked(path):
+            _check_spectrum(export, jobs, resume, dask)
+            on_progress = stack.enter_context(progress(path.stem, quiet))
+            spectrum = rocking_spectrum.run_spectrum(path, folder, jobs, on_progress)
+            return spectrum, spectrum.summary
         if effects3d.asked(path):
             _check_effects(export, jobs)
             study = None
@@ -65,7 +72,7 @@ def run(
         if study is None:
             on_progress = stack.enter_context(progress(path.stem, quiet))
             effects = effects3d.run_effects(path, folder, pool, on_progress, resume=resume)
-            return as_file(effects), effects.summary
+            return effects, effects.summary
         return _run(study, path, folder, pool, export, large, quiet, beside, witness)
 
 
@@ -79,7 +86,7 @@ def _run(
     quiet: bool,
     beside: Beside | None,
     witness: bool,
-) -> tuple[dict[str, Any], Summary]:
+) -> tuple[StudyRecord, Summary]:
     """A study of cases: its size is told, or refused, before anything is begun."""
     start = time.perf_counter()
     scene = base_of(study, path).scene({})
@@ -89,19 +96,28 @@ def _run(
     with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
         summary = run_study(study, path, store, pool, on_progress, beside)
         seen = witness_study(study, path, store, pool, on_progress) if witness else None
-        plain = study_record(study, path, store, summary, time.perf_counter() - start, seen)
+        finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
             writer(store, study_name(study), export)
-            plain["export"] = {"file": str(export.resolve()), "sha256": checksum(export)}
-        record.write_json(folder / RECORD, plain)
-    return plain, summary
+            finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
+        record.write_json(folder / RECORD, as_file(finished))
+    return finished, summary
 
 
 def _check_effects(export: Path | None, jobs: int | None) -> None:
     """A study of what the third dimension changes has its own kind of record, its answers in a file of their own."""
     if export is not None:
         raise InputError(Mistake("--export", "", "a study of cases", "one of the third dimension: see its result.json"))
+    _check_jobs(jobs)
+
+
+def _check_spectrum(export: Path | None, jobs: int | None, resume: bool, dask: str | None) -> None:
+    """A rocking spectrum is one sweep for each motion in this process: it keeps no store, and writes its map itself."""
+    for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
+        if given:
+            wanted = f"a study of cases: a rocking spectrum is computed at once, its map is {rocking_spectrum.MAP_NAME}"
+            raise InputError(Mistake(name, "", wanted, str(given)))
     _check_jobs(jobs)
 
 

@@ -1,4 +1,4 @@
-"""Arrays that are dear to compute, kept in the user's cache folder under a digest of what they were computed from.
+"""Arrays that are costly to compute, kept in the user's cache folder under a digest of what they were computed from.
 
 The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be removed at any time. Where none can be written, or
 where others could write into it, nothing is kept.
@@ -54,8 +54,8 @@ def load(key: str) -> dict[str, NDArray[Any]] | None:
         return None
     file = home / f"{key}.npz"
     try:
-        with file.open("rb") as handle, np.load(handle, allow_pickle=False) as found:
-            arrays = {name: found[name] for name in found.files}
+        with file.open("rb") as handle, np.load(handle, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
     except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error):
         return None
     with contextlib.suppress(OSError):  # its time of use is a hint, not a need
@@ -88,9 +88,9 @@ def put(file: Path, content: bytes) -> None:
 
 def _prune(home: Path) -> None:
     """Remove all but the last used files; one that another process removed meanwhile is gone all the same."""
-    found = []
+    entries = []
     for file in home.glob("*.npz"):
         with contextlib.suppress(FileNotFoundError):
-            found.append((file.stat().st_mtime_ns, file))
-    for _, old in sorted(found, reverse=True)[KEPT:]:
+            entries.append((file.stat().st_mtime_ns, file))
+    for _, old in sorted(entries, reverse=True)[KEPT:]:
         old.unlink(missing_ok=True)

@@ -113,8 +113,8 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
     middle = np.full(len(start), -1, dtype=np.int64)
     middle[through] = len(mesh.vertices) + number.ravel()
     clipped = [_clipped(face, above[face], cut) for face, cut in zip(faces, middle.reshape(-1, 3), strict=True)]
-    kept = np.array([triangle for triangles in clipped for triangle in triangles], dtype=np.int64)
-    return RawMesh(np.vstack([mesh.vertices, points]), mesh.faces, mesh.source).with_faces(kept)
+    remaining = np.array([triangle for triangles in clipped for triangle in triangles], dtype=np.int64)
+    return RawMesh(np.vstack([mesh.vertices, points]), mesh.faces, mesh.source).with_faces(remaining)
 
 
 def _clipped(face: Faces, above: NDArray[np.bool_], cut: Faces) -> list[list[int]]:

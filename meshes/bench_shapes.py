@@ -99,7 +99,7 @@ def shape_row(name: str, solid: Solid, below_m: float) -> str:
     parts_of.cache_clear()
     begin = time.process_time()
     parts_of(solid)
-    found = time.process_time() - begin
+    again_s = time.process_time() - begin
     bodies = Bodies.of(solid, parts)
     corners = len(bodies.hull.to_mesh64().vert_properties)
     whole = 100.0 * (bodies.hull.volume() / bodies.mesh.volume() - 1.0)
@@ -107,7 +107,7 @@ def shape_row(name: str, solid: Solid, below_m: float) -> str:
     out = [1e3 * standing_out_m(body, bodies.mesh, below_m) for body in (bodies.hull, bodies.parts)]
     more, less = 100.0 * parts.excess_rel, 100.0 * parts.missing_rel
     return (
-        f"| {name} | {corners} | {len(parts.parts)}, {parts.vertices} | {made:.1f}, {found:.3f} s |"
+        f"| {name} | {corners} | {len(parts.parts)}, {parts.vertices} | {made:.1f}, {again_s:.3f} s |"
         f" +{whole:.0f}, +{below:.0f} % | +{more:.1f}, −{less:.1f} % | {out[0]:.0f}, {out[1]:.0f} mm |"
     )
 

@@ -18,7 +18,7 @@ def main(given: str, wanted: str) -> None:
         mesh = coacd.Mesh(arrays["vertices_m"], arrays["faces"])
         concavity, max_parts, seed = arrays["options"]
     coacd.set_log_level("error")
-    found = coacd.run_coacd(
+    parts = coacd.run_coacd(
         mesh,
         threshold=float(concavity),
         max_convex_hull=int(max_parts),
@@ -29,7 +29,7 @@ def main(given: str, wanted: str) -> None:
         mcts_max_depth=2,
         seed=int(seed),
     )
-    corners = [np.asarray(points, dtype=float).reshape(-1, 3) for points, _ in found]
+    corners = [np.asarray(points, dtype=float).reshape(-1, 3) for points, _ in parts]
     np.savez(
         wanted, corners=np.vstack([np.zeros((0, 3)), *corners]), counts=np.array([len(each) for each in corners], int)
     )

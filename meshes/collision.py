@@ -79,12 +79,12 @@ def thinned(points_m: Array, first_m: Array | None, max_vertices: int) -> tuple[
 
 def _spread(corners: Array) -> list[int]:
     """Indices of four corners that span a volume, whatever the body's position: furthest from a point, a line, a plane."""
-    found = [int(np.argmax(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))]
-    offset = corners - corners[found[0]]
-    found.append(int(np.argmax(np.linalg.norm(offset, axis=1))))
-    away = np.cross(offset, offset[found[1]])
-    found.append(int(np.argmax(np.linalg.norm(away, axis=1))))
-    return [*found, int(np.argmax(np.abs(offset @ away[found[2]])))]
+    chosen = [int(np.argmax(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))]
+    offset = corners - corners[chosen[0]]
+    chosen.append(int(np.argmax(np.linalg.norm(offset, axis=1))))
+    away = np.cross(offset, offset[chosen[1]])
+    chosen.append(int(np.argmax(np.linalg.norm(away, axis=1))))
+    return [*chosen, int(np.argmax(np.abs(offset @ away[chosen[2]])))]
 
 
 def _on_hull(feet: Array, corners: Array) -> NDArray[np.bool_]:
@@ -96,10 +96,10 @@ def outward(points: Array) -> Faces:
     """Triangles (m, 3) of the convex hull of points (k, 3), all of them corners, outward by the right-hand rule."""
     from scipy.spatial import ConvexHull
 
-    found = ConvexHull(points)
-    faces = found.simplices.astype(np.int64)
+    hull = ConvexHull(points)
+    faces = hull.simplices.astype(np.int64)
     normals = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
-    inward = np.einsum("ij,ij->i", normals, found.equations[:, :3]) < 0.0
+    inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward][:, ::-1]
     return faces
 

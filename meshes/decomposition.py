@@ -74,11 +74,11 @@ def parts_of(
         raise MeshError("a convex decomposition", f"none: {reason}")
     key = _key(solid, concavity, max_parts, max_vertices)
     arrays = kept.load(key)
-    found = None if arrays is None else _unpacked(arrays)
-    if found is None:
-        found = decompose(solid, concavity, max_parts, max_vertices)
-        kept.store(key, _packed(found))
-    return found
+    parts = None if arrays is None else _unpacked(arrays)
+    if parts is None:
+        parts = decompose(solid, concavity, max_parts, max_vertices)
+        kept.store(key, _packed(parts))
+    return parts
 
 
 def decompose(
@@ -150,13 +150,13 @@ def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
 
 def _key(solid: Solid, *parameters: float) -> str:
     """Digest of the mesh, the parameters and the programs that make the parts."""
-    found = hashlib.sha256()
+    state = hashlib.sha256()
     for array in (solid.vertices_m, solid.faces):
-        found.update(str(array.shape).encode())
-        found.update(np.ascontiguousarray(array).tobytes())
+        state.update(str(array.shape).encode())
+        state.update(np.ascontiguousarray(array).tobytes())
     made_by = [metadata.version(name) for name in ("coacd", "fast-simplification", "manifold3d")]
-    found.update(repr((FORM, COARSE_FACES, solid.contact_tolerance_m, parameters, made_by)).encode())
-    return f"parts-{found.hexdigest()[:32]}"
+    state.update(repr((FORM, COARSE_FACES, solid.contact_tolerance_m, parameters, made_by)).encode())
+    return f"parts-{state.hexdigest()[:32]}"
 
 
 def _packed(parts: Parts) -> dict[str, Any]:

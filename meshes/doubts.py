@@ -47,11 +47,11 @@ def floor_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
 
 def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
     """All of this and what passes through itself elsewhere, in sentences (`how` as for `floor_attached`)."""
-    found = crossings(vertices, faces)
+    pairs = crossings(vertices, faces)
     refusals = floor_attached(vertices, faces, how), not_one_body(vertices, faces)
     said = [str(each) for each in refusals if each is not None]
-    if found.faces:
+    if pairs.faces:
         said.append(
-            f"{found.faces} of {found.looked_at} faces looked at pass through another one ({100 * found.share:.3f} %)"
+            f"{pairs.faces} of {pairs.looked_at} faces looked at pass through another one ({100 * pairs.share:.3f} %)"
         )
     return tuple(said)

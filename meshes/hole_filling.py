@@ -141,8 +141,8 @@ def close_pinches(mesh: RawMesh) -> RawMesh:
 def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
     """Every hole closed over its own rim, without new vertices if that can be; raises MeshError for a hole wider than allowed."""
     added, widest = [], 0.0
-    found = rims(mesh.faces)
-    for rim in found:
+    holes = rims(mesh.faces)
+    for rim in holes:
         points = mesh.vertices[rim]
         width = float(np.linalg.norm(np.ptp(points, axis=0)))
         if width > widest_allowed_m:
@@ -165,4 +165,4 @@ def close_holes(mesh: RawMesh, widest_allowed_m: float) -> HolesClosed:
     closed = RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source)
     if added and EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
         closed = close_pinches(mesh)  # a new edge lay on an old one beside the hole
-    return HolesClosed(closed, len(found), widest)
+    return HolesClosed(closed, len(holes), widest)

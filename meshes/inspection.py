@@ -1,4 +1,4 @@
-"""What a scan is, in numbers and words: raw counts, the account of its preparation, the solid and its slenderness."""
+"""What a scan is, in numbers and words: raw counts, the log of its preparation, the solid and its slenderness."""
 
 from __future__ import annotations
 
@@ -70,14 +70,14 @@ class Inspection:
         return {
             "schema_version": 1,
             "raw": asdict(self.raw),
-            "account": self.prepared.account.as_dict(),
+            "account": self.prepared.log.as_dict(),
             "refusal": None if self.refusal is None else str(self.refusal),
             "solid": None if self.solid is None else _numbers(self.solid),
             "rose": self.rose(10),
         }
 
     def __str__(self) -> str:
-        lines = [str(self.prepared.account), f"as read: {self.raw}"]
+        lines = [str(self.prepared.log), f"as read: {self.raw}"]
         if self.solid is None:
             return "\n".join([*lines, f"no solid: {self.refusal}"])
         return "\n".join(

@@ -223,7 +223,7 @@ def must_be_one(mesh: RawMesh) -> None:
         raise MeshError(
             "one body",
             f"{bodies} of {sizes}",
-            "export each to a file of its own, or join those that overlap and drop crumbs with rockcheck"
+            "export each to a file of its own, or join those that overlap and drop debris with rockcheck"
             " mesh prepare, which writes what it changed",
             place=mesh.source,
         )

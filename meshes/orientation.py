@@ -42,7 +42,7 @@ UP_ROTATION = {
 
 
 @dataclass(frozen=True)
-class Stance:
+class Orientation:
     """A rotation (3, 3) that puts a body upright, the file axis nearest to up, the tilt left to it, and why."""
 
     rotation: Array
@@ -58,7 +58,7 @@ def turn_axis(up: str) -> Array:
     return np.array(UP_ROTATION[up], dtype=np.float64)
 
 
-def find_stance(mesh: RawMesh) -> Stance:
+def find_orientation(mesh: RawMesh) -> Orientation:
     """The base plane of a scan: its large open rim if it has one, else the flat face with the largest contact area.
 
     Raises MeshError if no plane stands out, with the advice to set the up axis.
@@ -66,20 +66,20 @@ def find_stance(mesh: RawMesh) -> Stance:
     rim = _largest_rim(mesh)
     if rim is not None:
         why = "the plane of the largest open rim, taken to be the base that was not scanned"
-        found = upright(-area_vector(rim[::-1]), why)
-        if found.tilt_rad > 2.0 * _tilt_error(rim):
-            return found
+        orientation = upright(-area_vector(rim[::-1]), why)
+        if orientation.tilt_rad > 2.0 * _tilt_error(rim):
+            return orientation
         why = f"{why}: level within its own error of {np.rad2deg(_tilt_error(rim)):.2f}°"
-        return Stance(turn_axis(found.axis), found.axis, 0.0, why)
+        return Orientation(turn_axis(orientation.axis), orientation.axis, 0.0, why)
     return upright(-_standing_normal(mesh), "the facet of the base on which its weight rests")
 
 
-def upright(up: Array, why: str) -> Stance:
+def upright(up: Array, why: str) -> Orientation:
     """The rotation that takes the direction `up` (3,) to +z: the nearest file axis first, then the least tilt."""
     up = up / np.linalg.norm(up)
     axis = max(UP_ROTATION, key=lambda name: float(np.array(UP_ROTATION[name], dtype=np.float64)[2] @ up))
     swap = turn_axis(axis)
-    return Stance(least_turn(swap @ up) @ swap, axis, float(np.arccos(min(1.0, (swap @ up)[2]))), why)
+    return Orientation(least_turn(swap @ up) @ swap, axis, float(np.arccos(min(1.0, (swap @ up)[2]))), why)
 
 
 def least_turn(direction: Array) -> Array:
@@ -98,8 +98,8 @@ def area_vector(points: Array) -> Array:
 def _largest_rim(mesh: RawMesh) -> Array | None:
     """Points (n, 3) of the rim around the largest area, or None if none is large enough to be a base."""
     extent = np.sort(np.ptp(mesh.vertices, axis=0))
-    found = [mesh.vertices[rim] for rim in rims(mesh.faces)]
-    largest = max(found, key=lambda points: float(np.linalg.norm(area_vector(points))), default=None)
+    loops = [mesh.vertices[rim] for rim in rims(mesh.faces)]
+    largest = max(loops, key=lambda points: float(np.linalg.norm(area_vector(points))), default=None)
     if largest is None or np.linalg.norm(area_vector(largest)) < BASE_RIM_SHARE * extent[1] * extent[2]:
         return None
     return largest
@@ -148,22 +148,22 @@ def _flat_normal(mesh: RawMesh, hull: ConvexHull) -> Array:
     areas = np.linalg.norm(vectors, axis=1)
     centres = mesh.vertices[mesh.faces].mean(axis=1)
     extent = float(np.ptp(mesh.vertices, axis=0).max())
-    found: list[tuple[float, Array]] = []
+    candidates: list[tuple[float, Array]] = []
     for facet in np.argsort(hull_area)[::-1][:60]:
         normal = hull.equations[facet, :3]
-        if any(other @ normal > np.cos(SAME_DIRECTION_RAD) for _, other in found):
+        if any(other @ normal > np.cos(SAME_DIRECTION_RAD) for _, other in candidates):
             continue
         near = centres @ normal > -hull.equations[facet, 3] - FLAT_SHARE * extent
         near &= vectors @ normal > np.cos(SAME_DIRECTION_RAD) * areas
         touching = vectors[near].sum(axis=0)
         direction = touching / np.linalg.norm(touching) if near.any() else normal
-        found.append((0.5 * float(areas[near].sum()), direction))
-    found.sort(key=lambda pair: pair[0], reverse=True)
-    if len(found) > 1 and found[1][0] > CLEAR_RATIO * found[0][0]:
+        candidates.append((0.5 * float(areas[near].sum()), direction))
+    candidates.sort(key=lambda pair: pair[0], reverse=True)
+    if len(candidates) > 1 and candidates[1][0] > CLEAR_RATIO * candidates[0][0]:
         raise MeshError(
             "one base plane that stands out",
-            f"two of {found[0][0]:.4g} and {found[1][0]:.4g} square units",
+            f"two of {candidates[0][0]:.4g} and {candidates[1][0]:.4g} square units",
             "set the up axis (--up)",
             place=mesh.source,
         )
-    return found[0][1]
+    return candidates[0][1]

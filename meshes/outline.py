@@ -87,7 +87,7 @@ def _corners(rim: Array, tolerance: float) -> Indices:
     opposite = int(np.argmax(np.linalg.norm(rim - rim[start], axis=1)))
     first, second = sorted((start, opposite))
     count = len(rim)
-    kept = {first, second}
+    chosen = {first, second}
     spans = [(first, second), (second, first + count)]
     while spans:
         a, b = spans.pop()
@@ -101,9 +101,9 @@ def _corners(rim: Array, tolerance: float) -> Indices:
         worst = int(np.argmax(away))
         if away[worst] > tolerance:
             middle = int(between[worst])
-            kept.add(middle % count)
+            chosen.add(middle % count)
             spans += [(a, middle), (middle, b)]
-    return np.array(sorted(kept), dtype=np.int64)
+    return np.array(sorted(chosen), dtype=np.int64)
 
 
 def _merged(rim: Array, corners: Indices, noise: float) -> Indices:
@@ -111,15 +111,18 @@ def _merged(rim: Array, corners: Indices, noise: float) -> Indices:
 
     A single bump of the noise beyond the tolerance would otherwise break a straight side, and its two ends be fitted to it.
     """
-    kept = [int(corner) for corner in corners]
-    while len(kept) > 3:
-        misfits = [_misfit(rim, kept[k - 1], kept[(k + 1) % len(kept)]) for k in range(len(kept))]
+    corners_left = [int(corner) for corner in corners]
+    while len(corners_left) > 3:
+        misfits = [
+            _misfit(rim, corners_left[k - 1], corners_left[(k + 1) % len(corners_left)])
+            for k in range(len(corners_left))
+        ]
         rms = np.array([misfit[0] for misfit in misfits])
         fits = (rms <= FITS * noise) & (np.array([misfit[1] for misfit in misfits]) <= BUMP * noise)
         if not fits.any():
             break
-        del kept[int(np.argmin(np.where(fits, rms, np.inf)))]
-    return np.array(kept, dtype=np.int64)
+        del corners_left[int(np.argmin(np.where(fits, rms, np.inf)))]
+    return np.array(corners_left, dtype=np.int64)
 
 
 def _misfit(rim: Array, first: int, last: int) -> tuple[float, float]:

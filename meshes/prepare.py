@@ -1,4 +1,4 @@
-"""A scan made into a closed body standing on its base, with a written account; what goes too far is refused with
+"""A scan made into a closed body standing on its base, with a written log; what goes too far is refused with
 advice."""
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes import repair as mending
+from meshes import repair
 from meshes.attached import cut_below
 from meshes.decimation import Bounds, decimate
 from meshes.doubts import floor_attached, not_one_body
@@ -16,8 +16,8 @@ from meshes.errors import MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
 from meshes.mesh import Array, RawMesh
-from meshes.orientation import find_stance, turn_axis
-from meshes.processing_log import Account, Change, change, measure
+from meshes.orientation import find_orientation, turn_axis
+from meshes.processing_log import Change, ProcessingLog, change, measure
 from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 from meshes.topology import EdgeCount
@@ -30,14 +30,14 @@ WIDEST = 2.0
 class Limits:
     """How far a repair may go before it is refused; each is a choice that the caller may change knowingly.
 
-    `crumb_area` is the largest share of the main part's area that is a crumb; `hole_share` the widest hole and
+    `debris_area` is the largest share of the main part's area that is debris; `hole_share` the widest hole and
     `ragged_share`
     the raggedness of the base's rim, as shares of the height; `branching_share` and `crossing_share` shares of the
     edges and
-    faces; `volume_rel` the volume removed as crumbs and invented under the base and over holes.
+    faces; `volume_rel` the volume removed as debris and invented under the base and over holes.
     """
 
-    crumb_area: float = 0.02
+    debris_area: float = 0.02
     hole_share: float = 0.15
     ragged_share: float = 0.05
     branching_share: float = 1e-3
@@ -63,10 +63,10 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A closed mesh in metres, z up, the account of what was done to it, and the rotation (3, 3) from the file's axes."""
+    """A closed mesh in metres, z up, the log of what was done to it, and the rotation (3, 3) from the file's axes."""
 
     mesh: RawMesh
-    account: Account
+    log: ProcessingLog
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def solid(
@@ -99,7 +99,7 @@ def prepare(path: str | Path, wanted: Wanted | None = None) -> Prepared:
 
 def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     """Prepare a mesh already read; `suffix` tells whether its format fixes the unit (GLB and GLTF are in metres)."""
-    state = Prepared(mesh, Account(mesh.source))
+    state = Prepared(mesh, ProcessingLog(mesh.source))
     _must_have_thickness(mesh)
     _must_be_of_a_statue_s_size(mesh, wanted)
     state = _mended(state, wanted)
@@ -111,9 +111,9 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     state = _checked(state, wanted)
     fewer, made, why = decimate(state.mesh, wanted.max_faces, CONTACT_TOLERANCE_M, wanted.bounds)
     if made is not None:
-        state = Prepared(fewer, state.account.and_changed(made))
+        state = Prepared(fewer, state.log.and_changed(made))
     if why:
-        state = Prepared(state.mesh, state.account.and_found(why))
+        state = Prepared(state.mesh, state.log.and_found(why))
     wrong = not_one_body(state.mesh.vertices, state.mesh.faces)
     if wrong is not None:
         raise wrong.at(state.mesh.source)
@@ -138,36 +138,37 @@ def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
 
 
 def _mended(state: Prepared, wanted: Wanted) -> Prepared:
-    """Duplicates, crumbs, several bodies, branching edges and orientation put right, in this order."""
+    """Duplicates, debris, several bodies, branching edges and orientation put right, in this order."""
     limits = wanted.limits
     for step in (
-        mending.drop_duplicates,
-        lambda mesh: mending.drop_crumbs(mesh, limits.crumb_area),
-        lambda mesh: mending.open_branches(mesh, limits.branching_share),
-        mending.wind_alike,
-        mending.turn_outward,
-        mending.join_bodies,
+        repair.drop_duplicates,
+        lambda mesh: repair.drop_debris(mesh, limits.debris_area),
+        lambda mesh: repair.open_branches(mesh, limits.branching_share),
+        repair.wind_alike,
+        repair.turn_outward,
+        repair.join_bodies,
     ):
         mesh, made = step(state.mesh)
         if made is not None:
-            state = Prepared(mesh, state.account.and_changed(made))
+            state = Prepared(mesh, state.log.and_changed(made))
     return state
 
 
 def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
     """The up axis turned to +z: as set, or found together with the base plane, which is then level."""
-    mesh, account = state.mesh, state.account
+    mesh, log = state.mesh, state.log
     if wanted.up is not None:
         rotation = turn_axis(wanted.up)
         if wanted.up != "z":
-            account = account.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
-        return Prepared(mesh.moved(mesh.vertices @ rotation.T), account, rotation)
-    stance = find_stance(mesh)
-    tilt = f"tilted by {np.rad2deg(stance.tilt_rad):.2f}° to level {stance.why}" if stance.tilt_rad else stance.why
-    what = tilt if stance.axis == "z" else f"{stance.axis} of the file turned to z, {tilt}"
-    if stance.axis != "z" or stance.tilt_rad > 1e-6:
-        account = account.and_changed(Change("up axis", what, 1))
-    return Prepared(mesh.moved(mesh.vertices @ stance.rotation.T), account, stance.rotation)
+            log = log.and_changed(Change("up axis", f"{wanted.up} of the file turned to z, as set", 1))
+        return Prepared(mesh.moved(mesh.vertices @ rotation.T), log, rotation)
+    orientation = find_orientation(mesh)
+    tilt_deg, why = np.rad2deg(orientation.tilt_rad), orientation.why
+    tilt = f"tilted by {tilt_deg:.2f}° to level {why}" if tilt_deg else why
+    what = tilt if orientation.axis == "z" else f"{orientation.axis} of the file turned to z, {tilt}"
+    if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
+        log = log.and_changed(Change("up axis", what, 1))
+    return Prepared(mesh.moved(mesh.vertices @ orientation.rotation.T), log, orientation.rotation)
 
 
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
@@ -193,10 +194,10 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
         raise _wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
-    account = state.account.scaled(unit_m)
+    log = state.log.scaled(unit_m)
     if unit_m != 1.0:
-        account = account.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
-    return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), account)
+        log = log.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
+    return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), log)
 
 
 def _wrong_size(got: str, place: str) -> MeshError:
@@ -205,14 +206,14 @@ def _wrong_size(got: str, place: str) -> MeshError:
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
-    """What lies below the height of the cut taken off, with crumbs that hung on it; a floor that is still there is refused."""
+    """What lies below the height of the cut taken off, with debris that hung on it; a floor that is still there is refused."""
     if wanted.cut_below_m:
         before = measure(state.mesh)
         mesh = cut_below(state.mesh, wanted.cut_below_m)
         what = f"the lowest {wanted.cut_below_m:g} m cut off, as asked"
-        state = Prepared(mesh, state.account.and_changed(change("cut", what, 1, before, measure(mesh))))
-        mesh, made = mending.drop_crumbs(mesh, wanted.limits.crumb_area)
-        state = state if made is None else Prepared(mesh, state.account.and_changed(made))
+        state = Prepared(mesh, state.log.and_changed(change("cut", what, 1, before, measure(mesh))))
+        mesh, made = repair.drop_debris(mesh, wanted.limits.debris_area)
+        state = state if made is None else Prepared(mesh, state.log.and_changed(made))
     attached = floor_attached(state.mesh.vertices, state.mesh.faces, "--cut-below {:.3g}")
     if attached is not None and wanted.cut_below_m != 0.0:
         raise attached.at(state.mesh.source)
@@ -221,7 +222,7 @@ def _cut(state: Prepared, wanted: Wanted) -> Prepared:
 
 def _closed(state: Prepared, wanted: Wanted) -> Prepared:
     """The open base closed by a plane, then every other hole over its rim."""
-    mesh, account, limits = state.mesh, state.account, wanted.limits
+    mesh, log, limits = state.mesh, state.log, wanted.limits
     height = float(np.ptp(mesh.vertices[:, 2]))
     rim = base_rim(mesh)
     if rim is not None:
@@ -240,14 +241,14 @@ def _closed(state: Prepared, wanted: Wanted) -> Prepared:
             f" noise {1e3 * closed.noise_m:.2f} mm, outline fitted by at most {1e3 * closed.fitted_m:.1f} mm,"
             f" {closed.lifted} vertices lifted to the plane by at most {1e3 * closed.lifted_m:.1f} mm"
         )
-        account = account.and_changed(change("base", what, closed.rim, before, measure(closed.mesh)))
+        log = log.and_changed(change("base", what, closed.rim, before, measure(closed.mesh)))
         mesh = closed.mesh
     before = measure(mesh)
     holes = close_holes(mesh, limits.hole_share * height)
     if holes.holes:
         what = f"{holes.holes} holes closed over their own rims, the widest {1e3 * holes.widest_m:.1f} mm"
-        account = account.and_changed(change("holes", what, holes.holes, before, measure(holes.mesh)))
-    return Prepared(holes.mesh, account)
+        log = log.and_changed(change("holes", what, holes.holes, before, measure(holes.mesh)))
+    return Prepared(holes.mesh, log)
 
 
 def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
@@ -259,12 +260,12 @@ def _true_height(state: Prepared, wanted: Wanted) -> Prepared:
         return state
     what = f"corrected by {100 * (factor - 1):+.3f} % so that the height over the base plane is {wanted.height_m:g} m"
     mesh = state.mesh.moved(factor * state.mesh.vertices)
-    return Prepared(mesh, state.account.and_changed(Change("scale", what, 1)))
+    return Prepared(mesh, state.log.and_changed(Change("scale", what, 1)))
 
 
 def _checked(state: Prepared, wanted: Wanted) -> Prepared:
     """What is still open, crosses itself too much or was changed too much is refused."""
-    mesh, account, limits = state.mesh, state.account, wanted.limits
+    mesh, log, limits = state.mesh, state.log, wanted.limits
     count = EdgeCount.of(mesh.faces)
     if not count.closed:
         raise MeshError(
@@ -273,21 +274,21 @@ def _checked(state: Prepared, wanted: Wanted) -> Prepared:
             "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
             place=mesh.source,
         )
-    if account.invented_rel > limits.volume_rel:
+    if log.invented_rel > limits.volume_rel:
         raise MeshError(
             f"repairs that change the volume by at most {100 * limits.volume_rel:g} %",
-            f"{100 * account.invented_rel:.3g} %",
-            f"too much would be invented; scan again what is missing\n{account}",
+            f"{100 * log.invented_rel:.3g} %",
+            f"too much would be invented; scan again what is missing\n{log}",
             place=mesh.source,
         )
-    return Prepared(mesh, _crossings(mesh, account, limits))
+    return Prepared(mesh, _crossings(mesh, log, limits))
 
 
-def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
-    """The account with the self-intersections found; refused beyond the limit."""
-    found = crossings(mesh.vertices, mesh.faces)
-    among = f"{found.faces} of {found.looked_at} faces"
-    if found.share > limits.crossing_share:
+def _crossings(mesh: RawMesh, log: ProcessingLog, limits: Limits) -> ProcessingLog:
+    """The log with the self-intersections found; refused beyond the limit."""
+    pairs = crossings(mesh.vertices, mesh.faces)
+    among = f"{pairs.faces} of {pairs.looked_at} faces"
+    if pairs.share > limits.crossing_share:
         raise MeshError(
             "a surface that does not pass through itself",
             f"{among} that do",
@@ -295,6 +296,5 @@ def _crossings(mesh: RawMesh, account: Account, limits: Limits) -> Account:
             " (Voxel Remesh)",
             place=mesh.source,
         )
-    if found.faces:
-        return account.and_found(f"{among} looked at pass through another one ({100 * found.share:.3f} %)")
-    return account
+    text = f"{among} looked at pass through another one ({100 * pairs.share:.3f} %)"
+    return log.and_found(text) if pairs.faces else log

@@ -1,4 +1,4 @@
-"""The written account of a preparation: every change, its extent, and what it did to volume, centroid and inertia."""
+"""The written log of a preparation: every change, its extent, and what it did to volume, centroid and inertia."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Account:
+class ProcessingLog:
     """All changes of one preparation in order, and what was found but left as it was."""
 
     source: str
     changes: tuple[Change, ...] = ()
     found: tuple[str, ...] = ()
 
-    def and_found(self, sentence: str) -> Account:
-        """The account with one more finding."""
+    def and_found(self, sentence: str) -> ProcessingLog:
+        """The log with one more finding."""
         return replace(self, found=(*self.found, sentence))
 
-    def and_changed(self, change: Change) -> Account:
-        """The account with one more change."""
+    def and_changed(self, change: Change) -> ProcessingLog:
+        """The log with one more change."""
         return replace(self, changes=(*self.changes, change))
 
-    def scaled(self, unit_m: float) -> Account:
-        """The account with centroid shifts so far in the file's unit turned into metres."""
+    def scaled(self, unit_m: float) -> ProcessingLog:
+        """The log with centroid shifts so far in the file's unit turned into metres."""
         turned = [
             change if change.centroid_m is None else replace(change, centroid_m=unit_m * change.centroid_m)
             for change in self.changes
@@ -63,13 +63,13 @@ class Account:
 
     @property
     def invented_rel(self) -> float:
-        """Volume taken away as crumbs or added as base and holes, signs ignored: what the limit on repair is held
+        """Volume taken away as debris or added as base and holes, signs ignored: what the limit on repair is held
         against."""
-        changed = (change.volume_rel for change in self.changes if change.step in ("crumbs", "base", "holes"))
+        changed = (change.volume_rel for change in self.changes if change.step in ("debris", "base", "holes"))
         return sum(abs(volume) for volume in changed if volume is not None)
 
     def as_dict(self) -> dict[str, Any]:
-        """The account as plain values."""
+        """The log as plain values."""
         return asdict(self)
 
     def __str__(self) -> str:

@@ -22,23 +22,23 @@ def drop_duplicates(mesh: RawMesh) -> Mended:
     new = np.r_[True, (np.diff(key[order], axis=0) != 0).any(axis=1)]
     if new.all():
         return mesh, None
-    kept = np.sort(order[new])
-    removed = len(mesh.faces) - len(kept)
-    return mesh.with_faces(mesh.faces[kept]), Change("duplicates", f"{removed} repeated faces removed", removed)
+    unique = np.sort(order[new])
+    removed = len(mesh.faces) - len(unique)
+    return mesh.with_faces(mesh.faces[unique]), Change("duplicates", f"{removed} repeated faces removed", removed)
 
 
-def drop_crumbs(mesh: RawMesh, largest_share: float) -> Mended:
+def drop_debris(mesh: RawMesh, largest_share: float) -> Mended:
     """Separate parts with less than `largest_share` of the largest part's area removed."""
     number = parts(mesh.faces)
     areas = np.bincount(number, weights=0.5 * np.linalg.norm(double_areas(mesh.vertices, mesh.faces), axis=1))
     small = areas < largest_share * areas.max()
     if not small.any():
         return mesh, None
-    kept = mesh.with_faces(mesh.faces[~small[number]])
+    cleaned = mesh.with_faces(mesh.faces[~small[number]])
     count = int(small.sum())
     share = 100.0 * areas[small].max() / areas.max()
-    what = f"{count} floating crumbs removed, the largest {share:.3g} % of the main part's area"
-    return kept, change("crumbs", what, count, measure(mesh), measure(kept))
+    what = f"{count} floating pieces of debris removed, the largest {share:.3g} % of the main part's area"
+    return cleaned, change("debris", what, count, measure(mesh), measure(cleaned))
 
 
 def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
@@ -66,9 +66,9 @@ def open_branches(mesh: RawMesh, largest_share: float) -> Mended:
         if EdgeCount.of(trimmed.faces).branching == 0:
             what = f"{count} edges with more than two faces: {len(fins)} faces that stick out there removed"
             return trimmed, Change("non-manifold", what, len(fins))
-    kept = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
+    opened = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
     what = f"{count} edges with more than two faces: {len(bad)} faces there removed, to be closed as holes"
-    return kept, Change("non-manifold", what, len(bad))
+    return opened, Change("non-manifold", what, len(bad))
 
 
 def wind_alike(mesh: RawMesh) -> Mended:

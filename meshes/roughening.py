@@ -47,19 +47,19 @@ def _divided(vertices: Array, faces: Faces, spacing_m: float) -> tuple[Array, Fa
         cuts[a, b] = list(range(len(new), len(new) + len(inner)))
         cuts[b, a] = cuts[a, b][::-1]
         new.extend(inner)
-    kept = []
+    whole = []
     for face in faces.tolist():
         outline = [
             point for a, b in zip(face, face[1:] + face[:1], strict=True) for point in (a, *cuts.get((a, b), ()))
         ]
         if len(outline) == 3:
-            kept.append(face)
+            whole.append(face)
             continue
         # A fan from the face's middle leaves no triangle without an area, wherever the cuts lie.
         new.append(vertices[face].mean(axis=0))
         middle = len(new) - 1
-        kept.extend([a, b, middle] for a, b in zip(outline, outline[1:] + outline[:1], strict=True))
-    return np.array(new), np.array(kept, dtype=np.int64)
+        whole.extend([a, b, middle] for a, b in zip(outline, outline[1:] + outline[:1], strict=True))
+    return np.array(new), np.array(whole, dtype=np.int64)
 
 
 def _rim(vertices: Array, faces: Faces) -> list[tuple[int, int]]:

@@ -17,20 +17,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Faults:
-    """Noise (standard deviation of every coordinate), raggedness of the open base, crumbs, up axis, units per metre."""
+    """Noise (standard deviation of every coordinate), raggedness of the open base, debris, up axis, units per metre."""
 
     edge_m: float = 0.012
     noise_m: float = 1e-3
     ragged_m: float = 0.006
     open_below: bool = True
-    crumbs: int = 12
+    debris: int = 12
     up: str = "y"
     units_per_m: float = 1000.0
     seed: int = 5
 
 
 def scan(solid: Solid, faults: Faults) -> RawMesh:
-    """The solid's surface as scanned: dense, noisy, open below, with crumbs, in the wrong axes and unit."""
+    """The solid's surface as scanned: dense, noisy, open below, with debris, in the wrong axes and unit."""
     from trimesh import remesh
 
     random = np.random.default_rng(faults.seed)
@@ -41,7 +41,7 @@ def scan(solid: Solid, faults: Faults) -> RawMesh:
     if faults.open_below:
         mesh = _without_base(mesh, faults.ragged_m)
     vertices = mesh.vertices + faults.noise_m * _noise(mesh.vertices, faults.edge_m, random)
-    vertices, faces = _with_crumbs(vertices, mesh.faces, faults.crumbs, random)
+    vertices, faces = _with_debris(vertices, mesh.faces, faults.debris, random)
     turn = np.array(UP_ROTATION[faults.up], dtype=np.float64)
     return RawMesh(faults.units_per_m * vertices @ turn, faces, "scan")
 
@@ -77,7 +77,7 @@ def _without_base(mesh: RawMesh, ragged_m: float) -> RawMesh:
     return RawMesh(*drop_unused(mesh.vertices, mesh.faces[middle[:, 2] > level]), mesh.source)
 
 
-def _with_crumbs(
+def _with_debris(
     vertices: Array, faces: NDArray[np.int64], count: int, random: np.random.Generator
 ) -> tuple[Array, NDArray[np.int64]]:
     """Small tetrahedra floating beside the statue."""

@@ -46,13 +46,13 @@ def crossings(vertices: Array, faces: Faces, most: int = 100_000) -> Crossings:
 
 def _piercing(vertices: Array, faces: Faces, chosen: Faces, shared: int) -> Faces:
     """Those of the faces `chosen` that pierce, or are pierced by, a face with at most `shared` corners in common."""
-    found = np.zeros(len(faces), dtype=bool)
+    piercing = np.zeros(len(faces), dtype=bool)
     for one, other in _close_pairs(vertices, faces, chosen):
         common = (faces[one][:, :, None] == faces[other][:, None, :]).sum(axis=(1, 2))
         one, other = one[common <= shared], other[common <= shared]
         through = _pierced(vertices, faces, one, other) | _pierced(vertices, faces, other, one)
-        found[one[through]] = True
-    return np.flatnonzero(found)
+        piercing[one[through]] = True
+    return np.flatnonzero(piercing)
 
 
 def _close_pairs(vertices: Array, faces: Faces, chosen: Faces) -> Iterator[tuple[Faces, Faces]]:

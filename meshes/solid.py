@@ -148,8 +148,8 @@ def mass_properties(vertices_m: Array, faces: Faces) -> MassProperties:
     middle = 0.5 * (vertices_m.min(axis=0) + vertices_m.max(axis=0))
     # A surface that encloses nothing has a centroid of 0/0; its volume is refused by whoever asked.
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = triangles.mass_properties((vertices_m - middle)[faces], density=1.0)
-    return MassProperties(float(found["volume"]), found["center_mass"] + middle, np.asarray(found["inertia"]))
+        unit = triangles.mass_properties((vertices_m - middle)[faces], density=1.0)
+    return MassProperties(float(unit["volume"]), unit["center_mass"] + middle, np.asarray(unit["inertia"]))
 
 
 def solid_from_mesh(
@@ -190,7 +190,7 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
         raise MeshError(
             "a closed mesh with its faces outward",
             f"a signed volume of {volume_m3:g} m³",
-            "turn the faces outward (rockcheck mesh prepare does, with an account)",
+            "turn the faces outward (rockcheck mesh prepare does, with a log)",
         )
     if (density_kg_m3 is None) == (mass_kg is None):
         raise MeshError(

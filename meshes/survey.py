@@ -157,8 +157,8 @@ def reconcile(solid: Solid, survey: Mapping[str, float]) -> tuple[Reconciled, ..
     for name, value in survey.items():
         if name not in SURVEYED:
             raise MeshError(f"a number out of {', '.join(SURVEYED)}", f"{name!r}")
-        found = float(getattr(solid, name))
-        apart = value / found - 1.0
+        computed = float(getattr(solid, name))
+        apart = value / computed - 1.0
         used = "the weighed mass" if name == "mass_kg" else "the mesh"
-        rows.append(Reconciled(name, value, found, apart, abs(apart) <= AGREES_REL, used))
+        rows.append(Reconciled(name, value, computed, apart, abs(apart) <= AGREES_REL, used))
     return tuple(rows)

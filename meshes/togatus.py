@@ -125,22 +125,22 @@ def solve(start: Proportions) -> Proportions:
     from scipy.optimize import root
 
     def misses(unknowns: Array) -> Array:
-        found = mass_properties(*surface(Proportions(*unknowns)))
-        x_right = CORNER_RIGHT_M + found.centroid_m[0]
+        properties = mass_properties(*surface(Proportions(*unknowns)))
+        x_right = CORNER_RIGHT_M + properties.centroid_m[0]
         plinth_right = 0.5 * (CORNER_RIGHT_M + CORNER_LEFT_M) + _plinth_centre_m()
         return np.array(
             [
-                found.volume_m3 / (MASS_KG / DENSITY_KG_M3) - 1.0,
-                found.centroid_m[2] / CENTROID_HEIGHT_M - 1.0,
+                properties.volume_m3 / (MASS_KG / DENSITY_KG_M3) - 1.0,
+                properties.centroid_m[2] / CENTROID_HEIGHT_M - 1.0,
                 (x_right - plinth_right) / CORNER_RIGHT_M,
-                found.centroid_m[1] / BASE_DEPTH_M,
+                properties.centroid_m[1] / BASE_DEPTH_M,
             ]
         )
 
-    found = root(misses, [start.girth, start.taper, start.lean, start.sway], method="hybr", options={"xtol": 1e-10})
-    if not found.success:
-        raise ArithmeticError(f"the togatus has no solution from {start}: {found.message}")
-    return Proportions(*(float(value) for value in found.x))
+    solution = root(misses, [start.girth, start.taper, start.lean, start.sway], method="hybr", options={"xtol": 1e-10})
+    if not solution.success:
+        raise ArithmeticError(f"the togatus has no solution from {start}: {solution.message}")
+    return Proportions(*(float(value) for value in solution.x))
 
 
 def _plinth_centre_m() -> float:

@@ -83,7 +83,7 @@ def rims(faces: Faces) -> list[Indices]:
     following: dict[int, list[int]] = {}
     for a, b in zip(edges.start[alone].tolist(), edges.end[alone].tolist(), strict=True):
         following.setdefault(a, []).append(b)
-    found: list[Indices] = []
+    loops: list[Indices] = []
     while following:
         walk = [next(iter(following))]
         place = {walk[0]: 0}
@@ -96,7 +96,7 @@ def rims(faces: Faces) -> list[Indices]:
                 del following[walk[-1]]
             if step in place:
                 ring = walk[place[step] :]
-                found.append(np.array(ring, dtype=np.int64))
+                loops.append(np.array(ring, dtype=np.int64))
                 for vertex in ring[1:]:
                     del place[vertex]
                 walk = walk[: place[step] + 1]
@@ -105,7 +105,7 @@ def rims(faces: Faces) -> list[Indices]:
                 continue
             place[step] = len(walk)
             walk.append(step)
-    return sorted((ring for ring in found if len(ring) > 2), key=len, reverse=True)
+    return sorted((ring for ring in loops if len(ring) > 2), key=len, reverse=True)
 
 
 def wound_alike(faces: Faces) -> tuple[Faces, int]:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import sys
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
 from harness import cli as harness_cli
 from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
-from reports import cli_bench, cli_input
+from reports import cli_bench, cli_input, cli_record
 from reports.cli_result import OUT, Out, say_result
-
-READERS: Final = ("engineer", "conservator")
 
 app = typer.Typer(
     name="rockcheck",
@@ -70,6 +68,7 @@ def run(
     no_assess: Annotated[
         bool, typer.Option("--no-assess", help="Leave out the probability over what the scene does not know.")
     ] = False,
+    language: cli_record.InLanguage = "en",
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.accuracy.simulation import check_target
@@ -79,16 +78,18 @@ def run(
 
     folder = out or OUT / named_after(scene)
     check_folder(folder, ("run",))
+    cli_record.check_language(language)
     if explain:
         from harness.input.scene_file import load_scene
 
         check_target(target.accuracy, target.dt)
         saying.say(*harness_cli.explain(load_scene(scene, asked.overrides or ()), asked.engine, no_skip))
         return
-    more = {"assess": not no_assess, "witness": not no_witness}
-    result = harness_cli.compute(scene, asked, target, no_skip, quiet=saying.silent, out=folder, **more)
+    result = harness_cli.compute(
+        scene, asked, target, no_skip, quiet=saying.silent, out=folder, assess=not no_assess, witness=not no_witness
+    )
     write_result(result, folder)
-    say_result(plain(result.record()), harness_cli.summary(result), folder, saying)
+    say_result(plain(result.record()), harness_cli.summary(result), folder, saying, language)
     # An engine that nobody named and that has no wheels here is said, and no failure.
     failed = result.failed_but(() if asked.engine else tuple(result.runs))
     raise typer.Exit(FAILED if failed else OK)
@@ -122,11 +123,11 @@ def assess(
     from harness.records.result_folder import named_after
 
     folder = out or OUT / f"{named_after(scene)}-assess"
-    found = assess_cli.run(
+    record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
     )  # fmt: skip
-    say_result(plain(found), summary(found), folder, saying)
+    say_result(plain(record), summary(record), folder, saying)
 
 
 @command(app, None, "rockcheck study scenes/paestum_table2.toml --jobs 2")
@@ -143,21 +144,25 @@ def study(
     no_witness: Annotated[
         bool, typer.Option("--no-witness", help="Hold no tenth of the scenes against engines as they come.")
     ] = False,
+    language: cli_record.InLanguage = "en",
     out: Out = None,
 ) -> None:
     """Run many scenes with several engines; what is finished is kept, and never computed again."""
     from harness import study_cli
+    from harness.records.base import as_file
     from harness.records.result_folder import check_folder, named_after
+    from harness.records.study import StudyRecord
 
     folder = out or OUT / named_after(study_file)
-    check_folder(folder, ("study", "effects3d"))
-    found, summary = study_cli.run(
+    check_folder(folder, ("study", "effects3d", "rocking_spectrum"))
+    cli_record.check_language(language)
+    record, summary = study_cli.run(
         study_file, folder, jobs=jobs, resume=resume, dask=dask, export=export, large=large, quiet=saying.silent,
         witness=not no_witness,
     )  # fmt: skip
-    said = [found[name]["sentence"] for name in ("usage", "witness") if found.get(name)]
-    lines = [f"{study_file.name}: {summary}", *said]
-    say_result(found, "\n".join(lines), folder, saying)
+    said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
+    lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    say_result(as_file(record), "\n".join(lines), folder, saying, language)
     raise typer.Exit(FAILED if summary.failed else OK)
 
 
@@ -200,7 +205,7 @@ def validate(
         measured = validate_tosses(experiments, folder, thrown, models=engine, seed=seed, jobs=jobs)
         say_result(as_file(measured), "", folder, saying)
         return
-    found = run_validation(
+    record = run_validation(
         experiments,
         folder,
         models=engine,
@@ -211,34 +216,15 @@ def validate(
         resume=resume,
         quiet=saying.silent,
     )
-    say_result(as_file(found), summary(found), folder, saying)
+    say_result(as_file(record), summary(record), folder, saying)
 
 
 cli_bench.add_commands(app)
 
 
-@command(app, None, "rockcheck report out/maria", "rockcheck report out/maria --for conservator")
-def report(
-    folder: cli_input.Folder,
-    saying: Saying,
-    reader: Annotated[str, typer.Option("--for", help="Whose page to name: engineer or conservator.")] = "engineer",
-) -> None:
-    """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.model.errors import InputError, Mistake
-    from reports.pages.page import CONSERVATOR_NAME, write_report
-
-    if reader not in READERS:
-        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
-    page = write_report(folder)
-    if reader == "conservator":
-        page = folder / CONSERVATOR_NAME
-        if not page.is_file():
-            raise InputError(Mistake("--for", "", "a run or a study", "a record that has no conservator's page"))
-    saying.say({"report": str(page)}, f"report: {page}")
-
-
 harness_cli.add_commands(app)
 cli_input.add_commands(app)
+cli_record.add_commands(app)
 
 
 def main() -> None:

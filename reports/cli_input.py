@@ -1,4 +1,4 @@
-"""The commands that look at a user's own files: scans, motions, a first scene; and what is made of finished records."""
+"""The commands that look at a user's own files: scans, motions, a first scene, histories of other software."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.campaign.progress import ProgressMessages
-from harness.command import Asked, Known, Saying, Surroundings, Target, command
+from harness.command import Asked, Known, Saying, Surroundings, Target, TextLayout, command
 from harness.model.terminal import printable
 from reports.cli_result import OUT
 
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from harness.input.motions.layout import Layout
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.json.", show_default=False)]
 
 mesh = typer.Typer(no_args_is_help=True, help="Inspect and prepare scans.")
 motion = typer.Typer(no_args_is_help=True, help="Inspect motions.")
@@ -31,8 +29,6 @@ def add_commands(app: typer.Typer) -> None:
     command(app, "compare", "rockcheck compare scenes/free_rocking.toml", "rockcheck compare A.csv B.csv --out out/ab")(
         compare
     )
-    command(app, "figures", "rockcheck figures out/paestum_floor --format pdf --width column")(figures)
-    command(app, "gif", "rockcheck gif out/paestum_floor")(gif)
 
 
 @command(mesh, "inspect", "rockcheck mesh inspect statue.obj --unit mm --picture statue.png")
@@ -43,7 +39,7 @@ def mesh_inspect(
     picture: Annotated[
         Path | None,
         typer.Option(
-            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf)."
+            "--picture", metavar="FILE", help="Draw it with base, weakest direction and axes (.png, .svg, .pdf, .html)."
         ),
     ] = None,
 ) -> None:
@@ -52,20 +48,20 @@ def mesh_inspect(
 
     if picture is not None:
         _check_picture(picture)
-    found = inspect(scan, known)
+    inspection = inspect(scan, known)
     if picture is None:
-        saying.say(found.as_dict(), str(found))
+        saying.say(inspection.as_dict(), str(inspection))
         return
     from harness.input.mesh_statue import mesh_mistake
     from harness.model.errors import InputError
     from reports.drawing.scan_picture import scan_picture
     from reports.export.paper import write_picture
 
-    if found.refusal is not None:
-        raise InputError(mesh_mistake(found.refusal, str(scan)))
-    assert found.solid is not None  # without a refusal there is one
-    write_picture(scan_picture(found.solid, found.prepared.rotation, scan.name), picture, dpi=150)
-    saying.say(found.as_dict(), f"{found}\npicture: {picture}")
+    if inspection.refusal is not None:
+        raise InputError(mesh_mistake(inspection.refusal, str(scan)))
+    assert inspection.solid is not None  # without a refusal there is one
+    write_picture(scan_picture(inspection.solid, inspection.prepared.rotation, scan.name), picture, dpi=150)
+    saying.say(inspection.as_dict(), f"{inspection}\npicture: {picture}")
 
 
 def _check_picture(picture: Path) -> None:
@@ -74,8 +70,9 @@ def _check_picture(picture: Path) -> None:
     from harness.records.result_folder import check_marked
     from reports.export.figures import FORMATS
 
-    if picture.suffix[1:] not in FORMATS:
-        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(FORMATS)}", str(picture)))
+    kinds = (*FORMATS, "html")
+    if picture.suffix[1:] not in kinds:
+        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
     if not picture.resolve().parent.is_dir():
         raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
     check_marked([picture])
@@ -88,11 +85,11 @@ def mesh_prepare(
     saying: Saying,
     out: Annotated[Path, typer.Option("--out", help="The mesh to write (.ply, .obj, .stl, .glb).", show_default=False)],
 ) -> None:
-    """Write a scan as a closed mesh in metres, z up, with an account of every change beside it."""
+    """Write a scan as a closed mesh in metres, z up, with a log of every change beside it."""
     from harness.mesh_cli import prepare
 
-    found, account = prepare(scan, out, known)
-    saying.say(found.as_dict(), f"{found}\nmesh: {out}\naccount: {account}")
+    inspection, log = prepare(scan, out, known)
+    saying.say(inspection.as_dict(), f"{inspection}\nmesh: {out}\nprocessing log: {log}")
 
 
 def new(
@@ -100,15 +97,17 @@ def new(
     motion_file: Annotated[Path, typer.Option("--motion", metavar="FILE", help="A record.", show_default=False)],
     known: Known,
     around: Surroundings,
+    text: TextLayout,
     saying: Saying,
     out: Annotated[
         Path | None, typer.Option("--out", help="The scene to write. Default: SCAN's name with .toml.")
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
+    from harness.input.motions.layout import Layout
     from harness.mesh_cli import new as write_scene
 
-    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around)
+    written = write_scene(scan, motion_file, out or Path(f"{scan.stem}.toml"), known, around, Layout(**vars(text)))
     saying.say({"scene": str(written)}, f"scene: {written}\nrun it: rockcheck run {written}")
 
 
@@ -122,24 +121,10 @@ def new(
 def motion_inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a scene (TOML).", show_default=False)],
     saying: Saying,
+    text: TextLayout,
     unit: Annotated[
         str | None,
         typer.Option("--unit", "--motion-unit", help="A record's unit, where the file does not say: m/s2, cm/s2, g."),
-    ] = None,
-    dt: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="Of a text no reader knows: the step between samples.")
-    ] = None,
-    skip_lines: Annotated[
-        int | None, typer.Option("--skip-lines", metavar="N", help="Likewise: lines above the numbers.")
-    ] = None,
-    columns: Annotated[
-        str | None,
-        typer.Option(
-            "--columns", help="Likewise: columns of accelerations, `2,3` or `2:N,3:E`; `all`: one that runs on."
-        ),
-    ] = None,
-    time_column: Annotated[
-        int | None, typer.Option("--time-column", metavar="N", help="Likewise: the column of times, from 1.")
     ] = None,
     axis: Annotated[str, typer.Option("--axis", help="Of a scene: the component to show (x, y or z).")] = "x",
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
@@ -154,19 +139,19 @@ def motion_inspect(
     from reports.export.paper import write_picture
 
     folder = out or OUT / named_after(file.with_name(file.name.split(".")[0] or file.name))
-    picture, account = folder / "motion.png", folder / "motion.json"
+    picture, record = folder / "motion.png", folder / "motion.json"
     check_folder(folder)
-    check_listed(picture, account)
-    found = _inspected(file, unit, axis, Layout(dt, skip_lines, columns, time_column))
+    check_listed(picture, record)
+    inspected = _inspected(file, unit, axis, Layout(**vars(text)))
     folder.mkdir(parents=True, exist_ok=True)
-    write_picture(motion_picture(found), picture, dpi=150)
-    write_json(account, plain(InspectionRecord.of(found, listing([picture], pages=False))))
-    rows = [[printable(cell) for cell in row] for row in found.table()]
+    write_picture(motion_picture(inspected), picture, dpi=150)
+    write_json(record, plain(InspectionRecord.of(inspected, listing([picture], pages=False))))
+    rows = [[printable(cell) for cell in row] for row in inspected.table()]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [printable("; ".join(f"{key}: {said}" for key, said in found.source.items() if said))]
+    lines = [printable("; ".join(f"{key}: {said}" for key, said in inspected.source.items() if said))]
     lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines += [printable(f"warning: {text}") for text in found.warnings]
-    saying.say(plain(InspectionRecord.of(found)), "\n".join([*lines, printable(f"picture: {picture}")]))
+    lines += [printable(f"warning: {text}") for text in inspected.warnings]
+    saying.say(plain(InspectionRecord.of(inspected)), "\n".join([*lines, printable(f"picture: {picture}")]))
 
 
 def _inspected(file: Path, unit: str | None, axis: str, layout: Layout) -> Inspection:
@@ -219,7 +204,7 @@ def compare(
     from harness.model.run import to_plain
     from reports.text.glossary import scores_text
 
-    found = cli.compare(
+    compared = cli.compare(
         files,
         asked,
         target,
@@ -230,40 +215,11 @@ def compare(
         slip_uncertainty=slip_uncertainty,
         out=out,
     )
-    lines = [scores_text(pair, scores) for pair, scores in found.items()]
+    lines = [scores_text(pair, scores) for pair, scores in compared.pairs.items()]
+    lines += [f"over all scenes, {name}: {scores.sentence}" for name, scores in compared.over_all.items()]
     if out is not None:
         from reports.pages.page import write_report
 
         lines.append(f"report: {write_report(out)}")
-    saying.say(to_plain(found), "\n".join(lines))
-
-
-def figures(
-    folder: Folder,
-    saying: Saying,
-    formats: Annotated[list[str] | None, typer.Option("--format", help="png, svg, pdf (repeat). Default: all.")] = None,
-    width: Annotated[str, typer.Option("--width", help="column or page, as journals print.")] = "page",
-    model: Annotated[
-        str | None, typer.Option("--model", help="Of a study: whose panels, such as `pymunk (paper)`.")
-    ] = None,
-) -> None:
-    """Write the figures of a result for print."""
-    from reports.export.figures import FORMATS, write_figures
-
-    written = [str(path) for path in write_figures(folder, formats or FORMATS, width, model)]
-    saying.say(written, "\n".join(written))
-
-
-def gif(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of a run.", show_default=False)],
-    saying: Saying,
-    out: Annotated[Path | None, typer.Option("--out", help="The file to write. Default: replay.gif in DIR.")] = None,
-    model: Annotated[str | None, typer.Option("--model", help="Whose motion. Default: the 3D engine's.")] = None,
-) -> None:
-    """Write the replay of a run as an animated picture for slides."""
-    from reports.export.animation import write_gif
-
-    with ProgressMessages(saying.silent) as messages:
-        messages.now("drawing the frames")
-        written = str(write_gif(folder, out, model))
-    saying.say([written], written)
+    over_all = {"over_all_scenes": compared.over_all} if compared.over_all else {}
+    saying.say(to_plain(compared.pairs | over_all), "\n".join(lines))

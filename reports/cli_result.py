@@ -17,14 +17,14 @@ OUT: Final = Path("out")
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. Default: out/NAME.", show_default=False)]
 
 
-def say_result(record: Mapping[str, Any], text: str, folder: Path, saying: Saying) -> None:
+def say_result(record: Mapping[str, Any], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
     """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
     from reports.pages.page import write_report
 
     if text or saying.as_json:
         saying.say(record, text)
     try:
-        page = write_report(folder)
+        page = write_report(folder, language)
     except InputError as error:
         for mistake in error.mistakes:
             typer.echo(f"error: {mistake}", err=True)

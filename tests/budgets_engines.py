@@ -75,7 +75,7 @@ EVENT_TIME_S: Final = 1e-6
 UPLIFT_TIME_S: Final = 2e-4
 """An uplift's time extrapolated from a power law to the start: the samples are 1 ms apart."""
 BARE_LOOP_STEPS: Final = 1.02
-"""Engine steps of a run over those of a bare loop: a split impact costs one more in four, a split halt one in two."""
+"""Engine steps of a run over those of a baseline loop: a split impact costs one more in four, a split halt one in two."""
 STATED_SHARE: Final = 0.95
 """Share of seeded scenes in which the true error stays within what is stated."""
 MOVING_TABLE_RAD: Final = 1e-3
@@ -85,7 +85,9 @@ KEPT_KIB: Final = 20.0
 KEPT_OF_MANY_KIB: Final = 2.0
 """Memory kept by each of 300 runs, KiB: measured 0.3; a recorder's array that is not freed keeps 9."""
 MUJOCO_FLOOR_RAD: Final = 1e-4
-"""Measured 5e-5 rad at 0.25 ms without a pedestal: the contact's time constant is two steps."""
+"""Measured 2e-6 to 1.2e-5 rad at 1 and 0.25 ms without a pedestal: the contact's time constant is two steps."""
+MUJOCO_EDGE_RAD: Final = 5e-6
+"""Measured 6e-7 rad at 0.25 ms, 3e-8 at 0.05; an edge that loses a foot is 2.7e-5 rad off and turned by 1e-4 at both."""
 MUJOCO_PEDESTAL_RAD: Final = 2e-2
 """Measured 9e-3 rad at 0.25 ms and not falling evenly with the step: a soft contact under a soft contact."""
 ROUNDING_RAD: Final = 1e-15
@@ -118,7 +120,21 @@ THROWN_SLIP_M: Final = 1e-6
 TWO_STEPS_S: Final = 2.5e-3
 """What is told by samples of 1 ms comes within two of them and an event's own part."""
 BOUNCES_RATIO: Final = 2e-3
-"""A ratio at impact from the half-cycles' peaks in a bare loop of 0.1 ms, of first order: measured within 5e-4 on 5 widths."""
+"""A ratio at impact of the half-cycles' peaks in a baseline loop of 0.1 ms, first order: measured within 5e-4 on 5 widths."""
 
 WRITTEN_M_S: Final = 1e-3
 """Velocities that turning on at impacts changes in all in the first second of the paper's cases at 1 ms: 8e-5 m/s in pymunk."""
+MODE_SHARE: Final = 0.05
+"""Friction this share off the limit: the block sticks, or slips by a millimetre in 0.05 s (9.4e-4 m measured at 0.5 g)."""
+MODE_SLIP_M: Final = 5e-4
+"""Half of what it slips by then at least, and"""
+MODE_STICK_M: Final = 1e-5
+"""more than a soft contact's creep, 8e-6 m measured in mujoco under 2 g (pybullet 3e-7, pymunk 1e-9 m)."""
+MODE_FRICTION_REL: Final = 1e-6
+"""Friction needed at uplift against its closed form: rounding at the first instant of the push."""
+MODE_TURN_RAD: Final = 1e-4
+"""Far above a resting block's give (1e-6 rad in mujoco) and far below the 5e-3 rad that 1 g turns it by in 0.05 s."""
+LANDED_STICKS_M_S: Final = 0.01
+"""Speed of the vertex that sticks after a flat landing at 1 m/s: none but what a step moves it by."""
+LANDED_SLIDES_M_S: Final = 0.02
+"""A fifth below the limit it slides on with some hundredths of the 1 m/s at least."""

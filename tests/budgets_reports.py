@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-PAGE_BYTES: Final = 15_000_000
-"""A page must pass as an attachment of a mail: most servers refuse more than 20 MB, and base64 in the mail adds a third."""
+PAGE_BYTES: Final = 2_000_000
+"""Of the page of a run with a replay: 1.7 MB are measured (docs/bench.md); a fifth more for another mesh."""
 
 DRAWN_RAD: Final = 1e-6
 """Curves are stored in single precision: 2⁻²⁴ of the largest rotation drawn, 1.5 rad, is 9e-8; ten times that."""
@@ -54,3 +54,9 @@ CALLS_TO_A_VERIFYING_STEP: Final = 14
 
 PIXEL: Final = 1e-6
 """Places in a drawn picture are sums of a few doubles of size 640: 1e-13 each; a millionth of a pixel shows nowhere."""
+
+SENTENCE_WORDS_MEAN: Final = 12.0
+"""Plain-language guides (Cutts; the European Commission's) ask for 15 to 20 words a sentence on average; here less."""
+
+SENTENCE_WORDS_MOST: Final = 30
+"""The same guides count a sentence of more than 30 words as one that is read twice."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.model.history import Array, History, Outcome
 from harness.model.run import Run
+from harness.records.study import CaseRun
 
 
 def rocking(
@@ -134,3 +135,13 @@ def run_of(history: History | None, engine: str = "double", **fields: Any) -> Ru
         "end_s": 0.0 if history is None else history.duration_s,
     }
     return Run(**(known | fields))
+
+
+def case_run(**fields: Any) -> CaseRun:
+    """A run as studies and validations keep it: it stands and states nothing, but for what is given."""
+    known: dict[str, Any] = {
+        "engine": "analytic", "outcome": Outcome.STANDS, "peak_theta_rad": 0.0, "no_return_time_s": None,
+        "overturn_time_s": None, "peak_slip_m": 0.0, "residual_slip_m": 0.0, "numerical_uncertainty_rad": None,
+        "reliable_until_s": None, "steps": 1, "labels": [], "warnings": [], "validity": {}, "impacts": 0,
+    }  # fmt: skip
+    return CaseRun(**known | fields)

@@ -78,8 +78,3 @@ class Body:
     def radius_m(self) -> float:
         """Distance of the farthest vertex from the centroid, m."""
         return float(np.linalg.norm(self.vertices_m, axis=1).max())
-
-    @property
-    def standing_height_m(self) -> float:
-        """Height of the centroid above the lowest vertex, the axis being vertical, m."""
-        return float(-self.vertices_m[:, 2].min())

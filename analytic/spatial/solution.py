@@ -153,6 +153,8 @@ class Solution:
     least_friction: float
     gave_up: bool
     work: Work
+    ambiguous_states: int
+    """Choices of a mode after which another motion was possible too; the one that sticks most is taken. Counted with events."""
 
     @property
     def impacts(self) -> tuple[Event, ...]:

@@ -189,6 +189,7 @@ def read(problem: Problem, task: Task) -> Solution:
         least_friction=float(record["least_friction"]),
         gave_up=int(record["outcome"]) == GAVE_UP,
         work=Work(*(int(record[name]) for name in ("steps", "rejected", "events", "impacts", "settled"))),
+        ambiguous_states=int(record["ties"]),
     )
 
 

@@ -45,7 +45,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     The slip has the target of `spread.target_of`. The run states both uncertainties and until when they hold; where the
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
-    if engine.capabilities.certifies:
+    if engine.capabilities.certifies or not options.stated:
         return engine.simulate(scene, _first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
     climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():

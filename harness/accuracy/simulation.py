@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from harness import engines
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 DEFAULT_ACCURACY_RAD: Final = 1e-3
 FINEST_DT_S: Final = 1e-6
 """Finer steps than this are refused: 10 s would take ten million of them."""
+
+
+@dataclass(frozen=True)
+class RunTarget:
+    """What a run aims at: an accuracy, rad, or the expert's own step, s (neither: the default accuracy); and its options."""
+
+    accuracy_rad: float | None = None
+    dt_s: float | None = None
+    options: RunOptions = field(default_factory=RunOptions)
 
 
 def simulate(
@@ -42,12 +51,10 @@ def simulate(
         from harness.input.scene_file import changed
 
         scene = changed(scene, overrides, **keys)
-    return simulate_with(engines.load(engine), scene, accuracy_rad, dt_s, options or RunOptions())
+    return simulate_with(engines.load(engine), scene, RunTarget(accuracy_rad, dt_s, options or RunOptions()))
 
 
-def simulate_with(
-    engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, options: RunOptions
-) -> Run:
+def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
     """The same with an engine that is loaded, and a target that was checked."""
     reason, start = engine.missing(), time.perf_counter()
     try:
@@ -58,12 +65,12 @@ def simulate_with(
                 f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
             )
             run = failed(engine.name, Outcome.CRASHED, reason)
-        elif dt_s is not None and not engine.capabilities.certifies:
-            run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), options)
+        elif target.dt_s is not None and not engine.capabilities.certifies:
+            run = engine.simulate(scene, engine.settings_for_dt(scene, target.dt_s), target.options)
         else:
             from harness.accuracy.refinement import run_to_accuracy
 
-            run = run_to_accuracy(engine, scene, accuracy_rad or DEFAULT_ACCURACY_RAD, options)
+            run = run_to_accuracy(engine, scene, target.accuracy_rad or DEFAULT_ACCURACY_RAD, target.options)
     except EngineFailure as error:
         run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
     return replace(run, motion_axes=scene.base_excitation.axes(engine.capabilities.dimensions))

@@ -81,12 +81,12 @@ def assess(
     answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
     differences: dict[str, ProbabilityDifference] = {}
     fell: dict[str, Mapping[int, bool | None]] = {}
-    with _campaign(store, pool) as (kept, campaign, workers):
+    with _campaign(store, pool) as (storage, campaign, workers):
         for name in filter(MODEL.__ne__, names):
             if (reason := engines.load(name).missing()) is not None:
                 answers[name] = NotAssessed(reason)
                 continue
-            runs = EngineRuns(scene, name, values, kept, campaign, on_progress)
+            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
             batch = max(BATCH, 2 * workers)
             answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
             answers[name], fell[name] = _of_engine(answer, draws), runs.fell
@@ -126,9 +126,9 @@ def _inputs(scene: Scene) -> Sequence[Uncertain]:
 def _campaign(store: Store | None, pool: Pool | None) -> Iterator[tuple[Store, Campaign, int]]:
     """The caller's store and pool, or a store in memory and this machine's cores until the end."""
     with ExitStack() as stack:
-        kept = store or stack.enter_context(Store(Path(":memory:")))
+        storage = store or stack.enter_context(Store(Path(":memory:")))
         workers = pool or stack.enter_context(closing(LocalPool(os.cpu_count())))
-        yield kept, Campaign(kept, workers), workers.workers
+        yield storage, Campaign(storage, workers), workers.workers
 
 
 def _by_model(

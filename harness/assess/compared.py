@@ -127,8 +127,10 @@ def _repeated(draws: ModelDraws, size: int) -> ModelDraws:
 
 def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:
     """The scene's inputs as an option leaves them: friction has its own median, what is gone is not drawn."""
-    kept = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
-    return [replace(item, value=other.contact.floor_static) if item.key == "contact.floor" else item for item in kept]
+    relevant = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
+    return [
+        replace(item, value=other.contact.floor_static) if item.key == "contact.floor" else item for item in relevant
+    ]
 
 
 def common(

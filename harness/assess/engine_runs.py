@@ -58,7 +58,8 @@ class EngineRuns:
         for number, task in tasks.items():
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
             row_of_store = self._store.get(task.key)
-            self.fell[number] = None if row_of_store is None else row_of_store.record["overturned"]
+            overturned = None if row_of_store is None else row_of_store.record["overturned"]
+            self.fell[number] = None if overturned is None else bool(overturned)
         self._on_progress(f"{self._name}: {len(self.fell)} runs")
         return [self.fell[number] for number in numbers]
 
@@ -69,8 +70,8 @@ class EngineRuns:
 
 def draw_key(engine: Engine, scene: Scene) -> str:
     """What names the outcome of a drawn scene: its physics as the engine sees it, the error asked, the versions."""
-    told = versions()
-    mine = [told.get(name) for name in ("rockcheck", "numpy", engine.name)]
+    every = versions()
+    mine = [every.get(name) for name in ("rockcheck", "numpy", engine.name)]
     text = json.dumps([OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine])
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -83,19 +83,19 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     options = twoblock.keywords(scene)
     # Whether the statue would slip on its support is told of single runs only.
     options.pop("statue_friction", None)
-    found = ensemble(
+    swept = ensemble(
         twoblock.block_of(scene),
         scene.base_excitation.x,
         scene.base_excitation.z,
         sweep=sweep or {"mass_kg": [scene.statue.mass_kg]},
         **options,
     )
-    stands, over = found.outcomes == Outcome.STANDS, found.overturned
+    stands, over = swept.outcomes == Outcome.STANDS, swept.overturned
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
     left = sweep.get("corner_left_m", scene.statue.corner_left_m)
     alpha = np.arctan(np.minimum(left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
     return ModelDraws(
-        np.asarray(stands | over, dtype=bool), np.asarray(over), found.peak_theta_rad / alpha, found.peak_slip_m
+        np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m
     )
 
 

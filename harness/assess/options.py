@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from harness.assess.bodies import as_one, turned_block, widened
 from harness.assess.materials import PAIRS, Pair
 from harness.assess.variation import reread
-from harness.input.tables import read
+from harness.input.tables import read, toml_table
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
@@ -154,9 +153,7 @@ class _OptionsFile(BaseModel):
 def read_options(path: Path, scene: Scene) -> list[Option]:
     """The user's own options for a scene read from a file. Raises `InputError` with every mistake, also those of their scenes."""
     try:
-        tables = _OptionsFile.model_validate(tomllib.loads(read(path))).option
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
+        tables = _OptionsFile.model_validate(toml_table(read(path), str(path))).option
     except ValidationError as error:
         wanted = '[[option]] with name = "..." and set = {"contact.floor_static" = 0.3}'
         mistakes = [Mistake(str(path), ".".join(map(str, item["loc"])), wanted, item["msg"]) for item in error.errors()]
@@ -169,5 +166,5 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
 
 def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) -> Option:
     other = reread(scene, values, f"{path}: option {name!r}")
-    told: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
-    return Option(name, ", ".join(told), lambda _: other, path.name, user=True)
+    sets: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
+    return Option(name, ", ".join(sets), lambda _: other, path.name, user=True)

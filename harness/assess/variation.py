@@ -81,7 +81,7 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     if not scene.given:
         raise InputError(Mistake(place, ", ".join(values), "a scene read from a file", "one made in Python"))
     content: dict[str, Any] = copy.deepcopy(dict(scene.given))
-    told = ", ".join(
+    values_text = ", ".join(
         f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()
     )
     for key, value in values.items():
@@ -90,7 +90,7 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
         for part in path:
             table = table.setdefault(part, {})
             if not isinstance(table, dict):
-                raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", told))
+                raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", values_text))
         if value == "none":
             table.pop(last, None)
         else:
@@ -99,5 +99,5 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
         model = SceneFile.model_validate(content)
     except ValidationError as error:
         reasons = "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in error.errors())
-        raise InputError(Mistake(place, ", ".join(values), "values that make a scene", told, reasons)) from error
+        raise InputError(Mistake(place, ", ".join(values), "values that make a scene", values_text, reasons)) from error
     return resolve(model, scene.source or Path("scene.toml"), content)

@@ -40,19 +40,19 @@ def room(item: ClearanceRecord) -> str:
     if item.right_m is None or item.left_m is None:
         return f"Clearance: only {item.standing} of {item.draws} draws stand, too few to tell; {falls}."
     k = list(item.share).index(CLEAR)
-    told = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
-    return f"{told} and {item.left_m[k]:.2f} m beyond its left; {falls}."
+    right = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
+    return f"{right} and {item.left_m[k]:.2f} m beyond its left; {falls}."
 
 
 def advice(record: OptionsRecord) -> list[str]:
     """The recommendation first, then what would harm, then the paper's claim on this statue's pedestal."""
     helping = sorted(record.helping, key=_rank)
-    told = [_recommended(record, helping) if helping else _nothing(record)]
+    sentences = [_recommended(record, helping) if helping else _nothing(record)]
     if record.harming:
         names = _listed([item.name for item in record.harming])
-        told.append(f"A fall becomes more probable with: {names}.")
+        sentences.append(f"A fall becomes more probable with: {names}.")
     floor = next((item for item in record.options if item.name == FLOOR), None)
-    return told if floor is None else [*told, _claim(record.as_it_is, floor)]
+    return sentences if floor is None else [*sentences, _claim(record.as_it_is, floor)]
 
 
 def _rank(item: OptionAnswer) -> tuple[float, bool, float]:

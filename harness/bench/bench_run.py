@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
-from harness.bench import coverage as cover
-from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
+from harness.bench import coverage, other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
@@ -21,7 +20,7 @@ def all_parts(quick: bool) -> list[Part]:
     """The parts as they are measured: by processor time on all cores, then those that are timed by the clock, alone."""
     return [
         Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
-        Part("coverage", cover.tasks(quick), cover.compute, cover.died),
+        Part("coverage", coverage.tasks(quick), coverage.compute, coverage.died),
         Part("skips", skips.tasks(quick), skips.compute),
         Part("alone", skip_savings.tasks(quick), skip_savings.compute),
         Part("scaling", scaling.tasks(quick), scaling.compute),
@@ -36,14 +35,14 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))
-    seeded = [cover.read(row) for row in rows["coverage"]]
+    seeded = [coverage.read(row) for row in rows["coverage"]]
     together = skips.together([SkipRow(**row) for row in rows["skips"]])
     alone = [SkipRow(**row) for row in rows["alone"]]
     grown = [ScalingRow(**row) for row in rows["scaling"]]
-    others = other_integrators.collected(rows["others"])
-    target_rad, counts, spent = precision.TARGET_RAD, cover.counted(seeded), parts.seconds(measured)
+    solvers = other_integrators.collected(rows["others"])
+    target_rad, counts, spent = precision.TARGET_RAD, coverage.counted(seeded), parts.seconds(measured)
     standard = sentences.choice(timed, target_rad)
-    on_seeds = sentences.choice(cover.choice_rows(seeded), target_rad)
+    on_seeds = sentences.choice(coverage.choice_rows(seeded), target_rad)
     texts = [
         *sentences.speeds(timed, target_rad),
         *sentences.choices(standard, on_seeds, target_rad),
@@ -52,13 +51,13 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
         *sentences.defaults(timed),
         *skip_savings.sentences(alone),
         *scaling.sentences(grown),
-        *other_integrators.sentences(others),
+        *other_integrators.sentences(solvers),
         *(f"“{name}” was left out: {why}." for name, why in absent.items()),
         *parts.sentences(spent),
     ]
     return BenchRecord(
         command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,
-        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(others),
+        coverage=counts, coverage_rows=seeded, skips=[*together, *alone], scaling=grown, **vars(solvers),
         parts=spent, sentences=texts, seconds=sum(row.wall_s for row in spent),
         versions=versions(), machine=machine(),
     )  # fmt: skip

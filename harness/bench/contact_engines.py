@@ -62,22 +62,22 @@ def analytic_run(scene: Scene) -> Run:
 
 
 def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]:
-    """Cost of a whole pymunk run (split steps, record, reduction) over a bare loop with the same settings and read-outs."""
+    """Cost of a whole pymunk run (split steps, record, reduction) over a baseline loop with the same settings and read-outs."""
     from harness.bench.pymunk_defaults import baseline_loop
     from harness.engines.pymunk.settings import MunkSettings
 
     engine = engines.load("pymunk")
-    found: dict[str, float] = {}
+    ratios: dict[str, float] = {}
     for kind, pedestal in (("no_pedestal", False), ("pedestal", True)):
         # Small enough that the statue does not fall: both loops then make the same steps.
         scene = paper_scene(0.2, 5.0, pedestal=pedestal, static=0.15, duration_s=duration_s)
         settings: Settings = engine.settings_for_dt(scene, dt_s)
         if not isinstance(settings, MunkSettings):
             raise TypeError("pymunk's settings are wanted")
-        own, bare = [], []
+        own, baseline = [], []
         for _ in range(BEST_OF):
             own.append(engine.simulate(scene, settings, RunOptions(skips=frozenset())).wall_s)
-            bare.append(baseline_loop(scene, replace(settings))[0])
-        found[f"{kind}_bare_s"], found[f"{kind}_run_s"] = min(bare), min(own)
-        found[f"{kind}_ratio"] = min(own) / min(bare)
-    return found
+            baseline.append(baseline_loop(scene, replace(settings))[0])
+        ratios[f"{kind}_bare_s"], ratios[f"{kind}_run_s"] = min(baseline), min(own)
+        ratios[f"{kind}_ratio"] = min(own) / min(baseline)
+    return ratios

@@ -40,7 +40,7 @@ def compute(quick: bool, task: str) -> list[Row]:
 
 
 @dataclass(frozen=True)
-class Others:
+class OtherSolvers:
     """What was measured here; what was not yet is empty, or None."""
 
     solvers: Sequence[SolverRow] = ()
@@ -49,10 +49,10 @@ class Others:
     overhead: Mapping[str, float] = field(default_factory=dict)
 
 
-def collected(rows: Sequence[Row]) -> Others:
+def collected(rows: Sequence[Row]) -> OtherSolvers:
     """All rows that were kept."""
     parts = {name: value for row in rows if "solver" not in row for name, value in row.items()}
-    return Others(
+    return OtherSolvers(
         [SolverRow(**row) for row in rows if "solver" in row],
         {name: Throughput(**rate) for name, rate in parts.get("throughput", {}).items()},
         Start(**parts["startup"]) if "startup" in parts else None,
@@ -60,29 +60,29 @@ def collected(rows: Sequence[Row]) -> Others:
     )
 
 
-def sentences(found: Others) -> list[str]:
+def sentences(measured: OtherSolvers) -> list[str]:
     """What these rows say."""
     sentences = [
         text
-        for case in dict.fromkeys(row.case for row in found.solvers)
+        for case in dict.fromkeys(row.case for row in measured.solvers)
         for ours, other in COMPARED
-        for text in _against(case, ours, other, [row for row in found.solvers if row.case == case])
+        for text in _against(case, ours, other, [row for row in measured.solvers if row.case == case])
     ]
-    if found.throughput:
-        rate, area = found.throughput["two_block"], found.throughput["map"]
+    if measured.throughput:
+        rate, area = measured.throughput["two_block"], measured.throughput["map"]
         size = math.isqrt(area.runs)
         sentences += [
             f"Outcomes of 10 s on a pedestal at 1e-6: {rate.runs_per_core_s:.3g} a second and core.",
             f"A {size} × {size} overturning map on a pedestal takes {area.wall_s:.3g} s on {area.threads} cores.",
         ]
-    if found.startup is not None:
+    if measured.startup is not None:
         sentences += [
-            f"Importing analytic takes {found.startup.import_ratio:.2f} times importing numpy and numba.",
-            f"Its first call from the cache takes {found.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
+            f"Importing analytic takes {measured.startup.import_ratio:.2f} times importing numpy and numba.",
+            f"Its first call from the cache takes {measured.startup.first_call_ratio:.2f} times that of a trivial cached kernel.",
         ]
     sentences += [
-        f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a bare loop."
-        for name, ratio in found.overhead.items()
+        f"A pymunk run ({name.removesuffix('_ratio').replace('_', ' ')}) takes {ratio:.2f} times a baseline loop."
+        for name, ratio in measured.overhead.items()
         if name.endswith("_ratio")
     ]
     return sentences

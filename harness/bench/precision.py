@@ -23,14 +23,14 @@ from harness.model.errors import InputError
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, PrecisionRow
+from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, PrecisionRow
 
 Array = NDArray[np.float64]
 
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 4.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
-TURNS: Final = 15
+REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
 
 
@@ -56,7 +56,7 @@ DEFAULTS: Final = (
         {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
     ),
     Default(
-        "pybullet", PEER, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+        "pybullet", OTHER_PROJECT, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
         {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
     ),
     Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),
@@ -118,7 +118,7 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     ]
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
-    spent = iter(costs(works, repeats=TURNS))
+    spent = iter(costs(works, repeats=REPEATS))
     for settings, run in tried:
         row = replace(base, label=_label(settings), dt_s=settings.dt_s)
         if isinstance(run, str) or judge is None:

@@ -67,10 +67,10 @@ def main() -> None:
     largest: dict[str, list[float]] = {}
     stated: dict[str, list[float]] = {}
     for name, scene, exact in scenes():
-        found, of = errors_rad(scene, reference(scene, exact)), kind(scene)
-        largest[of] = [max(pair) for pair in zip(found, largest.get(of, found), strict=True)]
+        errors, of = errors_rad(scene, reference(scene, exact)), kind(scene)
+        largest[of] = [max(pair) for pair in zip(errors, largest.get(of, errors), strict=True)]
         stated[of] = [level.expected_error_rad for level in load("pybullet").refinement_levels(scene)]
-        sys.stdout.write(" ".join(f"{value:8.1e}" for value in found) + f"  {name}\n")
+        sys.stdout.write(" ".join(f"{value:8.1e}" for value in errors) + f"  {name}\n")
         sys.stdout.flush()
     for of, values in stated.items():
         sys.stdout.write(" ".join(f"{value:8.1e}" for value in values) + f"  {of}: stated\n")

@@ -119,7 +119,7 @@ def tables(rows: Sequence[SceneRow]) -> str:
         for name in NAMES:
             items = [row.engines[name] for row in rows if row.generator == generator and name in row.engines]
             if items:
-                by_engine.append([generator, f"`{name}`", *_counted(items)])
+                by_engine.append([generator, f"`{name}`", *counted(items)])
     by_pair = []
     for generator in GENERATORS:
         pairs = [pair for row in rows if row.generator == generator for pair in row.pairs.values()]
@@ -130,7 +130,8 @@ def tables(rows: Sequence[SceneRow]) -> str:
     return f"{table(heads, by_engine)}\n\n{table(verdicts, by_pair)}"
 
 
-def _counted(items: Sequence[Statement]) -> list[str]:
+def counted(items: Sequence[Statement]) -> list[str]:
+    """Cells of a table: how many statements there are, and how many held, for how long, in how many runs."""
     held = [sum(item.rotation_holds for item in items), sum(item.slip_holds for item in items)]
     share = np.mean([item.share for item in items])
     shares = [f"{count} ({100.0 * count / len(items):.3g} %)" for count in held]

@@ -1,4 +1,4 @@
-"""Seeded scenes that no setting was tuned on, of three generators."""
+"""Seeded scenes that no setting was tuned on: three generators of planar ones, one of scenes in three dimensions."""
 
 from __future__ import annotations
 
@@ -7,16 +7,23 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+from meshes.footprint import reach_m
+
+Array = NDArray[np.float64]
 
 DURATION_S: Final = 3.0
 TIPPING_S: Final = 2.0
 """A statue that tips with its pedestal has fallen, or come to rest, by then."""
 _WIDE: Final = 17
 """Keeps the seeds of wide scenes apart from those of the others."""
+_SPACE: Final = 23
+"""The same of scenes in three dimensions."""
 _RARE: Final = 1
 """Keeps the draws of what few wide scenes have apart from those that all of them make."""
 _TIPPING_SHARE: Final = 1.0 / 6.0
@@ -112,6 +119,64 @@ def tipping_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
     statue = block(float(mass), left, right, float(height), float(inertia), depth)
     contact = Contact(static, static * float(rng.uniform(0.8, 1.0)), 2.0)
     return _scene(f"tipping pedestal, seed {seed}", duration_s, statue, pedestal, contact, BaseExcitation(x=motion))
+
+
+def space_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
+    """A reproducible scene in three dimensions on the floor: a body turned about the vertical, shaken along x or x and y.
+
+    A convex base of four corners (half of them a rectangle) to eight, slenderness 1.5 to 8, products of inertia in half of them,
+    friction from 0.2 to 1.2; a pulse or harmonic of 1.1 to 2.5 times what lifts the body from the base's nearest edge.
+    """
+    rng = np.random.default_rng([seed, _SPACE])
+    height = _log_uniform(rng, 0.2, 1.2)
+    half_m = height / _log_uniform(rng, 1.5, 8.0)
+    base = _base(rng, half_m)
+    mass = 8.0 * 2000.0 * height * half_m * half_m
+    statue = _standing(rng, mass, height, base)
+    nearest = float(np.min(reach_m(statue.footprint_m, np.arange(0.0, 360.0, 1.0))))
+    own_rad_s = math.sqrt(0.75 * GRAVITY_M_S2 / math.hypot(height, half_m))
+    motions: list[Excitation] = []
+    for share in (1.0, float(rng.uniform(0.2, 1.0)))[: int(rng.integers(1, 3))]:
+        peak = share * GRAVITY_M_S2 * nearest / height * float(rng.uniform(1.1, 2.5))
+        frequency_hz = own_rad_s * _log_uniform(rng, 1.0, 5.0) / math.tau
+        if rng.random() < 0.5:
+            motions.append(Harmonic(peak, frequency_hz))
+        else:
+            motions.append(Pulse("one_sine", peak, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.2))))
+    friction = _log_uniform(rng, 0.2, 1.2)
+    contact = Contact(friction, friction, friction)
+    return _scene(f"space seed {seed}", duration_s, statue, None, contact, BaseExcitation(*motions))
+
+
+def _base(rng: np.random.Generator, half_m: float) -> Array:
+    """A convex base (k, 2) about the origin, counter-clockwise: a rectangle, or corners on an ellipse a tenth apart at least."""
+    sides = np.array([half_m, half_m * float(rng.uniform(0.7, 1.5))])
+    if rng.random() < 0.5:
+        plain = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * sides
+    else:
+        corners = int(rng.integers(4, 9))
+        angles = math.tau * (np.arange(corners) + rng.uniform(0.0, 0.5, corners)) / corners
+        plain = np.column_stack([np.cos(angles), np.sin(angles)]) * sides
+    turn = float(rng.uniform(0.0, math.tau))
+    c, s = math.cos(turn), math.sin(turn)
+    return np.asarray(plain @ np.array([[c, s], [-s, c]]))
+
+
+def _standing(rng: np.random.Generator, mass: float, height: float, base: Array) -> Statue:
+    """A prism on that base with its centroid at mid-height, moments near the box's, tilted by up to 10° in half of them."""
+    extent = np.ptp(base, axis=0)
+    # Drawn as mass is spread along each axis: no moment exceeds the other two's sum.
+    squares = np.array([*extent**2, 4.0 * height**2]) * rng.uniform(0.8, 1.2, 3)
+    tensor = np.diag(mass / 12.0 * (squares.sum() - squares))
+    if rng.random() < 0.5:
+        axis = rng.normal(size=3)
+        tilt = Rotation.from_rotvec(math.radians(10.0) * float(rng.random()) * axis / np.linalg.norm(axis)).as_matrix()
+        tensor = tilt @ tensor @ tilt.T
+    left, right = -float(base[:, 0].min()), float(base[:, 0].max())
+    section = np.array([[-left, 0.0], [right, 0.0], [right, 2.0 * height], [-left, 2.0 * height]])
+    feet = np.column_stack([base, np.zeros(len(base))])
+    inertia = float(tensor[1, 1])
+    return Statue(mass, height, left, right, inertia, 2.0 * height, float(extent[1]), section, feet, tensor)
 
 
 GENERATORS: Final[Mapping[str, Callable[[int], Scene]]] = {

@@ -6,7 +6,7 @@ import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
-from harness.records.bench import DEFAULT, LEVEL, PEER, TARGET, Choice, Covered, PrecisionRow
+from harness.records.bench import DEFAULT, LEVEL, OTHER_PROJECT, TARGET, Choice, Covered, PrecisionRow
 
 
 def choice(rows: Sequence[PrecisionRow], target_rad: float) -> list[Choice]:
@@ -112,6 +112,6 @@ def defaults(rows: Sequence[PrecisionRow]) -> list[str]:
     worst: dict[tuple[str, str], PrecisionRow] = {}
     for row in rows:
         key = row.engine, row.label
-        if row.group in (DEFAULT, PEER) and row.error_rad is not None:
+        if row.group in (DEFAULT, OTHER_PROJECT) and row.error_rad is not None:
             worst[key] = max(row, worst.get(key, row), key=lambda each: each.error_rad or 0.0)
     return [f"{row.label} ({row.engine}): {row.error_rad:.2g} rad on “{row.scene}”." for row in worst.values()]

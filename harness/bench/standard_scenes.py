@@ -135,10 +135,10 @@ def standard_set() -> Sequence[Standard]:
 
 def resolved(items: Sequence[Standard]) -> tuple[list[tuple[Standard, Scene]], dict[str, str]]:
     """The scenes that can be had, and why the others cannot, by name."""
-    found, absent = [], {}
+    scenes, absent = [], {}
     for item in items:
         try:
-            found.append((item, item.scene()))
+            scenes.append((item, item.scene()))
         except InputError as error:
             absent[item.name] = str(error)
-    return found, absent
+    return scenes, absent

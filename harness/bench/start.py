@@ -52,9 +52,9 @@ def startup(repeats: int = STARTS) -> Start:
     kinds = [(name, collecting) for collecting in _COLLECTING for name in _STARTS]
     for turn in range(repeats + 1):
         for kind in kinds if turn % 2 else reversed(kinds):
-            found = timed(*_STARTS[kind[0]], kind[1])
+            timings = timed(*_STARTS[kind[0]], kind[1])
             if turn > 0:
-                times.setdefault(kind, []).append(found)
+                times.setdefault(kind, []).append(timings)
     ratios = {}
     for collecting in _COLLECTING:
         called = {name: min(second for _, second in times[name, collecting]) for name in _STARTS}

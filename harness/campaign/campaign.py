@@ -9,7 +9,8 @@ from itertools import groupby
 from typing import Any
 
 from harness.campaign.runner import Crash, Pool
-from harness.campaign.store import Packed, Store, packed
+from harness.campaign.serialization import Packed, packed
+from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
 
@@ -93,7 +94,7 @@ class Campaign:
         raised.
         """
         self._expected += expected
-        self._tell()
+        self._say_progress()
         again: list[tuple[Task, ...]] = []
 
         def done(batch: tuple[Task, ...], result: Finished | Crash) -> None:
@@ -104,7 +105,7 @@ class Campaign:
 
         self._run(batches(self._left(tasks), self._sizes, self._otherwise), done)
         self._run(again, done)
-        self._tell()
+        self._say_progress()
 
     def _run(
         self, tasks: Iterable[tuple[Task, ...]], done: Callable[[tuple[Task, ...], Finished | Crash], None]
@@ -146,9 +147,9 @@ class Campaign:
         self.computed += len(batch)
         self.failed += result.failed
         self.usage.note(len(batch), result.busy_s, result.outside_s)
-        self._tell()
+        self._say_progress()
 
-    def _tell(self) -> None:
+    def _say_progress(self) -> None:
         self._on_progress(self.computed, max(self._expected, self.computed))
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
-from harness.accuracy.simulation import failed, simulate
+from harness import engines
+from harness.accuracy.simulation import RunTarget, failed, simulate_with
 from harness.campaign.runner import Crash, Hung, LocalPool
 from harness.model.history import Outcome
 
 if TYPE_CHECKING:
-    from harness.model.options import RunOptions
     from harness.model.run import Run
     from harness.model.scene import Scene
 
@@ -43,28 +43,18 @@ def lost_run(engine: str, crash: Crash, wall_s: float = 0.0) -> Run:
     return failed(engine, outcome, str(crash), wall_s)
 
 
-def simulate_isolated(
-    scene: Scene,
-    engine: str,
-    *,
-    accuracy_rad: float | None = None,
-    dt_s: float | None = None,
-    options: RunOptions | None = None,
-    timeout_s: float = DEFAULT_TIMEOUT_S,
-) -> Run:
+def simulate_isolated(scene: Scene, engine: str, target: RunTarget, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> Run:
     """`harness.simulate` in a process of its own; a crash or hang is a run whose outcome says so.
 
-    Raises `InputError` as `harness.simulate` does.
+    Raises `InputError` for an unknown engine.
     """
     begin = time.perf_counter()
     try:
-        run: Run = call(_simulate, (scene, engine, accuracy_rad, dt_s, options), timeout_s=timeout_s)
+        run: Run = call(_simulate, (scene, engine, target), timeout_s=timeout_s)
     except Crash as crash:
         return lost_run(engine, crash, time.perf_counter() - begin)
     return run
 
 
-def _simulate(
-    scene: Scene, engine: str, accuracy_rad: float | None, dt_s: float | None, options: RunOptions | None
-) -> Run:
-    return simulate(scene, engine, accuracy_rad=accuracy_rad, dt_s=dt_s, options=options)
+def _simulate(scene: Scene, engine: str, target: RunTarget) -> Run:
+    return simulate_with(engines.load(engine), scene, target)

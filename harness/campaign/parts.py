@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar, cast
 
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import Crash, InlinePool, LocalPool
@@ -107,7 +107,7 @@ def measure(
     folder: Path,
     parts: Sequence[Part],
     only: Sequence[str] | None,
-    stamp: Mapping[str, Any],
+    stamp: Mapping[str, object],
     on_progress: Callable[[str], None],
 ) -> dict[str, Measured]:
     """Measure the parts (of them `only` these), keeping every finished task in the store of `folder`; the others as they are.
@@ -162,7 +162,7 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     return [part for part in parts if only is None or part.name in only]
 
 
-def _key(part: Part, task: str, stamp: Mapping[str, Any]) -> str:
+def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
     text = json.dumps(record.to_plain([part.name, task, stamp]), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -172,7 +172,7 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
     for task, key in keys.items():
         row, timing = store.get(key), store.timing(key)
         if row is not None and timing is not None:
-            measured.rows[task] = row.record["rows"]
+            measured.rows[task] = cast("list[Row]", row.record["rows"])
             measured.busy_s += timing[0]
             measured.wall_s += timing[1]
     measured.left = tuple(task for task in part.tasks if task not in measured.rows)
@@ -215,12 +215,12 @@ def _together(
 ) -> None:
     """The tasks of all these parts on all cores, in the order given: the longest should come first."""
 
-    def tell(done: int, total: int) -> None:
+    def on_count(done: int, total: int) -> None:
         if campaign.latest is not None and done:
             part, task = campaign.latest.argument
             on_progress(f"{done} of {total} done: {part.name}, {task}")
 
     tasks = [task for part in parts for task in _tasks(part, keys[part.name])]
     with closing(LocalPool()) as pool:
-        campaign = Campaign(store, pool, tell)
+        campaign = Campaign(store, pool, on_count)
         campaign.run(tasks, len(tasks))

@@ -11,7 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from harness.campaign.store import Store, history_sum, record_sum
+from harness.campaign.serialization import history_sum, record_sum
+from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 
 

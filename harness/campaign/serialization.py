@@ -1,16 +1,20 @@
-"""Histories as bytes and back, exact to the last bit: half the time of writing a run would else go into compressing noise."""
+"""Results as a store takes them, and histories as bytes and back, exact to the last bit."""
 
 from __future__ import annotations
 
+import json
 import zlib
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from harness.campaign.task import RUN, Answer
 from harness.model.history import Array
 
 NOISE_BYTES: Final = 5
-"""Low bytes of a difference of neighbouring samples: no two are alike, so they are kept as they are."""
+"""Low bytes of a difference of neighbouring samples: no two are alike, so they are kept as they are (half the
+time of writing a run would else go into compressing noise)."""
 
 
 def pack(table: Array) -> bytes:
@@ -31,3 +35,41 @@ def unpack(data: bytes, columns: int, samples: int) -> Array:
     steps = np.ascontiguousarray(planes.T).view("<i8").reshape(columns, samples)
     table: Array = np.cumsum(steps, axis=1).view("<f8")
     return table
+
+
+@dataclass(frozen=True)
+class Packed:
+    """One result as the store takes it: its row, the seconds that it took, its history as names, samples, bytes and checksum."""
+
+    columns: tuple[str, str, str, int, int]
+    seconds: float
+    history: tuple[str, int, bytes, int] | None
+
+    @property
+    def key(self) -> str:
+        """What names it."""
+        return self.columns[0]
+
+
+def record_sum(key: str, kind: str, record: str, has_history: int) -> int:
+    """CRC-32 of a result's row."""
+    return zlib.crc32(f"{key}\0{kind}\0{has_history}\0{record}".encode())
+
+
+def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
+    """CRC-32 of a history's row."""
+    return zlib.crc32(data, zlib.crc32(f"{key}\0{columns}\0{samples}\0".encode()))
+
+
+def packed(key: str, answer: Answer) -> Packed:
+    """Pack an answer: what costs time is done where it was computed, and the store only writes."""
+    # Of a run the order of keys says nothing; of another record it may be that of a table's columns.
+    text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))
+    has_history = int(answer.history is not None)
+    row = key, answer.kind, text, has_history
+    columns = (*row, record_sum(*row))
+    if answer.history is None:
+        return Packed(columns, answer.seconds, None)
+    table = answer.history.columns()
+    row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
+    return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))

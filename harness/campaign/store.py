@@ -9,17 +9,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
-
-from harness.campaign.serialization import pack, unpack
-from harness.campaign.task import RUN, Answer, answer_of
+from harness.campaign.serialization import Packed, history_sum, packed, record_sum, unpack
+from harness.campaign.task import RUN, answer_of
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, History
 from harness.model.run import Run, to_plain
-from harness.records.base import part
+from harness.records.base import Plain, part
 from harness.records.run import EngineRunRecord
+from harness.records.study import Value
 
 STORE_NAME: Final = "store.sqlite"
 STORE_VERSION: Final = 4
@@ -66,45 +65,19 @@ class Row:
     """One stored result: its key and its record as plain values."""
 
     key: str
-    record: Mapping[str, Any]
+    record: Plain
 
 
 @dataclass(frozen=True)
-class Packed:
-    """One result as the store takes it: its row, the seconds that it took, its history as names, samples, bytes and checksum."""
+class PlannedRow:
+    """One case of a study by one engine: what varies, and the stored record of its run, where there is one."""
 
-    columns: tuple[str, str, str, int, int]
-    seconds: float
-    history: tuple[str, int, bytes, int] | None
-
-    @property
-    def key(self) -> str:
-        """What names it."""
-        return self.columns[0]
-
-
-def record_sum(key: str, kind: str, record: str, has_history: int) -> int:
-    """CRC-32 of a result's row."""
-    return zlib.crc32(f"{key}\0{kind}\0{has_history}\0{record}".encode())
-
-
-def history_sum(key: str, columns: str, samples: int, data: bytes) -> int:
-    """CRC-32 of a history's row."""
-    return zlib.crc32(data, zlib.crc32(f"{key}\0{columns}\0{samples}\0".encode()))
-
-
-def packed(key: str, answer: Answer) -> Packed:
-    """Pack an answer: what costs time is done where it was computed, and the store only writes."""
-    # Of a run the order of keys says nothing; of another record it may be that of a table's columns.
-    text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))
-    has_history = int(answer.history is not None)
-    row = key, answer.kind, text, has_history
-    columns = (*row, record_sum(*row))
-    if answer.history is None:
-        return Packed(columns, answer.seconds, None)
-    table = answer.history.columns()
-    row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
-    return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))
+    number: int
+    engine: str
+    key: str | None
+    reason: str
+    varied: dict[str, Value]
+    run: Plain | None
 
 
 class Store:
@@ -189,7 +162,7 @@ class Store:
             row = self._db.execute("SELECT kind, record, has_history, crc32 FROM result WHERE key=?", (key,)).fetchone()
         return None if row is None else Row(key, self._decoded_record(key, *row))
 
-    def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> dict[str, Any]:
+    def _decoded_record(self, key: str, kind: str, record: str, has_history: int, crc32: int) -> Plain:
         """A record, as it was stored."""
         with self._decoded():
             if record_sum(key, kind, record, has_history) != crc32:
@@ -232,7 +205,7 @@ class Store:
         seconds = self.seconds(key) or 0.0
         return part(EngineRunRecord, {**row.record, "wall_s": seconds}, self.path).run(history)
 
-    def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Any]]]) -> None:
+    def write_plan(self, study: str, rows: Iterable[tuple[int, str, str | None, str, Mapping[str, Value]]]) -> None:
         """Replace the plan of a study: (number, engine, key or None, reason, what varies) in one transaction."""
         plain = (
             (study, n, engine, key, why, json.dumps(to_plain(what), sort_keys=True))
@@ -242,8 +215,8 @@ class Store:
             self._db.execute("DELETE FROM plan WHERE study=?", (study,))
             self._db.executemany("INSERT INTO plan VALUES (?,?,?,?,?,?)", plain)
 
-    def rows(self, study: str) -> Iterator[dict[str, Any]]:
-        """All planned cases of a study in order: number, engine, reason, what varies, and the record where there is one."""
+    def rows(self, study: str) -> Iterator[PlannedRow]:
+        """All planned cases of a study in order."""
         with self._naming_damage("read"):
             query = (
                 "SELECT plan.number, plan.engine, plan.key, plan.reason, plan.settings, "
@@ -254,8 +227,7 @@ class Store:
                 run = None if result[0] is None else self._decoded_record(key, *result)
                 with self._decoded():
                     varied = dict(json.loads(what))
-                row = {"number": number, "engine": engine, "key": key, "reason": reason, "varied": varied}
-                yield {**row, "run": run}
+                yield PlannedRow(number, engine, key, reason, varied, run)
 
     def check(self) -> str | None:
         """What SQLite says of the file's integrity: None when whole, else its first finding."""

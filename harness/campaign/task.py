@@ -10,6 +10,7 @@ from harness.campaign.isolate import lost_run
 from harness.campaign.runner import Crash
 from harness.model.history import History
 from harness.model.run import Run, to_plain
+from harness.records.base import Plain
 from harness.records.run import EngineRunRecord
 
 RUN = "run"
@@ -24,7 +25,7 @@ class Answer:
     """
 
     kind: str
-    record: dict[str, Any]
+    record: Plain
     seconds: float
     history: History | None = None
     inside_s: float = 0.0

@@ -5,7 +5,9 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import fields
+
+from harness.records.study import UsageRecord
 
 
 class Usage:
@@ -44,10 +46,10 @@ class Usage:
             return None
         return self.own_s / self.runs + statistics.median(self._outside_s)
 
-    def as_dict(self) -> dict[str, Any]:
-        """All numbers as plain values, with their sentence."""
-        names = ("workers", "runs", "wall_s", "busy_s", "own_s", "utilisation", "overhead_s_per_run")
-        return {**{name: getattr(self, name) for name in names}, "sentence": str(self)}
+    def record(self) -> UsageRecord:
+        """All numbers with their sentence, as a record holds them."""
+        numbers = {item.name: getattr(self, item.name) for item in fields(UsageRecord) if item.name != "sentence"}
+        return UsageRecord(**numbers, sentence=str(self))
 
     def __str__(self) -> str:
         if self.utilisation is None or self.overhead_s_per_run is None:

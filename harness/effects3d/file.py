@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from harness.effects3d.conditions import BASELINE, CONDITIONS
 from harness.effects3d.search import Search
-from harness.input.mistakes import Contradiction, mistakes_of
-from harness.input.tables import Table, read
-from harness.model.errors import InputError, Mistake
+from harness.input.mistakes import Contradiction
+from harness.input.tables import Table, kind_of, read_model
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
@@ -71,22 +69,10 @@ class EffectsFile(Table):
 
 
 def asked(path: Path) -> bool:
-    """Whether a study file is one of this kind; a file that cannot be read is left to whoever reads it whole."""
-    try:
-        content: Any = tomllib.loads(read(path))
-    except (tomllib.TOMLDecodeError, RecursionError, InputError):
-        return False
-    return bool(content.get("kind") == KIND)
+    """Whether a study file is one of this kind."""
+    return kind_of(path) == KIND
 
 
 def load_effects(path: Path) -> EffectsFile:
     """Read and validate an effects file. Raises `InputError` with every mistake."""
-    text = read(path)
-    try:
-        return EffectsFile.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
-    except RecursionError as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", "values nested too deeply to read")) from error
-    except ValidationError as error:
-        raise InputError(mistakes_of(error, EffectsFile, str(path), text)) from error
+    return read_model(EffectsFile, path)

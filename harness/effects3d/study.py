@@ -94,9 +94,10 @@ class Questions:
         self.found += sum(task.key in campaign.reused for task in tasks)
         self.failed += campaign.failed
         rows = [row for task in tasks if (row := self._store.get(task.key)) is not None]
-        self.runs += sum(int(row.record.get("runs", 1)) for row in rows)
         self._keys.update(row.key for row in rows)
-        return [part(kind, dict(row.record), self._store.path) for row in rows]
+        answers = [part(kind, row.record, self._store.path) for row in rows]
+        self.runs += sum(getattr(item, "runs", 1) for item in answers)
+        return answers
 
     @property
     def seconds(self) -> float:

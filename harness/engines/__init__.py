@@ -9,6 +9,7 @@ from typing import Final
 
 from harness.engines.base import Engine
 from harness.model.errors import InputError, Mistake
+from harness.model.scene import Scene
 
 REGISTRY: Final[Mapping[str, str]] = {
     "analytic": "harness.engines.analytic:TwoBlock",
@@ -21,6 +22,17 @@ REGISTRY: Final[Mapping[str, str]] = {
     "mujoco:plain": "harness.engines.mujoco.adapter:PlainMujoco3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
+THROWN: Final = ("spatial", "pybullet")
+"""Engines of a scene that begins from a pose in space, with plastic impacts, and"""
+BOUNCING: Final = ("pybullet:plain",)
+"""where impacts give back a share of the velocity."""
+
+
+def default_engines(scene: Scene) -> tuple[str, ...]:
+    """The engines that run a scene unless others are asked for."""
+    if scene.initial.pose is None:
+        return DEFAULT_ENGINES
+    return THROWN if scene.contact.restitution is None else BOUNCING
 
 
 def load(name: str) -> Engine:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Final, final
 
 import numpy as np
@@ -17,7 +17,7 @@ from harness.model.run import Pattern, Run
 from harness.model.scene import OVERTURN_RAD, Scene
 
 if TYPE_CHECKING:
-    from analytic import Block, Certified, CommonKeywords, Form, Pedestal, Solution, Wall
+    from analytic import Block, CommonKeywords, Form, Pedestal, Solution, Wall
 
 ACCURACIES_RAD: Final = (1e-6, 1e-9, 1e-12)
 """The refinement levels: aimed error of the rotation before it is amplified by the problem itself."""
@@ -70,7 +70,7 @@ class TwoBlock(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure when the model refuses the scene."""
-        from analytic import AnalyticInputError, certify
+        from analytic import AnalyticInputError, certify, simulate
 
         chosen = _own(settings)
         keep = options.history or not options.allows("no_history")
@@ -82,11 +82,14 @@ class TwoBlock(Engine):
             "skip_energy": options.allows("energy_outcome"),
         }
         start = time.perf_counter()
+        motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
         try:
+            if not options.stated:
+                bare: CommonKeywords = {**given, "events": keep}
+                single = simulate(*motion, accuracy_rad=chosen.accuracy_rad, step_cap_s=chosen.step_cap_s, **bare)
+                return _run(scene, chosen, single, time.perf_counter() - start, keep)
             certified = certify(
-                block_of(scene),
-                scene.base_excitation.x,
-                scene.base_excitation.z,
+                *motion,
                 accuracy_rad=RELIABLE_RAD,
                 base_accuracy_rad=chosen.accuracy_rad,
                 step_cap_s=chosen.step_cap_s,
@@ -94,7 +97,14 @@ class TwoBlock(Engine):
             )
         except AnalyticInputError as error:
             raise EngineFailure(str(error)) from error
-        return _run(scene, chosen, certified, time.perf_counter() - start, keep)
+        run = _run(scene, chosen, certified.solution, time.perf_counter() - start, keep)
+        return replace(
+            run,
+            numerical_uncertainty_rad=certified.uncertainty_rad,
+            slip_uncertainty_m=certified.slip_uncertainty_m,
+            reliable_until_s=certified.reliable_until_s,
+            warnings=(*certified.warnings, *run.warnings),
+        )
 
 
 def _own(settings: Settings) -> TwoBlockSettings:
@@ -205,11 +215,10 @@ def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
     return tuple(messages)
 
 
-def _warnings(scene: Scene, certified: Certified) -> tuple[str, ...]:
-    messages = list(certified.warnings)
-    if not isinstance(scene.base_excitation.y, ZeroExcitation):
-        messages.append("The model is planar: the motion across the rocking plane is left out.")
-    return tuple(messages)
+def _warnings(scene: Scene) -> tuple[str, ...]:
+    if isinstance(scene.base_excitation.y, ZeroExcitation):
+        return ()
+    return ("The model is planar: the motion across the rocking plane is left out.",)
 
 
 def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
@@ -217,8 +226,8 @@ def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
     return {name: value for name, value in plain.items() if np.isfinite(value) and (name != "dt_s" or value > 0.0)}
 
 
-def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s: float, keep: bool) -> Run:
-    solution = certified.solution
+def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: float, keep: bool) -> Run:
+    """A run that states no error yet."""
     work = solution.work
     return Run(
         engine=TwoBlock.name,
@@ -238,10 +247,7 @@ def _run(scene: Scene, settings: TwoBlockSettings, certified: Certified, wall_s:
         residual_slip_m=solution.final_slip_m,
         patterns=tuple(Pattern(item.start_s, item.end_s, item.pattern) for item in solution.patterns),
         validity=_validity(scene, solution),
-        numerical_uncertainty_rad=certified.uncertainty_rad,
-        slip_uncertainty_m=certified.slip_uncertainty_m,
-        reliable_until_s=certified.reliable_until_s,
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
         skipped=_skipped(solution, keep),
-        warnings=_warnings(scene, certified),
+        warnings=_warnings(scene),
     )

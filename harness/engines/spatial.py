@@ -214,6 +214,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
             "events": solution.work.events,
             "impacts": solution.work.impacts,
             "rejected_steps": solution.work.rejected,
+            "ambiguous_states": solution.ambiguous_states,
         },
         warnings=_warnings(certified),
     )

@@ -106,8 +106,8 @@ def gaps(history: History) -> list[tuple[float, float]]:
         return []
     moved = np.abs(np.diff(history.theta_rad)) > GAP_RAD
     moved |= np.maximum(np.abs(history.theta_rad[:-1]), np.abs(history.theta_rad[1:])) > GAP_RAD
-    found = np.flatnonzero((step > GAP_STEPS * float(np.median(step))) & moved)
-    return [(float(history.t_s[i]), float(history.t_s[i + 1])) for i in found]
+    long_steps = np.flatnonzero((step > GAP_STEPS * float(np.median(step))) & moved)
+    return [(float(history.t_s[i]), float(history.t_s[i + 1])) for i in long_steps]
 
 
 def _text(path: Path) -> str:
@@ -116,17 +116,19 @@ def _text(path: Path) -> str:
 
 
 def _table(path: Path, text: str) -> _Table:
-    found = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
-    found = [(number, line) for number, line in found if not line.lstrip().startswith("#")]
-    if len(found) < 2:
-        raise InputError(Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(found)} lines"))
-    header = found[0][1]
+    numbered = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith("#")]
+    if len(numbered) < 2:
+        raise InputError(
+            Mistake(str(path), "", "a header line and at least one row of numbers", f"{len(numbered)} lines")
+        )
+    header = numbered[0][1]
     separator = max(SEPARATORS, key=header.count)
     try:
-        cells = list(csv.reader(io.StringIO("\n".join(line for _, line in found)), delimiter=separator))
+        cells = list(csv.reader(io.StringIO("\n".join(line for _, line in numbered)), delimiter=separator))
     except csv.Error as error:
         raise InputError(Mistake(str(path), "", "a readable CSV file", str(error))) from error
-    if len(cells) != len(found):
+    if len(cells) != len(numbered):
         raise InputError(Mistake(str(path), "", "one row in each line", "a quoted cell over several lines"))
     if not cells[0][-1].strip() and all(not row[-1].strip() for row in cells[1:]):
         # Every line ends with the separator.
@@ -135,9 +137,9 @@ def _table(path: Path, text: str) -> _Table:
     if all(_is_number(name) for name in names):
         advice = f"put {separator.join(REQUIRED)} in the first line, in the order of the columns"
         raise InputError(
-            Mistake(str(path), f"line {found[0][0]}", "a header that names the columns", "numbers", advice)
+            Mistake(str(path), f"line {numbered[0][0]}", "a header that names the columns", "numbers", advice)
         )
-    return _Table(names, cells[1:], [number for number, _ in found[1:]], separator != ",")
+    return _Table(names, cells[1:], [number for number, _ in numbered[1:]], separator != ",")
 
 
 def _is_number(text: str) -> bool:

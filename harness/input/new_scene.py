@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.input.motions.check import DRIFTS
+from harness.input.motions.layout import Layout
 from harness.input.motions.recordfile import Channel, RecordFile
 
 if TYPE_CHECKING:
@@ -35,10 +36,11 @@ class UserInput:
     friction: float | None = None
     scale: float | None = None
     motion_unit: str | None = None
+    layout: Layout | None = None
 
 
 def scene_text(
-    found: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput
+    inspection: Inspection, scan: Path, mesh: Path, shaking: RecordFile, motion: Path, user_input: UserInput
 ) -> str:
     """A commented scene (TOML): the weakest direction towards +x, the strongest horizontal channel along x, the
     others kept."""
@@ -56,17 +58,17 @@ def scene_text(
             ],
             top,
         ),
-        _statue(found, scan, mesh, user_input),
+        _statue(inspection, scan, mesh, user_input),
         *_support(user_input),
         *_motion(channels, shaking, motion, mesh.parent, user_input),
     ]
     return "\n".join("".join(f"# {line}\n" for line in comments) + tomli_w.dumps(keys) for comments, keys in parts)
 
 
-def _statue(found: Inspection, scan: Path, mesh: Path, user_input: UserInput) -> Part:
+def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInput) -> Part:
     from meshes import footprint as base
 
-    solid = found.solid
+    solid = inspection.solid
     if solid is None:
         raise ValueError("a scene needs a statue that stands")
     weakest = base.weakest_azimuth_deg(solid.footprint_m)
@@ -80,7 +82,7 @@ def _statue(found: Inspection, scan: Path, mesh: Path, user_input: UserInput) ->
         density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}
     comments = [
         f"Prepared from {scan.name}; what was changed stands in {mesh.with_suffix('.account.json').name}.",
-        *(f"  {change}" for change in found.prepared.account.changes),
+        *(f"  {change}" for change in inspection.prepared.log.changes),
         f"{solid.mass_kg:.5g} kg, {solid.height_m:.4g} m high, centroid at {solid.centroid_height_m:.4g} m;"
         f" density: {density}.",
         f"ASSUMED: turned so that its weakest direction ({slender:.1f}°) lies along +x: the least favourable placing.",
@@ -106,12 +108,12 @@ def _by_axis(shaking: RecordFile) -> dict[str, Channel]:
     vertical = list(shaking.verticals)
     level = [channel for channel in shaking.channels if channel not in vertical] or list(shaking.channels)
     level.sort(key=lambda channel: float(np.abs(channel.accel_m_s2).max()), reverse=True)
-    found = {"x": level[0]}
+    by_axis = {"x": level[0]}
     if len(level) > 1:
-        found["y"] = level[1]
+        by_axis["y"] = level[1]
     if vertical:
-        found["z"] = vertical[0]
-    return found
+        by_axis["z"] = vertical[0]
+    return by_axis
 
 
 def _motion(
@@ -140,9 +142,9 @@ def _motion(
     }
     for axis, channel in channels.items():
         file = os.path.relpath(motion.resolve(), folder.resolve())
+        said = {"unit": user_input.motion_unit, **vars(user_input.layout or Layout())}
         keys = {"kind": "record", "file": file, "column": channel.name}
-        if user_input.motion_unit is not None:
-            keys["unit"] = user_input.motion_unit
+        keys |= {key: value for key, value in said.items() if value is not None}
         peak = float(np.abs(channel.accel_m_s2).max())
         yield [*comments, f"{why[axis]}; peak {peak:.3g} m/s²."], {"motion": {axis: keys}}
         comments = []

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from typing import Final, cast
+
+from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 
@@ -22,7 +24,7 @@ def replacements(overrides: Overrides, keywords: Mapping[str, object]) -> list[R
     return [*items, *((key.replace(DOT, "."), value) for key, value in keywords.items())]
 
 
-def override(content: dict[str, Any], items: Iterable[Replacement]) -> list[tuple[str, ...]]:
+def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> list[tuple[str, ...]]:
     """Replace keys of a scene's content; returns their parts. Raises `InputError` with every mistake."""
     mistakes: list[Mistake] = []
     keys = []
@@ -54,18 +56,19 @@ def _key_wanted(got: str) -> tuple[str, str]:
     return "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(got)
 
 
-def _put(content: dict[str, Any], key: str, value: object) -> tuple[str, ...]:
+def _put(content: dict[str, JsonValue], key: str, value: object) -> tuple[str, ...]:
     """Set one dotted key, or remove it; returns its parts."""
     parts = tuple(part.strip() for part in key.split("."))
     if not all(parts):
         raise InputError(Mistake("--set", key, *_key_wanted(key)))
     table = content
     for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
+        inner = table.setdefault(part, {})
+        if not isinstance(inner, dict):
             raise InputError(Mistake("--set", key, f"a key inside a table, but {part} is a value", repr(key)))
+        table = inner
     if value is None or value == "none":
         table.pop(parts[-1], None)
     else:
-        table[parts[-1]] = value
+        table[parts[-1]] = cast(JsonValue, value)
     return parts

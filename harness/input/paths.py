@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+
+from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 
@@ -46,21 +47,21 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
     return path.resolve()
 
 
-def read_files(content: Mapping[str, Any], source: Path | None) -> list[Path]:
+def read_files(content: Mapping[str, JsonValue], source: Path | None) -> list[Path]:
     """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
     if source is None:
         return []
-    found = [source]
+    files = [source]
     for text in _texts(content):
         path = data_folder() / text[len(_PREFIX) + 1 :] if text.startswith(_PREFIX) else source.parent / text
         try:
-            found += [path] if path.is_file() else []
+            files += [path] if path.is_file() else []
         except (OSError, ValueError):  # a title is no path
             continue
-    return found
+    return files
 
 
-def _texts(value: Any) -> Iterator[str]:
+def _texts(value: object) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, (Mapping, list)):

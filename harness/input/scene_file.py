@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import tomli_w
@@ -18,9 +18,6 @@ from harness.input.tables import ContactTable, InitialTable, ModelTable, Pedesta
 from harness.input.uncertain import uncertain_inputs
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Array, BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
-
-if TYPE_CHECKING:
-    pass
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""
@@ -58,7 +55,7 @@ Statues = dict[str, tuple["Statue", Sequence[str]]]
 
 
 def resolve(
-    model: SceneFile, path: Path, content: dict[str, object] | None = None, statues: Statues | None = None
+    model: SceneFile, path: Path, content: Mapping[str, object] | None = None, statues: Statues | None = None
 ) -> Scene:
     """Resolve a validated scene; files it names are relative to the folder of `path`. Raises `InputError`.
 
@@ -66,7 +63,7 @@ def resolve(
     """
     notes: list[str] = []
     mistakes: list[Mistake] = []
-    base_excitation = _shake(model, path, mistakes, notes)
+    base_excitation = _base_excitation(model, path, mistakes, notes)
     statue = None
     try:
         statue = _statue_once(model.statue, path, notes, statues)
@@ -123,7 +120,7 @@ def _contact(table: ContactTable) -> Contact:
     return Contact(table.floor_static, table.floor_kinetic, table.statue, ratio)
 
 
-def _shake(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
+def _base_excitation(model: SceneFile, path: Path, mistakes: list[Mistake], notes: list[str]) -> BaseExcitation:
     excitations: dict[str, Excitation] = {axis: ZeroExcitation() for axis in ("x", "y", "z")}
     for axis in excitations:
         motion = motions.SceneMotion.of(model, axis, path)

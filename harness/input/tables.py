@@ -6,9 +6,9 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, ValidationError, model_validator
 
 from analytic.constants import GRAVITY_M_S2
 from harness.input.mistakes import Contradiction, mistakes_of
@@ -32,6 +32,9 @@ UNIT = 1e-4
 """A quaternion's norm may be off by this much: measured and printed ones are rounded; it is made exact."""
 MAX_SAMPLES = 2e7
 MAX_BYTES = 10_000_000
+
+
+M = TypeVar("M", bound=BaseModel)
 
 
 class Table(BaseModel):
@@ -224,17 +227,12 @@ class SceneFile(Table):
 NUMBERS = ("mass_kg", "centroid_height_m", "corner_left_m", "corner_right_m", "inertia_kg_m2")
 
 
-def parse(text: str, where: str, overrides: Sequence[Replacement] = ()) -> tuple[SceneFile, dict[str, Any]]:
+def parse(text: str, where: str, overrides: Sequence[Replacement] = ()) -> tuple[SceneFile, dict[str, JsonValue]]:
     """Parse and validate a scene; returns the model and the plain content (with overrides).
 
     Raises `InputError` with every mistake.
     """
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
-    except RecursionError as error:
-        raise InputError(Mistake(where, "", "valid TOML", "values nested too deeply to read")) from error
+    content = toml_table(text, where)
     overridden = override(content, overrides)
     try:
         model = SceneFile.model_validate(content)
@@ -247,7 +245,34 @@ def parse(text: str, where: str, overrides: Sequence[Replacement] = ()) -> tuple
     return model, content
 
 
-def _absent_numbers(statue: Any, where: str) -> list[Mistake]:
+def toml_table(text: str, where: str) -> dict[str, JsonValue]:
+    """The plain content of a TOML text. Raises `InputError` where it is none."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
+    except RecursionError as error:
+        raise InputError(Mistake(where, "", "valid TOML", "values nested too deeply to read")) from error
+
+
+def read_model(kind: type[M], path: Path) -> M:
+    """Read and validate a TOML file. Raises `InputError` with every mistake."""
+    text = read(path)
+    try:
+        return kind.model_validate(toml_table(text, str(path)))
+    except ValidationError as error:
+        raise InputError(mistakes_of(error, kind, str(path), text)) from error
+
+
+def kind_of(path: Path) -> JsonValue:
+    """The kind that a TOML file names; None for one that cannot be read, which is left to whoever reads it whole."""
+    try:
+        return toml_table(read(path), str(path)).get("kind")
+    except InputError:
+        return None
+
+
+def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
     """Without a mesh the five numbers of the planar model are all needed."""
     if not isinstance(statue, Mapping) or "mesh" in statue:
         return []

@@ -48,7 +48,7 @@ def decimals(texts: Sequence[str]) -> list[float]:
 def fortran(text: str) -> float:
     """The number that Fortran wrote, its exponent also as D (1D-2) or without a letter (1.0-102); else ValueError."""
     bare = text.strip().replace("D", "E").replace("d", "E")
-    return decimal(_BARE_EXPONENT.sub(lambda found: f"{found[2] or ''}E{found[1] or found[3]}", bare))
+    return decimal(_BARE_EXPONENT.sub(lambda match: f"{match[2] or ''}E{match[1] or match[3]}", bare))
 
 
 def must_be_named_in_utf8(path: Path) -> None:

@@ -197,12 +197,12 @@ def hermites(t_s: Array, knots_s: Array, pairs: Sequence[tuple[Array, Array]]) -
     following, begin = i + 1, knots_s[i]
     step = knots_s[following] - begin
     x = (clipped - begin) / step
-    found: list[Array] = []
+    pieces: list[Array] = []
     for values, rates in pairs:
         y0, y1 = values[i], values[following]
         d0, d1 = rates[i] * step, rates[following] * step
-        found.append(y0 + x * (d0 + x * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + x * (2.0 * (y0 - y1) + d0 + d1))))
-    return found
+        pieces.append(y0 + x * (d0 + x * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + x * (2.0 * (y0 - y1) + d0 + d1))))
+    return pieces
 
 
 def output_grid(duration_s: float, dt_s: float) -> Array:

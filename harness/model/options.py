@@ -22,8 +22,9 @@ SKIPS: Final[Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What is asked of a run: the history or only the outcome; which skips are on.
+    """What is asked of a run: the history or only the outcome; whether its numerical error is stated; which skips are on.
 
+    Without `stated` one run is made, at the level that is expected to meet the target: enough for one draw of many.
     `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
     so. An engine may go on to the scene's end all the same.
     """
@@ -31,6 +32,7 @@ class RunOptions:
     history: bool = True
     skips: frozenset[str] = field(default_factory=lambda: frozenset(SKIPS))
     stop: Callable[[float, float], bool] | None = None
+    stated: bool = True
 
     def allows(self, name: str) -> bool:
         """Whether the named skip is on; raises `KeyError` for an unknown one."""

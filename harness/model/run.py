@@ -162,7 +162,7 @@ def to_plain(value: Any) -> Any:
     return value
 
 
-def write_json(path: Path, record: Mapping[str, Any]) -> None:
+def write_json(path: Path, record: Mapping[str, object]) -> None:
     """Write a record so that the file is either the old one or the whole new one; of a long list each item is one line."""
     try:
         text = _json(record)
@@ -171,7 +171,7 @@ def write_json(path: Path, record: Mapping[str, Any]) -> None:
     write_text(path, text + "\n")
 
 
-def _json(record: Mapping[str, Any]) -> str:
+def _json(record: Mapping[str, object]) -> str:
     lines = [f" {json.dumps(str(key), ensure_ascii=False)}: {_value(value)}" for key, value in record.items()]
     return "{\n" + ",\n".join(lines) + "\n}" if lines else "{}"
 
@@ -205,13 +205,13 @@ def versions() -> dict[str, str]:
 @lru_cache(maxsize=1)
 def _versions() -> Mapping[str, str]:
     # Asked for every key of a study; looking it up opens files.
-    found = {"python": platform.python_version()}
+    versions = {"python": platform.python_version()}
     for name in DISTRIBUTIONS:
         try:
-            found[name] = metadata.version(name)
+            versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return versions
 
 
 def machine() -> dict[str, str | int]:

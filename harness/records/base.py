@@ -30,7 +30,8 @@ TYPE_NAME: Final = re.compile(
 """What pydantic puts into a location beside keys: the branch of a union."""
 
 LONE: Final = re.compile("[\ud800-\udfff]")
-Json = JsonValue
+Plain = dict[str, JsonValue]
+"""What stands in a file of JSON."""
 Table = Mapping[str, JsonValue]
 """An open table: what stands in it is an engine's or a user's own."""
 Positive = Annotated[float, Field(gt=0.0)]
@@ -48,16 +49,20 @@ class Record:
     kind: str
     title: str
 
+    def plain(self) -> Plain:
+        """The record as plain JSON values in the order of its fields."""
+        return plain(self)
 
-def plain(record: Any) -> dict[str, Any]:
+
+def plain(record: Any) -> Plain:
     """A record, or a part of one, as plain JSON values in the order of its fields."""
-    values: dict[str, Any] = to_plain(record)
+    values: Plain = to_plain(record)
     return values
 
 
-def as_file(record: Record) -> dict[str, Any]:
+def as_file(record: Record) -> Plain:
     """A record as it stands in a `result.json`, which names its JSON Schema."""
-    return {"$schema": schema_name(record.kind), **plain(record)}
+    return {"$schema": schema_name(record.kind), **record.plain()}
 
 
 def schema_name(kind: str) -> str:
@@ -88,7 +93,7 @@ def part(kind: type[T], values: Any, where: Path) -> T:
     return validated(kind, json.dumps(values), where)
 
 
-def schema_of(kind: type[Record]) -> dict[str, Any]:
+def schema_of(kind: type[Record]) -> Plain:
     """The JSON Schema of a kind of record."""
     shape = _adapter(kind).json_schema(schema_generator=_Untitled)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **shape}

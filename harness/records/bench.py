@@ -9,8 +9,8 @@ from typing import Final, Literal
 from harness.model.run import OMITTED
 from harness.records.base import Record, Table
 
-LEVEL, TARGET, DEFAULT, PEER = "ladder", "accuracy", "default", "peer"
-"""Groups of rows: a level, what the target takes, the engine's own defaults, a peer's settings."""
+LEVEL, TARGET, DEFAULT, OTHER_PROJECT = "ladder", "accuracy", "default", "peer"
+"""Groups of rows: a level, what the target takes, the engine's own defaults, another project's settings."""
 TOGETHER: Final = "all together"
 """The skip of a row that has them all."""
 

@@ -59,18 +59,18 @@ class InspectionRecord:
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     @classmethod
-    def of(cls, found: Inspection, files: Mapping[str, str | None] | None = None) -> InspectionRecord:
+    def of(cls, inspection: Inspection, files: Mapping[str, str | None] | None = None) -> InspectionRecord:
         """The record of an inspected motion."""
-        target = found.target
+        target = inspection.target
         return cls(
-            title=found.title,
-            source=found.source,
+            title=inspection.title,
+            source=inspection.source,
             damping=DAMPING if target is None else target.damping,
             periods_s=PERIODS_S.tolist(),
-            traces=[TraceRecord.of(trace) for trace in found.traces],
+            traces=[TraceRecord.of(trace) for trace in inspection.traces],
             target=None
             if target is None
             else TargetRecord(**asdict(target), spectrum_m_s2=target.accel_m_s2(PERIODS_S).tolist()),
-            warnings=found.warnings,
+            warnings=inspection.warnings,
             files=files,
         )

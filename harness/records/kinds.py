@@ -18,6 +18,7 @@ CLASSES: Final[Mapping[str, str]] = {
     "assess": "harness.records.assess:AssessRecord",
     "study": "harness.records.study:StudyRecord",
     "effects3d": "harness.records.effects3d:EffectsRecord",
+    "rocking_spectrum": "harness.records.rocking_spectrum:RockingSpectrumRecord",
     "validation": "harness.records.validation:ValidationRecord",
     "tosses": "harness.records.tosses:TossesRecord",
     "bench": "harness.records.bench:BenchRecord",

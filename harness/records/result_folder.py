@@ -11,18 +11,20 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import write_json
-from harness.records.base import Record, as_file
+from harness.records.base import Plain, Record, Table, as_file
 
 RECORD: Final = "result.json"
 COMING: Final = ".coming.json"
 """The record of a result while its files are moved into place: until then the files of both are the folder's own."""
 PAGES: Final = ("report.html", "conservator.html")
 """Written of a record alone, by whoever reads it: listed without a checksum."""
-KINDS: Final = ("run", "assess", "study", "effects3d", "bench", "stress", "validation", "tosses", "compare")
+KINDS: Final = (
+    "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare"
+)  # fmt: skip
 UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "searches.jsonl", "parts", "replay")
 """What stands in a folder before its first record is whole, and"""
 INSPECTED: Final = ("motion.png", "motion.json")
@@ -93,17 +95,17 @@ def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> 
             raise InputError(Mistake("--out", "", "another folder than its input's", f"{path} would be lost"))
 
 
-def check_listed(path: Path, account: Path) -> None:
-    """Raise `InputError` unless a file, and the account beside it that lists it, are not there yet or as they were written."""
-    if not os.path.lexists(path) and not os.path.lexists(account):
+def check_listed(path: Path, record: Path) -> None:
+    """Raise `InputError` unless a file, and the record beside it that lists it, are not there yet or as they were written."""
+    if not os.path.lexists(path) and not os.path.lexists(record):
         return
     try:
-        files = json.loads(account.read_text(encoding="utf-8"))["files"]
+        files = json.loads(record.read_text(encoding="utf-8"))["files"]
         mine = files == listing([path], pages=False) and not path.is_symlink()
     except (OSError, ValueError, KeyError, TypeError):
         mine = False
     if not mine:
-        got = f"{path}, which {account.name} does not list as it is"
+        got = f"{path}, which {record.name} does not list as it is"
         raise InputError(Mistake("--out", "", "a new file, or one that this command wrote", got, "give another name"))
 
 
@@ -126,7 +128,7 @@ def owned(folder: Path) -> Sums:
     return sums
 
 
-def _of_old(record: Mapping[str, Any]) -> dict[str, str | None]:
+def _of_old(record: Table) -> dict[str, str | None]:
     """The files of a record that was written before records listed them."""
     histories = record.get("histories")
     names = [f"history_{name}.csv" for name in histories] if isinstance(histories, list) else []
@@ -146,7 +148,7 @@ def as_written(path: Path, sums: Sums) -> bool:
     return None in known or checksum(path) in known
 
 
-def read_own(path: Path) -> dict[str, Any] | None:
+def read_own(path: Path) -> Plain | None:
     """A record that rockcheck wrote, None where there is none."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))

@@ -45,6 +45,20 @@ class DistributionScores:
     area: Interval
     area_null: float
 
+    @property
+    def differ(self) -> bool:
+        """Whether the two lie further apart than chance alone puts samples of one distribution, at its level."""
+        return self.area.value > self.area_null
+
+    @property
+    def sentence(self) -> str:
+        """Both distances of two distributions of peak rotations, in words."""
+        far = "differ by more than chance" if self.differ else "cannot be told apart"
+        area = f"area between them {self.area.value:.2g} rad ({self.area.low:.2g} to {self.area.high:.2g})"
+        chance = f"chance alone gives up to {self.area_null:.2g}"
+        ks = f"Kolmogorov-Smirnov distance {self.ks:.2f} (p = {self.ks_p:.2g})"
+        return f"the distributions of the peak rotation {far}: {area}, {chance}; {ks}"
+
 
 @dataclass(frozen=True)
 class ReliabilityBin:
@@ -81,6 +95,17 @@ class SetScores:
     verdicts: Mapping[str, float]
     flips: int
     peaks: DistributionScores | None
+
+    @property
+    def sentence(self) -> str:
+        """How often the outcome is the reference's, and how the distributions of the maxima compare."""
+        same = self.outcomes.accuracy
+        words = [f"{self.cases} cases"]
+        if same is not None:
+            shares = (100.0 * value for value in (same.value, same.low, same.high))
+            words.append("fallen or standing as {} in {:.0f} % ({:.0f} to {:.0f} %)".format(self.reference, *shares))
+        words.append("too few cases to compare distributions" if self.peaks is None else self.peaks.sentence)
+        return "; ".join(words)
 
 
 @dataclass(frozen=True, kw_only=True)

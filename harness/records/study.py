@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from pydantic import JsonValue
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Outcome
-from harness.model.run import OMITTED
+from harness.model.run import OMITTED, impacts
 from harness.model.shown import Shown, new_axes
-from harness.records.base import Record, Table
+from harness.records.base import Plain, Record, Table, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
 
@@ -23,7 +26,7 @@ ClaimAnswer = Literal["holds", "does not hold", "holds for some", "not tested"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CaseRun:
-    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted."""
+    """What a study keeps of one run (`harness.records.run.EngineRunRecord`); impacts are counted, and weighed for claims."""
 
     engine: str
     outcome: Outcome
@@ -43,6 +46,24 @@ class CaseRun:
     validity: Table
     motion_axes: Sequence[str] | None = None
     impacts: int
+    last_impact_s: float | None = None
+    impact_loss_j: float | None = None
+
+    @classmethod
+    def stored(cls, run: Mapping[str, Any]) -> CaseRun:
+        """From what a store holds of a run (`harness.records.run.EngineRunRecord`).
+
+        Words that many runs share are one string, for there may be a million of them.
+        """
+        same: dict[str, Any] = {name: run.get(name) for name in STORED}
+        validity = {sys.intern(key): value for key, value in run["validity"].items()}
+        warnings = [sys.intern(text) for text in run["warnings"]]
+        own = {"outcome": Outcome(run["outcome"]), "warnings": warnings, "validity": validity, "impacts": impacts(run)}
+        return cls(**same | own)
+
+
+STORED: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")
+"""What a study keeps of a run as its store holds it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +80,10 @@ class StudyRow:
     def model(self) -> str:
         """Engine and variant."""
         return f"{self.engine} ({self.varied['variant']})"
+
+
+ROW: Final = tuple(item.name for item in fields(StudyRow))
+"""The keys of a row, its run the last."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +221,17 @@ class StudyRecord(Record, Shown):
     rows: Sequence[StudyRow]
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
+
+    def plain(self) -> Plain:
+        """The record as plain JSON values.
+
+        There may be a million rows: what came from a store is plain already, and is not looked at value by value.
+        """
+        rows: list[JsonValue] = [
+            {name: getattr(row, name) for name in ROW[:-1]} | {"run": None if row.run is None else vars(row.run)}
+            for row in self.rows
+        ]
+        return {**plain(replace(self, rows=())), "rows": rows}
 
     def facts(self) -> dict[str, str]:
         """Title, what varies, how many runs, how many of them overturn, by model."""

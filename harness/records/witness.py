@@ -47,10 +47,10 @@ class Witness:
     runs: Mapping[str, Judged] = field(default_factory=dict)
 
 
-def sentences(found: Mapping[str, Witness]) -> list[str]:
+def sentences(witnesses: Mapping[str, Witness]) -> list[str]:
     """What the witnesses say, one sentence for each engine as it comes and kind of answer; for terminals and pages."""
     sentences = []
-    for item in found.values():
+    for item in witnesses.values():
         name = item.engine.removesuffix(PLAIN)
         agree = {run: judged for run, judged in item.runs.items() if judged.agrees and judged.until_s > LEAST_S}
         if agree:

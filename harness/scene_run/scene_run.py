@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate_with
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, simulate_with
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
 from harness.model.history import Outcome, history_file
@@ -26,6 +26,7 @@ from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
 from harness.scene_run.confirmation import FINER, doubted
+from harness.scene_run.left_out import reasons
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
 
@@ -83,7 +84,7 @@ class Result:
 
 def run_scene(
     scene: Scene,
-    names: Sequence[str] = engines.DEFAULT_ENGINES,
+    names: Sequence[str] | None = None,
     *,
     accuracy_rad: float | None = None,
     dt_s: float | None = None,
@@ -98,6 +99,8 @@ def run_scene(
 ) -> Result:
     """Run a scene with the named engines and score every pair; `on_progress` hears which engine is at work.
 
+    `names` None: those that the scene needs (`engines.default_engines`).
+
     A model that certifies its own error also finds its horizon of prediction from its own perturbed starts (some twenty runs, of
     milliseconds each); with `horizon` every model does. `apart` runs
     three-dimensional engines beside the others in a process of their own (the caller's script must be importable, as
@@ -107,67 +110,66 @@ def run_scene(
     """
     check_target(accuracy_rad, dt_s)
     options = options or RunOptions()
-    loaded = [engines.load(name) for name in dict.fromkeys(names)]
+    loaded = [engines.load(name) for name in dict.fromkeys(names or engines.default_engines(scene))]
     steps = plan(scene, loaded, options, engines.REGISTRY)
     start = time.perf_counter()
-    target = Target(accuracy_rad, dt_s, options)
+    target = RunTarget(accuracy_rad, dt_s, options)
     runs = dict(stored or {})
     with _beside(scene, [item for item in loaded if item.name not in runs], target, apart=apart) as waiting:
         for engine in loaded:
             on_progress(engine.name)
             if engine.name not in waiting and engine.name not in runs:
-                runs[engine.name] = simulate_with(engine, scene, accuracy_rad, dt_s, options)
+                runs[engine.name] = simulate_with(engine, scene, target)
         for name, future in waiting.items():
             if not future.done():
                 on_progress(f"{name}, still")
             runs[name] = future.result()
     runs = {item.name: runs[item.name] for item in loaded}
-    answers = [run for run in runs.values() if not run.outcome.failed]
-    horizons = _horizons(scene, answers, on_progress, every=horizon) if len(answers) > 1 or horizon else {}
-    known = {name: each.intrinsic_s for name, each in horizons.items()}
-    scores = _scores(scene, answers, known, iso)
-    own = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
-    finer = _finer_runs(scene, own, target, scores, on_progress) if dt_s is None and len(answers) > 1 else {}
+    horizons = _horizons(scene, answers_of(runs), on_progress, every=horizon)
+    scores = _scores(scene, runs, horizons, iso)
+    refinable = {item.name for item in loaded if not item.capabilities.certifies and item.name not in (stored or {})}
+    finer = _finer_runs(scene, refinable, target, scores, on_progress)
     if finer:
         runs |= finer
-        judged = f"was run to {target.finer_rad:g} rad, before its difference from another model was judged"
-        scene = scene.but(notes=(*scene.notes, *(f"{name} {judged}" for name in finer)))
-        answers = [run for run in runs.values() if not run.outcome.failed]
-        scores = _scores(scene, answers, known, iso)
-    seen = _witnessed(scene, runs, options, on_progress) if witness else {}
-    still = standstill(scene, answers)
-    if still is not None:
-        scene = scene.but(notes=(*scene.notes, still))
-    assessed = _assessed(scene, on_progress) if assess else {}
-    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessed, seen)
+        scores = _scores(scene, runs, horizons, iso)
+    witness_answers = _witnessed(scene, runs, options, on_progress) if witness else {}
+    assessment = _assessed(scene, on_progress) if assess else {}
+    scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, finer, target), *reasons(scene, runs, scores)))
+    return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
 
 
-@dataclass(frozen=True)
-class Target:
-    """What a run aims at: an accuracy, rad, or the expert's own step, s (neither: the default accuracy); and its options."""
+def answers_of(runs: Mapping[str, Run]) -> list[Run]:
+    """The runs that did not fail."""
+    return [run for run in runs.values() if not run.outcome.failed]
 
-    accuracy_rad: float | None
-    dt_s: float | None
-    options: RunOptions
 
-    @property
-    def finer_rad(self) -> float:
-        """The target of a run that is made again before models are said to differ."""
-        return (self.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+def _notes(scene: Scene, runs: Mapping[str, Run], finer: Mapping[str, Run], target: RunTarget) -> list[str]:
+    """What is said of the scene once it has run: which engines were refined, and what a scene that nothing moves would take."""
+    judged = f"was run to {_finer_rad(target):g} rad, before its difference from another model was judged"
+    still = standstill(scene, answers_of(runs))
+    return [*(f"{name} {judged}" for name in finer), *([] if still is None else [still])]
 
 
 @contextmanager
-def _beside(scene: Scene, left: Sequence[Engine], target: Target, *, apart: bool) -> Iterator[dict[str, Future[Run]]]:
+def _beside(
+    scene: Scene, left: Sequence[Engine], target: RunTarget, *, apart: bool
+) -> Iterator[dict[str, Future[Run]]]:
     """The runs in three dimensions, each in a process of its own (none unless `apart`), by engine; an interrupt ends them."""
     beside = [item for item in left if apart and len(left) > 1 and item.capabilities.dimensions == 3]
     beside = [item for item in beside if item.missing() is None]
     with ThreadPoolExecutor(max(len(beside), 1)) as threads:
-        waiting = {item.name: threads.submit(_apart, item.name, scene, target) for item in beside}
+        waiting = {item.name: threads.submit(_isolated, item.name, scene, target) for item in beside}
         try:
             yield waiting
         except BaseException:
             _give_up(waiting.values())
             raise
+
+
+def _isolated(name: str, scene: Scene, target: RunTarget) -> Run:
+    from harness.campaign.isolate import simulate_isolated
+
+    return simulate_isolated(scene, name, target)
 
 
 def _give_up(waiting: Iterable[Future[Run]]) -> None:
@@ -179,14 +181,23 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
         time.sleep(KILLED_S)
 
 
+def _finer_rad(target: RunTarget) -> float:
+    """The accuracy of a run that is made again before models are said to differ."""
+    return (target.accuracy_rad or DEFAULT_ACCURACY_RAD) / FINER
+
+
 def _finer_runs(
-    scene: Scene, own: set[str], target: Target, scores: Mapping[str, Scores], on_progress: Callable[[str], None]
+    scene: Scene,
+    refinable: set[str],
+    target: RunTarget,
+    scores: Mapping[str, Scores],
+    on_progress: Callable[[str], None],
 ) -> dict[str, Run]:
-    """Runs to a finer target of the engines among `own` whose difference from another model is near its limit."""
+    """Runs to a finer target of the engines whose difference from another model is near its limit; none for an expert's step."""
     runs = {}
-    for name in sorted(own & doubted(scores)):
+    for name in sorted(refinable & doubted(scores)) if target.dt_s is None else ():
         on_progress(f"{name}, again and finer")
-        again = simulate_with(engines.load(name), scene, target.finer_rad, None, target.options)
+        again = simulate_with(engines.load(name), scene, replace(target, accuracy_rad=_finer_rad(target)))
         if not again.outcome.failed:
             runs[name] = again
     return runs
@@ -213,22 +224,17 @@ def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Ass
     return {} if answer is None else {MODEL: answer}
 
 
-def _scores(scene: Scene, answers: Sequence[Run], known: Mapping[str, float], iso: bool) -> dict[str, Scores]:
-    """The scores of each pair; `known` are the horizons, s."""
+def _scores(scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, Horizon], iso: bool) -> dict[str, Scores]:
+    """The scores of each pair, up to their horizons."""
     from harness.comparison.comparator import compare
 
+    until_s = {name: each.intrinsic_s for name, each in horizons.items()}
     return {
         f"{a.engine}_vs_{b.engine}": compare(
-            a, b, scene=scene, horizons_s=(known.get(a.engine), known.get(b.engine)), iso=iso
+            a, b, scene=scene, horizons_s=(until_s.get(a.engine), until_s.get(b.engine)), iso=iso
         )
-        for a, b in itertools.combinations(answers, 2)
+        for a, b in itertools.combinations(answers_of(runs), 2)
     }
-
-
-def _apart(name: str, scene: Scene, target: Target) -> Run:
-    from harness.campaign.isolate import simulate_isolated
-
-    return simulate_isolated(scene, name, accuracy_rad=target.accuracy_rad, dt_s=target.dt_s, options=target.options)
 
 
 def _horizons(
@@ -237,7 +243,7 @@ def _horizons(
     from harness.accuracy.horizon import horizon_beside
 
     horizons = {}
-    for run in runs:
+    for run in runs if len(runs) > 1 or every else ():
         engine = engines.load(run.engine)
         if not (every or engine.capabilities.certifies):
             continue

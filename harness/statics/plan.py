@@ -146,15 +146,15 @@ def resting_polygon_m(statue: Statue) -> Array | None:
 
 def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[Any, np.dtype[np.float64]] | None:
     """All sample times of records, or None when a component is a formula (its extremes lie between knots)."""
-    found = [np.zeros(1)]
+    knots = [np.zeros(1)]
     for item in components:
         if isinstance(item, ZeroExcitation):
             continue
         samples = getattr(item, "t_s", None)
         if samples is None:
             return None
-        found.append(np.asarray(samples))
-    return np.unique(np.clip(np.concatenate(found), 0.0, duration_s))
+        knots.append(np.asarray(samples))
+    return np.unique(np.clip(np.concatenate(knots), 0.0, duration_s))
 
 
 def _quiet_start(scene: Scene, options: RunOptions) -> Decision:

@@ -6,7 +6,6 @@ import hashlib
 import json
 import time
 from dataclasses import dataclass
-from typing import Any
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
@@ -19,7 +18,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.studies.cases import Base, Case
-from harness.studies.file import StudyFile
+from harness.studies.file import StudyFile, Value
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class CaseRun:
 
     engine: str
     base: Base
-    setting: tuple[tuple[str, Any], ...]
+    setting: tuple[tuple[str, Value], ...]
     accuracy_rad: float
     histories: bool
     pedestal: bool

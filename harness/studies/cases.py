@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
+from numpy.typing import NDArray
+from pydantic import JsonValue, ValidationError
 
 from harness.input import scene_file as load
 from harness.input import tables
@@ -18,7 +18,7 @@ from harness.input.mistakes import mistakes_of
 from harness.input.tables import SceneFile
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.studies.file import Scatter, StudyFile, Vary
+from harness.studies.file import Scatter, StudyFile, Value, Vary
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Case:
     number: int
     variant: str
     engines: tuple[str, ...]
-    varied: Mapping[str, Any]
+    varied: Mapping[str, Value]
     """What varies (without the variant's own keys), as it stands in tables."""
-    setting: Mapping[str, Any]
+    setting: Mapping[str, Value]
     """All keys set in the base scene, the variant's included."""
     position: tuple[int, ...]
     """Index on each varied axis (for neighbours on the grid), the sample's number last."""
@@ -41,14 +41,14 @@ class Base:
     """The base scene's content and where it stands."""
 
     path: Path
-    content: Mapping[str, Any]
+    content: Mapping[str, JsonValue]
     _statues: load.Statues = field(default_factory=dict, compare=False, repr=False)
 
-    def __reduce__(self) -> tuple[type[Base], tuple[Path, Mapping[str, Any]]]:
+    def __reduce__(self) -> tuple[type[Base], tuple[Path, Mapping[str, JsonValue]]]:
         """Sent to a worker as it was read, without the statues that were resolved here."""
         return Base, (self.path, self.content)
 
-    def scene(self, setting: Mapping[str, Any]) -> Scene:
+    def scene(self, setting: Mapping[str, Value]) -> Scene:
         """The base scene with some keys set. Raises `InputError` that names the keys."""
         content = _copied(self.content)
         for key, value in setting.items():
@@ -72,21 +72,22 @@ def base_of_scene(path: Path) -> Base:
     return Base(path, content)
 
 
-def _copied(table: Mapping[str, Any]) -> dict[str, Any]:
+def _copied(table: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
     """The table with tables of its own, the values in them shared: enough for setting keys."""
     return {key: _copied(value) if isinstance(value, dict) else value for key, value in table.items()}
 
 
-def put(content: dict[str, Any], key: str, value: Any) -> None:
+def put(content: dict[str, JsonValue], key: str, value: Value) -> None:
     """Set one dotted key; `"keep"` leaves it, `"none"` removes it. Raises `InputError` where the path is no table."""
     if value == "keep":
         return
     *tables, last = key.split(".")
-    table: Any = content
+    table = content
     for part in tables:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
+        inner = table.setdefault(part, {})
+        if not isinstance(inner, dict):
             raise InputError(Mistake("study", key, "a key inside a table", f"{part} is a value"))
+        table = inner
     if value == "none":
         table.pop(last, None)
     else:
@@ -108,7 +109,7 @@ def expand(study: StudyFile, base: Base) -> Iterator[Case]:
                 yield Case(next(number), variant.name, tuple(variant.engines), varied, setting, place)
 
 
-def _also(axes: Sequence[Vary], varied: Mapping[str, Any]) -> dict[str, float]:
+def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:
     """The further keys that follow a varied one. Raises `InputError` where that one is no number."""
     further = {}
     for item in axes:
@@ -120,7 +121,7 @@ def _also(axes: Sequence[Vary], varied: Mapping[str, Any]) -> dict[str, float]:
     return further
 
 
-def _values(item: Vary) -> Sequence[Any]:
+def _values(item: Vary) -> Sequence[Value]:
     if item.values is not None:
         return item.values
     if item.start is None or item.stop is None or item.count is None:
@@ -139,10 +140,10 @@ def _draws(scatter: Sequence[Scatter], base: Base, samples: int, seed: int) -> l
     return [{key: float(values[i]) for key, values in columns.items()} for i in range(samples)]
 
 
-def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> Any:
+def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:
     if item.low is not None and item.high is not None:
         return stream.uniform(item.low, item.high, samples)
-    centre: Any = base.content
+    centre: JsonValue = dict(base.content)
     for part in item.key.split("."):
         centre = centre.get(part) if isinstance(centre, Mapping) else None
     if isinstance(centre, bool) or not isinstance(centre, (int, float)):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final
 
 from harness.comparison.scores.pointwise import Peak
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions
@@ -14,38 +15,42 @@ from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.records.scores import Verdict
 from harness.records.sets import SetScores
+from harness.records.study import CaseRun, Value
+from harness.studies.rows import KeyedRow
+
+Answered = tuple[CaseRun, str | None]
+"""A run, and the key of its history in the store."""
 
 LEAST: Final = 8
 """Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
 MANY: Final = 1000
 """From here on a fifth of the bootstrap's resamples do: each costs the sorting of all cases."""
 
-Row = Mapping[str, Any]
-"""One run of a set: `number` and `varied.variant` name the case, `engine`, `key`, and `run` (its record, or None)."""
-
 
 def score_sets(
-    rows: Sequence[Row], reference: str = "analytic", history: Callable[[str], History | None] = lambda key: None
+    rows: Sequence[KeyedRow], reference: str = "analytic", history: Callable[[str], History | None] = lambda key: None
 ) -> dict[str, SetScores]:
     """Scores of every other model against the reference over the cases that both answered, by model's name.
 
     `history(key)` gives a run's history where one was kept: verdicts then rest on the histories, otherwise on peaks and
     outcomes alone. The distributions of the peaks are compared from 8 cases on.
     """
-    cases: dict[tuple[Any, Any], dict[str, Row]] = defaultdict(dict)
+    cases: dict[tuple[int, Value | None], dict[str, Answered]] = defaultdict(dict)
     for row in rows:
-        if row["run"] is not None and not Outcome(row["run"]["outcome"]).failed:
-            cases[row["number"], row["varied"].get("variant")][row["engine"]] = row
-    names = sorted({row["engine"] for row in rows} - {reference})
+        if row.run is not None and not row.run.outcome.failed:
+            cases[row.number, row.varied.get("variant")][row.engine] = row.run, row.key
+    names = sorted({row.engine for row in rows} - {reference})
     return {name: _score(name, reference, cases.values(), history) for name in names}
 
 
-def _score(name: str, reference: str, cases: Any, history: Callable[[str], History | None]) -> SetScores:
+def _score(
+    name: str, reference: str, cases: Iterable[Mapping[str, Answered]], history: Callable[[str], History | None]
+) -> SetScores:
     both = [(case[name], case[reference]) for case in cases if name in case and reference in case]
     judged = [_judged(a, b, history) for a, b in both]
     peaks = None
     if len(both) >= LEAST:
-        sides = [[abs(run["run"]["peak_theta_rad"]) for run in side] for side in zip(*both, strict=True)]
+        sides = [[abs(run.peak_theta_rad) for run, _ in side] for side in zip(*both, strict=True)]
         peaks = compare_distributions(*sides, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
     return SetScores(
         reference=reference,
@@ -57,46 +62,47 @@ def _score(name: str, reference: str, cases: Any, history: Callable[[str], Histo
     )
 
 
-def _judged(a: Row, b: Row, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
-    run_a, run_b = a["run"], b["run"]
-    peaks = (
-        Peak(run_a["peak_theta_rad"], run_a["peak_time_s"]),
-        Peak(run_b["peak_theta_rad"], run_b["peak_time_s"]),
-    )
-    judgement = judge(_side(a), _side(b), _paired(a, b, history), peaks)
+def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:
+    runs = a[0], b[0]
+    peaks = _peak(runs[0]), _peak(runs[1])
+    judgement = judge(_side(runs[0]), _side(runs[1]), _paired(a, b, history), peaks)
     case = Case(
-        Outcome(run_a["outcome"]),
-        Outcome(run_b["outcome"]),
+        runs[0].outcome,
+        runs[1].outcome,
         judgement.evidence.outcome_flips_within_uncertainty,
         judgement.evidence.side_flips_within_uncertainty,
-        (run_a["no_return_time_s"], run_b["no_return_time_s"]),
+        (runs[0].no_return_time_s, runs[1].no_return_time_s),
     )
     return case, judgement.verdict
 
 
-def _paired(a: Row, b: Row, history: Callable[[str], History | None]) -> Pair | None:
-    first, second = (None if row["key"] is None else history(row["key"]) for row in (a, b))
+def _peak(run: CaseRun) -> Peak:
+    return Peak(run.peak_theta_rad, math.nan if run.peak_time_s is None else run.peak_time_s)
+
+
+def _paired(a: Answered, b: Answered, history: Callable[[str], History | None]) -> Pair | None:
+    first, second = (None if key is None else history(key) for _, key in (a, b))
     if first is None or second is None:
         return None
-    holds = [Outcome(row["run"]["outcome"]) is Outcome.STANDS for row in (a, b)]
+    holds = [run.outcome is Outcome.STANDS for run, _ in (a, b)]
     return pair(first, second, hold_a=holds[0], hold_b=holds[1])
 
 
-def _side(row: Row) -> Side:
-    """What the verdict needs, from a record of plain values (see `harness.comparison.verdict.side_of`)."""
-    run = row["run"]
-    outcome = Outcome(run["outcome"])
-    left_s, by = run["validity"].get("left_domain_s"), run["validity"].get("left_domain_by") or ""
-    if left_s is None and outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
-        left_s, by = run["end_s"], outcome.sentence
+def _side(run: CaseRun) -> Side:
+    """What the verdict needs of a run (see `harness.comparison.verdict.side_of`)."""
+    left_s, by = run.validity.get("left_domain_s"), run.validity.get("left_domain_by")
+    left_domain_s = float(left_s) if isinstance(left_s, (int, float)) else None
+    left_domain_by = by if isinstance(by, str) else ""
+    if left_domain_s is None and run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
+        left_domain_s, left_domain_by = run.end_s, run.outcome.sentence
     return Side(
-        row["engine"],
-        outcome,
-        run["numerical_uncertainty_rad"],
-        run.get("slip_uncertainty_m"),
-        run["reliable_until_s"],
-        left_domain_s=left_s,
-        left_domain_by=by,
-        axes=None if run.get("motion_axes") is None else tuple(run["motion_axes"]),
-        across_s=run["no_return_time_s"] if outcome in ACROSS else None,
+        run.engine,
+        run.outcome,
+        run.numerical_uncertainty_rad,
+        run.slip_uncertainty_m,
+        run.reliable_until_s,
+        left_domain_s=left_domain_s,
+        left_domain_by=left_domain_by,
+        axes=None if run.motion_axes is None else tuple(run.motion_axes),
+        across_s=run.no_return_time_s if run.outcome in ACROSS else None,
     )

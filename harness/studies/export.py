@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from harness.campaign.store import Store
+from harness.campaign.store import PlannedRow, Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import impacts
 from harness.records.result_folder import writing
+from harness.records.study import Value
 
 FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
@@ -49,12 +49,12 @@ def export_parquet(store: Store, study: str, path: Path) -> int:
     return len(lines)
 
 
-def flat(row: Mapping[str, Any]) -> dict[str, Any]:
+def flat(row: PlannedRow) -> dict[str, Value | None]:
     """One study row as one line of plain values; lists are counted."""
-    line: dict[str, Any] = {"number": row["number"], "engine": row["engine"], "reason": row["reason"], **row["varied"]}
-    for name, value in (row["run"] or {}).items():
+    line: dict[str, Value | None] = {"number": row.number, "engine": row.engine, "reason": row.reason, **row.varied}
+    for name, value in (row.run or {}).items():
         if isinstance(value, (int, float, str)) or value is None:
             line[name] = value
         elif name == "impact_times_s":
-            line["impacts"] = impacts(row["run"])
+            line["impacts"] = impacts(row.run or {})
     return line

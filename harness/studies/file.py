@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from harness.input.mistakes import Contradiction, mistakes_of
-from harness.input.tables import Table, read
-from harness.model.errors import InputError, Mistake
+from harness.input.mistakes import Contradiction
+from harness.input.tables import Table, read_model
 
 Value = float | int | str | bool
 EngineName = Literal[
@@ -103,7 +100,7 @@ class StudyFile(Table):
     variant: list[Variant] = Field(min_length=1)
     accuracy: dict[EngineName, Annotated[float, Field(ge=1e-9, le=0.1)]] = Field(default_factory=dict)
     ask: Ask = Ask()
-    claims: Literal["paper"] | None = None
+    claims: Literal["paper", "pedestal", "planes"] | None = None
 
     @property
     def points(self) -> int:
@@ -137,15 +134,4 @@ class StudyFile(Table):
 
 def load_study(path: Path | str) -> StudyFile:
     """Read and validate a study file. Raises `InputError` with every mistake."""
-    path = Path(path)
-    text = read(path)
-    try:
-        content: Mapping[str, Any] = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", str(error))) from error
-    except RecursionError as error:
-        raise InputError(Mistake(str(path), "", "valid TOML", "values nested too deeply to read")) from error
-    try:
-        return StudyFile.model_validate(content)
-    except ValidationError as error:
-        raise InputError(mistakes_of(error, StudyFile, str(path), text)) from error
+    return read_model(StudyFile, Path(path))

@@ -6,14 +6,15 @@ import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from harness.campaign.store import Store
 from harness.campaign.task import Task
+from harness.records.study import CaseRun
 from harness.studies import case_selection as selection
 from harness.studies.case_tasks import CaseTasks
 from harness.studies.cases import Base, Case, expand
-from harness.studies.file import StudyFile
+from harness.studies.file import StudyFile, Value
 
 DEAREST_FIRST: Final = (
     "pybullet:plain",
@@ -28,7 +29,7 @@ DEAREST_FIRST: Final = (
 COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
 """Longest first keeps all workers busy to the end."""
 
-PlanRow = tuple[int, str, str | None, str, Mapping[str, Any]]
+PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
 @dataclass(frozen=True)
@@ -114,9 +115,11 @@ class Plan:
         for case, engine, key in self._fresh:
             row = store.get(key)
             if row is not None:
-                share = row.record["validity"].get("peak_over_slenderness") or abs(row.record["peak_theta_rad"])
+                run = CaseRun.stored(row.record)
+                share = run.validity.get("peak_over_slenderness")
                 known = self._answers.setdefault((engine, case.variant), {})
-                known[case.position] = selection.Answer(str(row.record["outcome"]), float(share))
+                peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
+                known[case.position] = selection.Answer(run.outcome.value, peak)
         self._fresh.clear()
 
     def rows(self) -> Iterator[PlanRow]:

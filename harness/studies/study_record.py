@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -15,15 +14,16 @@ from numpy.typing import NDArray
 from harness.campaign.store import Store
 from harness.model import run as record
 from harness.model.scene import Scene
-from harness.records.base import as_file
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
-from harness.records.study import CaseRun, Curve, Panel, StudyRecord, StudySummary, StudyWitness, UsageRecord
+from harness.records.study import Curve, Panel, StudyRecord, StudyWitness, Value
 from harness.studies import claims
 from harness.studies.cases import base_of
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
+from harness.studies.impact_loss import energy_lost_j, last_impact_s
 from harness.studies.random_rechecks import recheck
+from harness.studies.rows import KeyedRow, study_rows
 from harness.studies.study_run import Summary, study_name
 from harness.studies.supports import supports
 
@@ -31,28 +31,28 @@ Array = NDArray[np.float64]
 
 CURVE_POINTS: Final = 400
 """Points of a curve in a small panel: least and largest of each of half as many stretches, so that no peak is lost."""
-SHOWN: Final = tuple(item.name for item in fields(CaseRun) if item.name != "impacts")
-"""What is kept of each run."""
 
 
 def study_record(
     study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float, witness: StudyWitness | None = None
-) -> dict[str, Any]:
-    """Everything that the page of a study holds, as plain values."""
+) -> StudyRecord:
+    """Everything that the page of a study holds."""
     base = base_of(study, path)
     scene = base.scene({})
-    rows = [_shown(row) for row in store.rows(study_name(study))]
+    rows = study_rows(store, study_name(study))
     paper = study.claims == "paper"
-    verdicts = claims.judge(rows, top_displacement(scene)) if paper else []
-    finished = StudyRecord(
+    if study.claims:
+        rows = _weighed(rows, store, scene)
+    verdicts = claims.judge(rows, top_displacement(scene), study.claims) if study.claims else None
+    return StudyRecord(
         title=study.title,
         file=path.name,
         scene=SceneRecord.of(scene),
         notes=scene.notes,
-        vary={item.key: sorted({row["varied"][item.key] for row in rows}, key=_order) for item in study.vary},
+        vary={item.key: sorted({row.varied[item.key] for row in rows}, key=_order) for item in study.vary},
         supports=supports(study, scene, rows),
-        summary=StudySummary(**summary.as_dict()),
-        usage=UsageRecord(**summary.usage.as_dict()),
+        summary=summary.record(),
+        usage=summary.usage.record(),
         seconds=seconds,
         engine_seconds=_seconds(rows, store),
         scores=score_sets(rows, history=store.history),
@@ -60,14 +60,12 @@ def study_record(
         witness=witness,
         versions=record.versions(),
         machine=record.machine(),
-        claims=verdicts if paper else None,
-        headline=claims.headline(verdicts) if paper else None,
+        claims=verdicts,
+        headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if paper else None,
-        rows=(),
+        rows=rows,
         files=listing(()),
     )
-    # There may be a million rows: they come from the store, plain already, with the fields of their class.
-    return as_file(finished) | {"rows": [{name: value for name, value in row.items() if name != "key"} for row in rows]}
 
 
 def top_displacement(scene: Scene) -> Any:
@@ -85,23 +83,24 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
-def panels(rows: Sequence[Mapping[str, Any]], store: Store) -> list[Panel]:
+def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
     drawn: dict[str, Curve] = {}
     for row in rows:
-        varied, key = row["varied"], row["key"]
-        if row["run"] is None or key is None:
+        varied, key = row.varied, row.key
+        if row.run is None or key is None:
             continue
         if key not in drawn:
             history = store.history(key)
             if history is None:
                 continue
             drawn[key] = _curve(history.t_s, history.theta_rad, history.slip_m)
-        place = (varied["contact.restitution"], varied["motion.x.amplitude_g"], varied["motion.x.frequency_hz"])
+        keys = "contact.restitution", "motion.x.amplitude_g", "motion.x.frequency_hz"
+        restitution, amplitude_g, frequency_hz = (float(varied[name]) for name in keys)
         setting = "floor" if varied["pedestal"] == "none" else "pedestal"
-        curves = by_condition.setdefault(place, {})
-        curves.setdefault(f"{row['engine']} ({varied['variant']})", {})[setting] = drawn[key]
+        curves = by_condition.setdefault((restitution, amplitude_g, frequency_hz), {})
+        curves.setdefault(row.model, {})[setting] = drawn[key]
     return [Panel(*place, by_condition[place]) for place in sorted(by_condition)]
 
 
@@ -127,34 +126,28 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
     return np.array(sorted(chosen))
 
 
-def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
-    """What is kept of a row; words that all rows share are one string, for there may be a million of them."""
-    run = row["run"]
-    shown = None
-    if run is not None:
-        shown = {name: run.get(name) for name in SHOWN} | {"impacts": record.impacts(run)}
-        shown["validity"] = _shared(run["validity"])
-        shown["warnings"] = [sys.intern(text) for text in run["warnings"]]
-    return {
-        "number": row["number"],
-        "engine": row["engine"],
-        "key": row["key"],
-        "reason": sys.intern(row["reason"]),
-        "varied": _shared(row["varied"]),
-        "run": shown,
-    }
+def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
+    """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
+    weighed: dict[str | None, tuple[float | None, float | None]] = {}
+    for key in {row.key for row in rows if row.key is not None}:
+        history = store.history(key)
+        if history is not None:
+            losses = energy_lost_j(history, scene.pivot_inertia_kg_m2)
+            weighed[key] = float(np.mean(losses)) if losses.size else None, last_impact_s(history)
+    shown = []
+    for row in rows:
+        loss_j, last_s = weighed.get(row.key, (None, None))
+        run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
+        shown.append(replace(row, run=run))
+    return shown
 
 
-def _shared(table: Mapping[str, Any]) -> dict[str, Any]:
-    return {sys.intern(key): value for key, value in table.items()}
-
-
-def _seconds(rows: Sequence[Mapping[str, Any]], store: Store) -> dict[str, float]:
+def _seconds(rows: Sequence[KeyedRow], store: Store) -> dict[str, float]:
     total: dict[str, float] = {}
-    for key, engine in {(row["key"], row["engine"]) for row in rows if row["key"] is not None}:
+    for key, engine in {(row.key, row.engine) for row in rows if row.key is not None}:
         total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)
     return total
 
 
-def _order(value: Any) -> tuple[bool, Any]:
+def _order(value: Value) -> tuple[bool, Any]:
     return isinstance(value, str), value

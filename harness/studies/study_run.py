@@ -6,13 +6,14 @@ import hashlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
+from harness.records.study import StudySummary
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile
 from harness.studies.study_plan import Plan
@@ -46,9 +47,10 @@ class Summary:
         ]
         return ", ".join(part for part in parts if part)
 
-    def as_dict(self) -> dict[str, Any]:
-        """The counts as plain values, with their sentence."""
-        return {**{name: value for name, value in vars(self).items() if name != "usage"}, "sentence": str(self)}
+    def record(self) -> StudySummary:
+        """The counts with their sentence, as a record holds them."""
+        counts = {name: value for name, value in vars(self).items() if name != "usage"}
+        return StudySummary(**counts, sentence=str(self))
 
 
 @dataclass

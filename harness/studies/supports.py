@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from harness.input.tables import ContactTable
 from harness.model.scene import Scene
-from harness.records.study import SupportRecord
+from harness.records.study import StudyRow, SupportRecord
 from harness.studies.file import StudyFile, Variant
 
-Rows = Sequence[Mapping[str, Any]]
 
-
-def supports(study: StudyFile, scene: Scene, rows: Rows) -> SupportRecord:
+def supports(study: StudyFile, scene: Scene, rows: Sequence[StudyRow]) -> SupportRecord:
     """Whether cases have a pedestal, least and greatest static frictions, and the keys of the statue that vary.
 
     `scene` is the study's own; a variant's keys go before those that follow a varied one, and these before the varied.
@@ -24,7 +22,7 @@ def supports(study: StudyFile, scene: Scene, rows: Rows) -> SupportRecord:
     floor: set[float] = set()
     statue: set[float] = set()
     for variant in study.variant:
-        own = [row for row in rows if row["varied"]["variant"] == variant.name]
+        own = [row for row in rows if row.varied["variant"] == variant.name]
         given = _values(study, variant, own, "pedestal") or {"keep"}
         here = {value != "none" and there for value in given}
         stones |= here
@@ -46,17 +44,17 @@ def _keys(study: StudyFile) -> set[str]:
     return varied | follow | {key for variant in study.variant for key in variant.set}
 
 
-def _values(study: StudyFile, variant: Variant, rows: Rows, key: str) -> set[Any]:
+def _values(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], key: str) -> set[Any]:
     """The values that the cases of a variant set a key to; none where nothing sets it."""
     if key in variant.set:
         return {variant.set[key]}
     for item in study.vary:
         if key in item.also:
-            return {item.also[key] * row["varied"][item.key] for row in rows}
-    return {row["varied"][key] for row in rows if key in row["varied"]}
+            return {item.also[key] * float(row.varied[item.key]) for row in rows}
+    return {row.varied[key] for row in rows if key in row.varied}
 
 
-def _frictions(study: StudyFile, variant: Variant, rows: Rows, name: str, own: float) -> set[float]:
+def _frictions(study: StudyFile, variant: Variant, rows: Sequence[StudyRow], name: str, own: float) -> set[float]:
     """The values of one friction; left as the scene has it, or taken away, which leaves the default of a scene file."""
     words = {"keep": own, "none": float(ContactTable.model_fields[name].default)}
     return {float(words.get(value, value)) for value in _values(study, variant, rows, f"contact.{name}") or {"keep"}}

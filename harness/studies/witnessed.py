@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
@@ -28,7 +28,7 @@ from harness.records.study import StudyWitness, WitnessCount
 from harness.records.witness import PLAIN, Witness, sentences
 from harness.scene_run.witness import plain_names, witnesses
 from harness.studies.cases import Base, base_of, expand
-from harness.studies.file import StudyFile
+from harness.studies.file import StudyFile, Value
 from harness.studies.study_run import study_name
 
 SHARE: Final = 0.1
@@ -44,7 +44,7 @@ class Witnessed:
     """One scene of a study and the accuracy of each engine whose answer is judged: everything that a worker needs."""
 
     base: Base
-    setting: tuple[tuple[str, Any], ...]
+    setting: tuple[tuple[str, Value], ...]
     accuracy_rad: Mapping[str, float]
 
 
@@ -104,9 +104,9 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     """By the first case of each distinct scene that an engine with a plain one has answered: keys of its results by engine."""
     by_number: dict[int, dict[str, str]] = {}
     for row in store.rows(study_name(study)):
-        judged = row["engine"] == JUDGED or row["engine"] + PLAIN in engines.REGISTRY
-        if judged and row["run"] is not None and row["run"]["reliable_until_s"] != 0.0:
-            by_number.setdefault(row["number"], {})[row["engine"]] = row["key"]
+        judged = row.engine == JUDGED or row.engine + PLAIN in engines.REGISTRY
+        if judged and row.key is not None and row.run is not None and row.run["reliable_until_s"] != 0.0:
+            by_number.setdefault(row.number, {})[row.engine] = row.key
     scenes = {
         tuple(sorted(keys.items())): number for number, keys in reversed(by_number.items()) if plain_names(list(keys))
     }

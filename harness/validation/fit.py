@@ -5,17 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Final
 
-from harness.model.history import Outcome
+from harness.records.study import CaseRun
 from harness.records.validation import Fitted
 from harness.validation.scenes import Variant
 from harness.validation.table import UNKNOWN, Trial
 
-RunRecord = Mapping[str, Any]
-"""What the store holds of a run, as plain values."""
-Answers = Mapping[tuple[str, Variant], RunRecord]
-"""Records of the runs of one model, by test and variant."""
+Answers = Mapping[tuple[str, Variant], CaseRun]
+"""The runs of one model, by test and variant."""
 Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 """Runs what is not known yet, and gives all answers so far."""
 
@@ -95,7 +93,7 @@ class _Asked:
         """How many of these tests come out as observed."""
         pairs = [(trial, choice.variant(trial)) for trial in trials]
         answers = self._answers(pairs)
-        return sum(Outcome(answers[trial.name, variant]["outcome"]).fell is trial.fell for trial, variant in pairs)
+        return sum(answers[trial.name, variant].outcome.fell is trial.fell for trial, variant in pairs)
 
     def _answers(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
         self._seen.update((trial.name, variant) for trial, variant in pairs)

@@ -101,6 +101,7 @@ class Jobs:
 def run_job(job: Job) -> Answer:
     """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
-    options = RunOptions(history=job.history)
+    # A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way.
+    options = RunOptions(history=job.history, stated=job.variant.sample == 0)
     run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
     return answer_of(run, job.history)

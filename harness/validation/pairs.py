@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from harness.records.validation import PairScores
 from harness.studies.ensembles import score_sets
-from harness.validation.fit import Answers, Choice, RunRecord
+from harness.studies.rows import KeyedRow
+from harness.validation.fit import Answers, Choice
 from harness.validation.jobs import Model
 from harness.validation.table import Trial
 
@@ -28,15 +28,13 @@ def score_pairs(
     pairs = []
     for b, a in itertools.combinations(rows, 2):
         scores = score_sets([*rows[b], *rows[a]], reference=b)[a]
-        unstated = [name for name in (a, b) if any(_unstated(row["run"]) for row in rows[name])]
+        unstated = [
+            name for name in (a, b) if any(row.run and row.run.numerical_uncertainty_rad is None for row in rows[name])
+        ]
         pairs.append(PairScores(a=a, b=b, unstated=unstated, **vars(scores)))
     return pairs
 
 
-def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> dict[str, Any]:
+def _row(trial: Trial, model: Model, choices: Mapping[str, Choice], answers: Mapping[str, Answers]) -> KeyedRow:
     run = answers[model.name][trial.name, choices[model.name].variant(trial)]
-    return {"number": trial.row, "varied": {}, "engine": model.name, "key": None, "run": run}
-
-
-def _unstated(run: RunRecord) -> bool:
-    return run["numerical_uncertainty_rad"] is None
+    return KeyedRow(number=trial.row, engine=model.name, reason="", varied={}, run=run, key=None)

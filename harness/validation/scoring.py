@@ -16,6 +16,7 @@ from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.comparison.statistics.probabilities import area_under_curve, brier, brier_skill, reliability
 from harness.comparison.verdict import COVERAGE
 from harness.model.history import Outcome
+from harness.records.study import CaseRun
 from harness.records.validation import (
     BaselineRecord,
     Curves,
@@ -25,7 +26,7 @@ from harness.records.validation import (
     ProbabilityScores,
 )
 from harness.validation import baseline
-from harness.validation.fit import Answers, Choice, RunRecord, fitted
+from harness.validation.fit import Answers, Choice, fitted
 from harness.validation.motions import Intensity
 from harness.validation.scenes import Variant, scene_of
 from harness.validation.table import Trial
@@ -40,28 +41,28 @@ LEAST_OF_BODY: Final = 5
 """Tests of a body from which its own threshold is learnt: with fewer one odd test moves it to any place."""
 
 
-def case_of(trial: Trial, variant: Variant, answer: RunRecord) -> Case:
+def case_of(trial: Trial, variant: Variant, answer: CaseRun) -> Case:
     """Prediction and observation of one test, and whether the prediction flips within its own numerical error."""
     observed = FELL if trial.observed == FELL else Outcome(trial.observed)
-    return Case(Outcome(answer["outcome"]), observed, _flips(trial, variant, answer))
+    return Case(answer.outcome, observed, _flips(trial, variant, answer))
 
 
-def _flips(trial: Trial, variant: Variant, answer: RunRecord) -> bool:
+def _flips(trial: Trial, variant: Variant, answer: CaseRun) -> bool:
     """A fall that is decided after the run's reliable time, or a stand with its peak within 2u of the balance point."""
-    uncertainty, until = answer["numerical_uncertainty_rad"], answer["reliable_until_s"]
+    uncertainty, until = answer.numerical_uncertainty_rad, answer.reliable_until_s
     if uncertainty is None:
         return False
-    no_return = answer["no_return_time_s"]
-    if Outcome(answer["outcome"]).overturned:
+    no_return = answer.no_return_time_s
+    if answer.outcome.overturned:
         return until is not None and no_return is not None and no_return > until
     statue = scene_of(trial, variant).statue
-    margin = min(statue.slenderness_rad(side) for side in (1, -1)) - abs(answer["peak_theta_rad"])
+    margin = min(statue.slenderness_rad(side) for side in (1, -1)) - abs(answer.peak_theta_rad)
     return bool(abs(margin) <= COVERAGE * uncertainty)
 
 
 def probability(trial: Trial, choice: Choice, answers: Answers, samples: int) -> float | None:
     """Share of the nominal and perturbed runs that overturn, over those that say whether it fell; None: none does."""
-    outcomes = [Outcome(answers[trial.name, choice.variant(trial, k)]["outcome"]) for k in range(samples + 1)]
+    outcomes = [answers[trial.name, choice.variant(trial, k)].outcome for k in range(samples + 1)]
     known = [outcome.fell for outcome in outcomes if outcome.fell is not None]
     return sum(known) / len(known) if known else None
 
@@ -80,10 +81,10 @@ def score_model(
     chances = {trial.name: probability(trial, choice, answers, samples) for trial in scored}
     sure = {trial: chance for trial in scored if (chance := chances[trial.name]) is not None}
     seen = [trial.fell for trial in sure]
-    drawn = curves(trials, intensities, lambda trial: Outcome(nominal[trial.name]["outcome"]).fell)
+    drawn = curves(trials, intensities, lambda trial: nominal[trial.name].outcome.fell)
     return ModelScores(
         tests=len(scored),
-        failed=sum(Outcome(nominal[trial.name]["outcome"]).failed for trial in scored),
+        failed=sum(nominal[trial.name].outcome.failed for trial in scored),
         fitted=fitted(trials, choice),
         outcomes=score_outcomes(list(cases.values())),
         by_probability=_of_falls([p >= LIKELIER for p in sure.values()], seen) if samples else None,

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from analytic.excitation import ZeroExcitation
 from analytic.rotation import rotation_matrices
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.model.history import History
-from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
 from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
@@ -63,15 +62,14 @@ def scored(task: TossTask) -> list[Errors | str]:
 
 def _one(task: TossTask, item: Coefficients) -> Errors | str:
     scene, engine = scene_of(task.base, task.toss, item), engines.load(task.model.engine)
-    dt_s = accuracy_rad = None
     if task.model.dt_s is not None:
         # Frames are whole steps: poses between two steps would be interpolated across a turn of an angle.
-        dt_s = task.toss.frame_s / max(round(task.toss.frame_s / task.model.dt_s), 1)
+        target = RunTarget(dt_s=task.toss.frame_s / max(round(task.toss.frame_s / task.model.dt_s), 1))
     elif engine.capabilities.certifies:
-        accuracy_rad = task.model.accuracy_rad
+        target = RunTarget(task.model.accuracy_rad)
     else:
-        dt_s = task.toss.frame_s / STEPS_A_FRAME
-    run = simulate_with(engine, scene, accuracy_rad, dt_s, RunOptions())
+        target = RunTarget(dt_s=task.toss.frame_s / STEPS_A_FRAME)
+    run = simulate_with(engine, scene, target)
     if run.history is None:
         return run.message or run.outcome.sentence
     return errors(task.toss, scene.statue, run.history)

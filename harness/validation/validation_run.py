@@ -18,10 +18,10 @@ from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
-from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.records.base import as_file
 from harness.records.result_folder import listing
+from harness.records.study import CaseRun
 from harness.records.validation import (
     FitShare,
     MeasuredHistory,
@@ -30,7 +30,7 @@ from harness.records.validation import (
     TestRow,
     ValidationRecord,
 )
-from harness.validation.fit import Answers, Choice, RunRecord, choose
+from harness.validation.fit import Answers, Choice, choose
 from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Jobs, Model, parse_model
 from harness.validation.motions import Intensity
 from harness.validation.pairs import score_pairs
@@ -106,7 +106,7 @@ class Runs:
 
     def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
         self._store, self._campaign, self._jobs = store, campaign, Jobs(model, seed)
-        self._answers: dict[tuple[str, Variant], RunRecord] = {}
+        self._answers: dict[tuple[str, Variant], CaseRun] = {}
         self.keys: dict[tuple[str, Variant], str] = {}
 
     def __call__(self, pairs: Sequence[tuple[Trial, Variant]]) -> Answers:
@@ -121,7 +121,7 @@ class Runs:
                 raise InputError(
                     Mistake(str(self._store.path), job.key, "the result of every run", "none", "run again")
                 )
-            self._answers[job.trial.name, job.variant] = row.record
+            self._answers[job.trial.name, job.variant] = CaseRun.stored(row.record)
             self.keys[job.trial.name, job.variant] = job.key
         return self._answers
 
@@ -154,7 +154,7 @@ def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[
     def leave_out_explained(answers: Answers) -> None:
         for (name, _), answer in answers.items():
             # A run that comes to no end excludes neither outcome.
-            if name in odd and Outcome(answer["outcome"]).fell in (odd[name].fell, None):
+            if name in odd and answer.outcome.fell in (odd[name].fell, None):
                 del odd[name]
 
     for item in answered:
@@ -260,7 +260,7 @@ def _rows(
             pga_g=intensities[trial.name].pga_g,
             pgv_m_s=intensities[trial.name].pgv_m_s,
             predicted={
-                name: str(known[trial.name, choices[name].variant(trial)]["outcome"]) for name, known in answers.items()
+                name: str(known[trial.name, choices[name].variant(trial)].outcome) for name, known in answers.items()
             },
             probability={name: probability(trial, choices[name], known, samples) for name, known in answers.items()},
         )

@@ -1,47 +1,60 @@
-"""Design maps: how far the pedestal slides over what varies, and where the pedestal itself would tip."""
+"""Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal would tip."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Final
+from collections.abc import Callable, Sequence
+from typing import Final
 
 import numpy as np
 
 from harness.records.study import CaseRun
+from reports.charts import Json
 from reports.charts.palette import INK
 from reports.text.numbers import heading, short
 from reports.text.study_rows import Condition
 
-Json = dict[str, Any]
-
+MOST_PLACES: Final = 10_000
+"""Larger maps show where the statue falls only: a number for every place would make the page large."""
 TIPPING: Final = ("pedestal_tipping_margin_m", "pedestal_tipping_margin_at_impact_m")
 """The margins of the record: the pedestal's half width less the reach of the floor's force, in motion and at impacts."""
 
 
 def design_figures(
-    models: Sequence[str], found: Sequence[Condition], axes: tuple[str, str] | None
+    models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None
 ) -> list[tuple[str, Json]]:
-    """One map of the pedestal's largest displacement for each model that slides, places that would tip it marked.
+    """For each model maps of the largest rotation where it stands, and where it slides of the pedestal's largest displacement.
 
-    Empty when nothing slides or what varies makes no map, or when a place stands for several conditions.
+    Places that would tip the pedestal are marked. Empty when what varies makes no map, or a place stands for several conditions.
     """
-    if axes is None or len({tuple(item.varied[key] for key in axes) for item in found}) != len(found):
+    if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
         return []
     figures = []
+    for model in models if len(conditions) <= MOST_PLACES else ():
+        peak = _value_map(model, conditions, axes, _peak_rad, "rad")
+        if peak is not None:
+            figures.append((f"{model}: largest rotation where the statue stands", {**peak, "data": peak["data"][:1]}))
     for model in models:
-        figure = _design_map(model, found, axes)
-        if figure is not None:
-            figures.append((f"{model}: largest displacement of the pedestal; ✕ where the pedestal would tip", figure))
+        slip = _value_map(model, conditions, axes, _slip_mm, "mm")
+        if slip is not None:
+            figures.append((f"{model}: largest displacement of the pedestal; ✕ where the pedestal would tip", slip))
     return figures
 
 
-def best_designs(models: Sequence[str], found: Sequence[Condition], axes: tuple[str, str] | None) -> list[str]:
+def _peak_rad(run: CaseRun) -> float:
+    return abs(run.peak_theta_rad) if run.outcome == "stands" else np.nan
+
+
+def _slip_mm(run: CaseRun) -> float:
+    return 1000.0 * run.peak_slip_m
+
+
+def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[str]:
     """For each model that slides one sentence: of the designs in which the statue stands and nothing tips, the least slip."""
-    if axes is None or len({tuple(item.varied[key] for key in axes) for item in found}) != len(found):
+    if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
         return []
     sentences = []
     for model in models:
-        runs = [(row.run, item) for item in found for row in [item.answers.get(model)] if row and row.run]
+        runs = [(row.run, item) for item in conditions for row in [item.answers.get(model)] if row and row.run]
         if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
         good = [(run, item) for run, item in runs if run.outcome == "stands" and not _tips(run)]
@@ -64,25 +77,29 @@ def _tips(run: CaseRun) -> bool:
     return any(isinstance(margin, float) and margin < 0.0 for margin in margins)
 
 
-def _design_map(model: str, found: Sequence[Condition], axes: tuple[str, str]) -> Json | None:
-    xs, ys = (sorted({item.varied[key] for item in found}) for key in axes)
-    slip = np.full((len(ys), len(xs)), np.nan)
+def _value_map(
+    model: str, conditions: Sequence[Condition], axes: tuple[str, str], value_of: Callable[[CaseRun], float], unit: str
+) -> Json | None:
+    """A heatmap of one number of each run; None where it is nought everywhere."""
+    xs, ys = (sorted({item.number(key) for item in conditions}) for key in axes)
+    rows, columns = ({value: k for k, value in enumerate(side)} for side in (ys, xs))
+    values = np.full((len(ys), len(xs)), np.nan)
     tips: list[tuple[float, float]] = []
-    for item in found:
+    for item in conditions:
         row = item.answers.get(model)
         if row is None or row.run is None:
             continue
         run = row.run
-        slip[ys.index(item.varied[axes[1]]), xs.index(item.varied[axes[0]])] = 1000.0 * float(run.peak_slip_m)
+        values[rows[item.number(axes[1])], columns[item.number(axes[0])]] = value_of(run)
         if _tips(run):
-            tips.append((item.varied[axes[0]], item.varied[axes[1]]))
-    if not np.nanmax(slip, initial=0.0) > 0.0:
+            tips.append((item.number(axes[0]), item.number(axes[1])))
+    if not np.nanmax(values, initial=0.0) > 0.0:
         return None
-    shown = [[None if np.isnan(value) else float(f"{value:.4g}") for value in line] for line in slip]
+    shown = [[None if np.isnan(value) else float(f"{value:.4g}") for value in line] for line in values]
     heat = {
         "type": "heatmap", "x": xs, "y": ys, "z": shown, "colorscale": "Cividis", "reversescale": True,
-        "colorbar": {"title": {"text": "slip (mm)"}, "thickness": 12},
-        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{z}} mm<extra></extra>",
+        "colorbar": {"title": {"text": unit}, "thickness": 12},
+        "hovertemplate": f"{heading(axes[0])} %{{x:.4g}}<br>{heading(axes[1])} %{{y:.4g}}<br>%{{z}} {unit}<extra></extra>",
     }  # fmt: skip
     marks = {
         "type": "scatter", "mode": "markers", "x": [x for x, _ in tips], "y": [y for _, y in tips],

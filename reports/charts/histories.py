@@ -10,14 +10,14 @@ import numpy as np
 from harness.model.history import History
 from harness.records.run import EngineRunRecord
 from harness.records.scene import MotionRecord
+from reports.charts import Json
 from reports.charts.decimate import Array, kept_samples
+from reports.charts.event import run_event_s
 from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.charts.patterns import pattern_strip
 from reports.pages.assets import packed_array
 from reports.source import RunSource
-from reports.text.wording import horizon_s
-
-Json = dict[str, Any]
+from reports.text.wording import horizon_s, prediction_s
 
 BAND_SAMPLES: Final = 3000
 ACROSS: Final = "out_of_plane_rad"
@@ -85,8 +85,8 @@ def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[fl
 
 
 def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
-    kept = kept_samples(values) if most is None else kept_samples(values, most)
-    return packed_array(history.t_s[kept], "f4"), packed_array(values[kept], "f4")
+    shown = kept_samples(values) if most is None else kept_samples(values, most)
+    return packed_array(history.t_s[shown], "f4"), packed_array(values[shown], "f4")
 
 
 def _rotation(source: RunSource, name: str, history: History, names: list[str], axis: str) -> list[Json]:
@@ -130,8 +130,8 @@ def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
     if np.count_nonzero(within) < 2:
         return None
     t_s, theta = history.t_s[within], history.theta_rad[within]
-    kept = kept_samples(theta, BAND_SAMPLES)
-    t_s, theta = t_s[kept], theta[kept]
+    shown = kept_samples(theta, BAND_SAMPLES)
+    t_s, theta = t_s[shown], theta[shown]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
     return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
 
@@ -170,7 +170,7 @@ def _views(source: RunSource) -> Json:
     # Let go beyond its balance points, a body that falls never comes near them.
     seen = any(np.any((item.theta_rad >= near[0]) & (item.theta_rad <= near[1])) for item in source.histories.values())
     near = _padded(*near) if seen else whole
-    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s}
+    return {"whole": whole, "near": near, "duration_s": source.scene.duration_s, "event_s": list(run_event_s(source))}
 
 
 def _padded(low: float, high: float) -> list[float]:
@@ -181,7 +181,7 @@ def _padded(low: float, high: float) -> list[float]:
 def _layout(
     source: RunSource, rows: Mapping[str, float], axes: Mapping[str, str], domains: Mapping[str, tuple[float, float]]
 ) -> Json:
-    lowest = list(axes.values())[-1]
+    lowest, views = list(axes.values())[-1], _views(source)
     titles = {
         "rotation": "rotation θ  [rad]",
         "strip": "",
@@ -191,7 +191,7 @@ def _layout(
     }
     layout: Json = {
         "xaxis": {
-            "title": {"text": "time  [s]"}, "anchor": lowest, "range": [0.0, source.scene.duration_s],
+            "title": {"text": "time  [s]"}, "anchor": lowest, "range": views["event_s"],
             "gridcolor": HAIRLINE, "zeroline": False, "showspikes": True, "spikemode": "across", "spikethickness": 1,
             "spikecolor": MUTED, "spikedash": "dot", "hoverformat": ".4f", "ticksuffix": "",
         },
@@ -203,9 +203,9 @@ def _layout(
     for row, axis in axes.items():
         layout[axis.replace("y", "yaxis")] = {
             "domain": list(domains[row]), "title": {"text": titles[row]}, "gridcolor": HAIRLINE, "automargin": True,
-            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": row == "strip", "nticks": 7 if row == "rotation" else 4,
+            "zerolinecolor": MUTED, "zerolinewidth": 1, "fixedrange": True, "nticks": 7 if row == "rotation" else 4,
         }  # fmt: skip
-    layout["yaxis"]["range"] = _views(source)["near"]
+    layout["yaxis"]["range"] = views["near"]
     if "strip" in axes:
         layout[axes["strip"].replace("y", "yaxis")] |= {"autorange": "reversed", "showgrid": False, "zeroline": False}
     if "floor" in axes:
@@ -234,6 +234,14 @@ def _shapes(source: RunSource, axis: str) -> list[Json]:
                 "fillcolor": "#7a8696", "opacity": 0.11, "line": {"width": 0},
             }
         )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        shapes.append(
+            {
+                "type": "line", "xref": "x", "x0": horizon, "x1": horizon, "yref": f"{axis} domain", "y0": 0, "y1": 1,
+                "layer": "below", "line": {"color": MUTED, "width": 1, "dash": "dot"},
+            }
+        )  # fmt: skip
     return shapes
 
 
@@ -246,8 +254,8 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             "text": f"balances on the {side} edge", "font": small,
         }
         for level, side, anchor in (
-            (statue.slenderness_right_rad, "right", "top"),
-            (-statue.slenderness_left_rad, "left", "bottom"),
+            (statue.slenderness_right_rad, "right", "bottom"),
+            (-statue.slenderness_left_rad, "left", "top"),
         )
     ]  # fmt: skip
     until = horizon_s(source)
@@ -256,6 +264,14 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             {
                 "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
                 "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
+            }
+        )  # fmt: skip
+    horizon = prediction_s(source)
+    if horizon is not None and horizon < end:
+        texts.append(
+            {
+                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
+                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
             }
         )  # fmt: skip
     return texts

@@ -63,10 +63,10 @@ def reduced(text: str) -> str:
         return text
     wanted = ",".join(f"{name}()" for name, kind in kinds.items() if kind in CHART_KINDS)
     modules = bundle.modules | {bundle.last: bundle.modules[bundle.last].replace(bundle.registered, wanted)}
-    kept = _reached(bundle._replace(modules=modules))
+    needed = _reached(bundle._replace(modules=modules))
     opening = bundle.head.find("var Plotly=")
     licence = text[: text.find("*/") + 2] if text.startswith("/*") else ""
-    body = "".join(source for name, source in modules.items() if name in kept)
+    body = "".join(source for name, source in modules.items() if name in needed)
     end = bundle.tail.find("window.Plotly")
     closing = bundle.tail[: end if end > 0 else None].rstrip()
     return f'{licence}\n"use strict";{bundle.head[opening:]}{body}{closing}\nwindow.Plotly=Plotly;\n'
@@ -78,13 +78,13 @@ def _parts(text: str) -> Bundle | None:
     if last is None or "var Plotly=" not in text[: last.start()]:
         return None
     name, helper, _, registered = last.groups()
-    found = [
+    parts = [
         (match.start(), match.group(1))
         for match in re.finditer(rf"(?<=[;}}])var ({_NAME})={re.escape(helper)}\(", text[: last.end()])
     ]
     end = last.end() - len(f"return {name}();}})();")
-    places = [start for start, _ in found] + [end]
-    modules = {name: text[places[k] : places[k + 1]] for k, (_, name) in enumerate(found)}
+    places = [start for start, _ in parts] + [end]
+    modules = {name: text[places[k] : places[k + 1]] for k, (_, name) in enumerate(parts)}
     return Bundle(text[: places[0]], modules, text[end:], name, registered, helper)
 
 

@@ -12,18 +12,17 @@ from numpy.typing import NDArray
 
 from harness.records.study import CaseRun
 from harness.studies.case_selection import SAME_CELL, Answer, Place, filled
+from reports.charts import Json
 from reports.charts.palette import look
 from reports.text.numbers import heading
 from reports.text.study_rows import SYMBOLS, Condition, family
-
-Json = dict[str, Any]
 
 FAMILIES: Final = ("none", "stands", "other", "wall", "overturns", "failed")
 COLOURS: Final = ("#ffffff", "#bfe0ee", "#b9bec6", "#E69F00", "#c8562d", "#000000")
 PALE: Final = {"stands": "#e3f2f8", "other": "#e3e5e9", "wall": "#f8e1b8", "overturns": "#edc3b3", "failed": "#808080"}
 """Places that were not computed, since all around them agree."""
 CODES: Final = (*FAMILIES, *(f"around {name}" for name in PALE))
-LEAST: Final = 5
+LEAST: Final = 3
 """Fewer values than this along an axis make no map: the table shows them better."""
 
 
@@ -38,37 +37,43 @@ class Grid:
     @property
     def falls(self) -> NDArray[np.bool_]:
         """Where the statue overturns, as computed or as all around agree."""
-        found: NDArray[np.bool_] = np.isin(self.codes, [CODES.index("overturns"), CODES.index("around overturns")])
-        return found
+        falling: NDArray[np.bool_] = np.isin(self.codes, [CODES.index("overturns"), CODES.index("around overturns")])
+        return falling
 
 
-def map_axes(found: Sequence[Condition], keys: Sequence[str]) -> tuple[str, str] | None:
+def numeric(conditions: Sequence[Condition], key: str) -> set[float]:
+    """The values that a key takes, none where one of them is no number."""
+    values = {item.varied[key] for item in conditions}
+    numbers = {value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)}
+    return numbers if len(numbers) == len(values) else set()
+
+
+def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str, str] | None:
     """The two numeric keys with most values, when both have enough of them to make a map (an amplitude is drawn upwards)."""
-    sizes = []
-    for key in keys:
-        values = {item.varied[key] for item in found}
-        if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-            sizes.append((len(values), key))
-    sizes = [item for item in sorted(sizes, reverse=True) if item[0] >= LEAST]
+    sizes = [
+        item
+        for item in sorted(((len(numeric(conditions, key)), key) for key in keys), reverse=True)
+        if item[0] >= LEAST
+    ]
     if len(sizes) < 2:
         return None
     first, second = sizes[0][1], sizes[1][1]
     return (second, first) if "amplitude" in first else (first, second)
 
 
-def map_figures(models: Sequence[str], found: Sequence[Condition], keys: Sequence[str]) -> list[tuple[str, Json]]:
+def map_figures(models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str]) -> list[tuple[str, Json]]:
     """For each combination of the remaining `keys`: all models' boundaries, then one map per model; empty when it is no map."""
-    axes = map_axes(found, keys)
+    axes = map_axes(conditions, keys)
     if axes is None:
         return []
     rest = [key for key in keys if key not in axes]
     groups: dict[tuple[Any, ...], list[Condition]] = {}
-    for item in found:
+    for item in conditions:
         groups.setdefault(tuple(item.varied[key] for key in rest), []).append(item)
     figures = []
     for values, members in groups.items():
         where = [f"{heading(key)} {value}" for key, value in zip(rest, values, strict=True)]
-        xs, ys = (sorted({item.varied[key] for item in members}) for key in axes)
+        xs, ys = (sorted({item.number(key) for item in members}) for key in axes)
         grids = [grid for model in models for grid in [_grid(model, members, axes, xs, ys)] if grid is not None]
         if len(grids) > 1:
             title = "Where the statue overturns: the boundary of each model"
@@ -86,7 +91,7 @@ def _grid(
     agreed: list[Place] = []
     for item in members:
         row = item.answers.get(model)
-        place: Place = (rows[item.varied[axes[1]]], columns[item.varied[axes[0]]])
+        place: Place = (rows[item.number(axes[1])], columns[item.number(axes[0])])
         if row is not None and row.run is not None:
             samples.setdefault(place, []).append(row.run)
         elif row is not None and row.reason == SAME_CELL:

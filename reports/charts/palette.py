@@ -9,6 +9,24 @@ INK: Final = "#1c2430"
 MUTED: Final = "#566070"
 HAIRLINE: Final = "#d5dbe3"
 
+DARK: Final = {
+    INK: "#e4e8ee", MUTED: "#a5b0bf", HAIRLINE: "#3a4553", "#0072b2": "#4ba6e0", "#d55e00": "#f58231", "#009e73": "#2fc79b",
+    "#56616f": "#9fabba", "#3a8fc7": "#6fb8e6", "#b07c00": "#d9a520", "#aa4499": "#d77fca", "#c2185b": "#ff7aa8",
+    "#0b6e4f": "#3fc18d", "#8c1d2f": "#ff8a96", "#8a6d00": "#d0aa2a", "#59636f": "#8793a3", "#6d6353": "#b3a78f",
+    "#dfd8cb": "#5d574b", "#e3e6ea": "#4a5563", "#fff": "#1a2028",
+}  # fmt: skip
+"""What stands for a colour of lines and texts where the reader's screen is dark: each at least as far from its ground."""
+
+
+def dark_css() -> str:
+    """Rules that turn the colours of pictures and keys on a dark screen; print stays light."""
+    rules = []
+    for light, dark in DARK.items():
+        rules += [f'svg [{part}="{light}" i]{{{part}:{dark}}}' for part in ("fill", "stroke")]
+        if len(light) == len(INK):  # shorter ones begin others
+            rules.append(f'[style*="--c: {light}" i]{{--c:{dark}!important}}')
+    return f"@media screen and (prefers-color-scheme:dark){{{''.join(rules)}}}"
+
 
 @dataclass(frozen=True)
 class Look:

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice, pairwise
 from typing import Any, Final
 
 import numpy as np
 
 from harness.model.run import PATTERN_NAMES
+from harness.records.scene import SceneRecord
+from reports.charts import Json
 from reports.charts.palette import PATTERN_LOOKS
 from reports.source import RunSource
 
-Json = dict[str, Any]
-
+BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
+"""Motion patterns of a statue without a pedestal."""
 MOST_STRETCHES: Final = 1500
 """Most stretches of motion pattern drawn per model; shorter ones than a pixel are drawn as their longest neighbour."""
+
+
+def pattern_words(scene: SceneRecord) -> Mapping[str, str]:
+    """The motion patterns in words, those of a statue without a pedestal as they are then."""
+    return PATTERN_NAMES if scene.pedestal is not None else {**PATTERN_NAMES, **BARE_PATTERNS}
 
 
 def pattern_strip(source: RunSource, axis: str) -> list[Json]:
     traces: list[Json] = []
     shown = {name: drawn_stretches(run.patterns) for name, run in source.runs.items() if run.patterns}
-    for pattern, words in PATTERN_NAMES.items():
+    for pattern, words in pattern_words(source.scene).items():
         rows = [(name, start, end) for name, all_ in shown.items() for start, end, which in all_ if which == pattern]
         if not rows:
             continue
@@ -46,7 +53,7 @@ def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHE
     if len(stretches) <= most:
         return stretches
     edges = np.linspace(stretches[0][0], stretches[-1][1], most + 1).tolist()
-    found: list[tuple[float, float, str]] = []
+    drawn: list[tuple[float, float, str]] = []
     first = 0
     for low, high in pairwise(edges):
         while stretches[first][1] <= low and first + 1 < len(stretches):
@@ -57,8 +64,8 @@ def drawn_stretches(patterns: Sequence[Sequence[Any]], most: int = MOST_STRETCHE
                 break
             shares[name] = shares.get(name, 0.0) + min(end, high) - max(start, low)
         longest = max(shares, key=lambda name: shares[name])
-        if found and found[-1][2] == longest:
-            found[-1] = (found[-1][0], high, longest)
+        if drawn and drawn[-1][2] == longest:
+            drawn[-1] = (drawn[-1][0], high, longest)
         else:
-            found.append((low, high, longest))
-    return found
+            drawn.append((low, high, longest))
+    return drawn

@@ -10,15 +10,18 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
+from reports.charts import Json
 from reports.charts.decimate import kept_samples
 from reports.charts.palette import HAIRLINE, INK, MUTED, solid
-from reports.charts.static_svg_axes import LETTER, MARGIN, Array, Axis, Json, axes, numbers
+from reports.charts.static_svg_axes import MARGIN, Array, Axis, axes, numbers
 from reports.charts.static_svg_heatmap import heatmap
-from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
+from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, area, box, line
 
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""
 KNOWN: Final = frozenset({"scatter", "bar", "heatmap"})
+NARROW_PX: Final = 500.0
+"""A picture narrower than this needs more rows for the names over it."""
 POINTS: Final = 1200
 """Most points of a curve: more than pixels across."""
 MARK_PX: Final = 3.5
@@ -54,6 +57,15 @@ def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture 
         else:
             shapes += _curve(trace, x, y, points)
     return Picture(width, height, [*shapes, *_notes(layout, places), *_legend(figure, width)])
+
+
+def picture_of(figure: Json, width_px: float, points: int) -> Picture:
+    """The figure drawn for print, with room for the names over it. Raises `LookupError` for kinds that have no still."""
+    room = {"top": 100.0 if width_px < NARROW_PX else 56.0}
+    drawn = picture({**figure, "layout": figure["layout"] | {"still": room}}, width_px, points)
+    if drawn is None:
+        raise LookupError("a figure for print holds a kind of chart that has no still picture")
+    return drawn
 
 
 def _text(x: float, y: float, text: str, anchor: str = "middle", **more: Any) -> Text:
@@ -122,7 +134,10 @@ def _curve(trace: Json, x: Axis, y: Axis, points: int) -> list[Shape]:
             if len(finite) > 1:
                 shapes.append(Path(_thinned(finite, points), colour, width, dash))
     if "markers" in mode:
-        shapes += [*_error_bars(trace, inside, y, colour), *_marks(trace, inside, seen, colour)]
+        bars = [
+            bar for axis, letter in ((x, "x"), (y, "y")) for bar in _error_bars(trace, inside, axis, letter, colour)
+        ]
+        shapes += [*bars, *_marks(trace, inside, seen, colour)]
     return shapes
 
 
@@ -149,15 +164,17 @@ def _marks(trace: Json, points_px: Array, seen: Any, colour: str) -> list[Shape]
     return shapes
 
 
-def _error_bars(trace: Json, points_px: Array, y: Axis, colour: str) -> list[Shape]:
-    """The interval of each point of which the trace gives one."""
-    errors = trace.get("error_y")
+def _error_bars(trace: Json, points_px: Array, along: Axis, letter: str, colour: str) -> list[Shape]:
+    """The interval of each point along one axis, of which the trace gives one."""
+    errors = trace.get(f"error_{letter}")
     if not errors:
         return []
-    values = numbers(trace["y"])
-    above = y.px(np.asarray(values) + errors["array"])
-    below = y.px(np.asarray(values) - errors.get("arrayminus", errors["array"]))
-    return [line([(a, high), (a, low)], colour) for (a, _), high, low in zip(points_px, above, below, strict=True)]
+    values = np.asarray(numbers(trace[letter]))
+    ends = along.px(values + errors["array"]), along.px(values - errors.get("arrayminus", errors["array"]))
+    return [
+        line([(a, high), (a, low)] if letter == "y" else [(low, b), (high, b)], colour)
+        for (a, b), high, low in zip(points_px, *ends, strict=True)
+    ]
 
 
 def _bars(trace: Json, x: Axis, y: Axis, number: int, beside: int) -> list[Shape]:

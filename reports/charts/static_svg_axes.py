@@ -11,14 +11,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.charts import Json
+from reports.drawing.shapes import LETTER
 from reports.text.numbers import short
 
-Json = Mapping[str, Any]
 Array = NDArray[np.float64]
 
 MARGIN: Final = {"left": 66.0, "right": 22.0, "top": 40.0, "bottom": 48.0}
-LETTER: Final = 7.2
-"""Width of a letter of the pictures' type in pixels, on average."""
 STEPS: Final = (1.0, 2.0, 5.0)
 
 
@@ -89,9 +88,9 @@ def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
     specs = {name: layout.get(f"{name[0]}axis{name[1:]}", {}) for name in sorted(names)}
     values = {name: _values(figure["data"], name) for name in specs}
     left = MARGIN["left"]
-    for name, found in values.items():
-        if name.startswith("y") and found and isinstance(found[0], str):
-            left = max(left, 24.0 + LETTER * max(len(text) for text in found))
+    for name, on_axis in values.items():
+        if name.startswith("y") and on_axis and isinstance(on_axis[0], str):
+            left = max(left, 24.0 + LETTER * max(len(text) for text in on_axis))
     room = {"bottom": layout.get("margin_bottom", MARGIN["bottom"]), "top": MARGIN["top"]} | layout.get("still", {})
     inner = {"x": (left, width - MARGIN["right"]), "y": (height - float(room["bottom"]), float(room["top"]))}
     made = {}
@@ -104,7 +103,7 @@ def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:
 
 def _values(traces: Sequence[Json], name: str) -> list[Any]:
     """Every value that the traces hold on an axis; a bar reaches from its base, or from nought."""
-    found: list[Any] = []
+    entries: list[Any] = []
     letter = name[0]
     for trace in traces:
         if trace.get(f"{letter}axis", letter) != name or letter not in trace:
@@ -113,8 +112,8 @@ def _values(traces: Sequence[Json], name: str) -> list[Any]:
         if trace["type"] == "bar" and (trace.get("orientation") == "h") == (letter == "x"):
             base = trace.get("base", [0.0] * len(data))
             data = [*base, *(start + size for start, size in zip(base, data, strict=True))]
-        found += data
-    return [value for value in found if isinstance(value, str) or (value is not None and math.isfinite(value))]
+        entries += data
+    return [value for value in entries if isinstance(value, str) or (value is not None and math.isfinite(value))]
 
 
 def _axis(spec: Json, values: Sequence[Any], start_px: float, end_px: float) -> Axis:

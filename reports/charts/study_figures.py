@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.records.study import Panel
-from reports.charts.palette import HAIRLINE, INK, MUTED, Look, faint, look
+from reports.charts import Json
+from reports.charts.palette import HAIRLINE, Look, faint, look
+from reports.charts.static_svg import picture_of
+from reports.drawing.effects_figures import Curve, rose_of
+from reports.drawing.shapes import Picture, titled
 from reports.pages.assets import packed_array
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
-
-Json = dict[str, Any]
 
 FLOOR_COLOUR: Final = "#0072B2"
 PEDESTAL_COLOUR: Final = "#D55E00"
@@ -28,8 +30,13 @@ PANEL_CURVES: Final = (
     ("pedestal", "slip_m", 0.1, SLIP_COLOUR, "slip of the pedestal (m ÷ 10)"),
 )
 """What a panel shows of a condition: setting, curve, factor, colour, words."""
+PANEL_POINTS: Final = 150
+"""Points of a curve in a small panel of a page's still."""
 LEAST_RUNS: Final = 10
 """Runs at one level below which a share says little."""
+
+LEAST_DIRECTIONS: Final = 4
+"""Directions in which the statue overturns below which a rose says little."""
 
 
 def panel_data(panels: Sequence[Panel]) -> Json:
@@ -54,37 +61,53 @@ def panel_data(panels: Sequence[Panel]) -> Json:
     }
 
 
-def panels_figure(group: Sequence[Mapping[str, Any]], model: str) -> Json:
+def panel_groups(panels: Sequence[Panel] | None) -> list[list[Panel]]:
+    """The panels of each restitution."""
+    groups: dict[float, list[Panel]] = {}
+    for panel in panels or ():
+        groups.setdefault(panel.restitution, []).append(panel)
+    return list(groups.values())
+
+
+def panels_picture(group: Sequence[Panel], model: str, width_px: float, points: int) -> Picture:
+    """The arrangement of the paper's figures 7 to 9 for one model, named over it."""
+    drawn = picture_of(panels_figure(group, model), width_px, points)
+    return titled(drawn, f"{model}, r = {group[0].restitution:g}")
+
+
+def panels_figure(group: Sequence[Panel], model: str) -> Json:
     """One model's panels of one restitution, arranged as in the paper's figures 7 to 9: amplitudes across, frequencies down."""
-    amplitudes = sorted({panel["amplitude_g"] for panel in group})
-    frequencies = sorted({panel["frequency_hz"] for panel in group})
+    amplitudes = sorted({panel.amplitude_g for panel in group})
+    frequencies = sorted({panel.frequency_hz for panel in group})
     wide, high = 1.0 / len(amplitudes), 1.0 / len(frequencies)
     data: list[Json] = []
     notes: list[Json] = []
     layout: Json = {"height": 92 + 118 * len(frequencies), "showlegend": True}
+    curves_shown = [curve for panel in group for curve in panel.curves.get(model, {}).values()]
+    end_s = max((float(curve.t_s[-1]) for curve in curves_shown), default=1.0)
     for number, panel in enumerate(group):
         x, y = (f"{letter}{number + 1 if number else ''}" for letter in "xy")
-        column, row = amplitudes.index(panel["amplitude_g"]), frequencies.index(panel["frequency_hz"])
+        column, row = amplitudes.index(panel.amplitude_g), frequencies.index(panel.frequency_hz)
         left, top = column * wide, 1.0 - row * high
         lowest = row == len(frequencies) - 1
         layout[x.replace("x", "xaxis")] = {
-            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5,
+            "domain": [left, left + 0.84 * wide], "anchor": y, "nticks": 5, "range": [0.0, end_s],
             "title": {"text": "time  [s]" if lowest else ""},
         }  # fmt: skip
         layout[y.replace("y", "yaxis")] = {
             "domain": [top - 0.62 * high, top], "anchor": x, "range": [-SHOWN_RAD, SHOWN_RAD], "nticks": 5,
             "title": {"text": "" if column else "θ  [rad]"},
         }  # fmt: skip
-        curves = panel["curves"].get(model, {})
+        curves = panel.curves.get(model, {})
         for setting, name, scale, colour, words in PANEL_CURVES:
             if setting in curves:
                 data.append({
-                    "type": "scatter", "mode": "lines", "x": curves[setting]["t_s"], "xaxis": x, "yaxis": y, "name": words,
-                    "y": (scale * np.asarray(curves[setting][name])).tolist(), "line": {"color": colour, "width": 1.4},
+                    "type": "scatter", "mode": "lines", "x": curves[setting].t_s, "xaxis": x, "yaxis": y, "name": words,
+                    "y": (scale * np.asarray(getattr(curves[setting], name))).tolist(), "line": {"color": colour, "width": 1.4},
                     "showlegend": words not in {trace["name"] for trace in data},
                 })  # fmt: skip
         if curves:
-            words = f"{panel['amplitude_g']:g} g, {panel['frequency_hz']:g} Hz"
+            words = f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
             notes.append({
                 "xref": f"{x} domain", "x": 0, "yref": f"{y} domain", "y": 1, "yanchor": "bottom", "xanchor": "left",
                 "text": words,
@@ -92,7 +115,7 @@ def panels_figure(group: Sequence[Mapping[str, Any]], model: str) -> Json:
     return {"data": data, "layout": layout | {"annotations": notes}}
 
 
-def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str) -> Json | None:
+def fragility_figure(models: Sequence[str], conditions: Sequence[Condition], key: str) -> Json | None:
     """Share of overturned runs against an intensity, with 95 % intervals and the lognormal fit with its band.
 
     Everything else that varies is pooled. None unless some model has at least three levels of ten runs each.
@@ -101,7 +124,7 @@ def fragility_figure(models: Sequence[str], found: Sequence[Condition], key: str
     engines = [model.partition(" (")[0] for model in models]
     for number, model in enumerate(models):
         levels: dict[float, list[bool]] = {}
-        for item in found:
+        for item in conditions:
             row = item.answers.get(model)
             if row is not None and row.run is not None and family(row.run.outcome) != "failed":
                 levels.setdefault(float(item.varied[key]), []).append(family(row.run.outcome) == "overturns")
@@ -146,39 +169,29 @@ def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) 
     return [plain | around, plain | fitted, points]
 
 
-def rose_figure(models: Sequence[str], found: Sequence[Condition]) -> Json | None:
+def rose_picture(models: Sequence[str], conditions: Sequence[Condition]) -> Picture | None:
     """Least amplitude that overturns the statue, by direction of shaking; None without azimuths and amplitudes."""
-    keys = list(found[0].varied) if found else []
+    keys = list(conditions[0].varied) if conditions else []
     turn = next((key for key in keys if key.endswith("azimuth_deg")), None)
     size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
     if turn is None or size is None:
         return None
-    data: list[Json] = []
     engines = [model.partition(" (")[0] for model in models]
+    drawn: list[Curve] = []
     for number, model in enumerate(models):
-        least: dict[float, float] = {}
-        for item in found:
+        least: dict[float, float | None] = {}
+        for item in conditions:
             row = item.answers.get(model)
-            if row is not None and row.run is not None and family(row.run.outcome) == "overturns":
-                angle = float(item.varied[turn])
-                least[angle] = min(least.get(angle, np.inf), float(item.varied[size]))
-        if len(least) < 4:
-            continue
-        style = look(engines[number], engines)
-        angles = sorted(least)
-        data.append(
-            {
-                "type": "scatterpolar", "mode": "lines+markers", "name": model, "theta": [*angles, angles[0]],
-                "r": [least[angle] for angle in [*angles, angles[0]]], "line": {"color": style.colour, "dash": style.dash},
-            }
-        )  # fmt: skip
-    if not data:
+            if row is None or row.run is None:
+                continue
+            angle, size_of = float(item.varied[turn]), float(item.varied[size])
+            known = least.setdefault(angle, None)
+            if family(row.run.outcome) == "overturns":
+                least[angle] = size_of if known is None else min(known, size_of)
+        if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
+            style = look(engines[number], engines)
+            drawn.append(Curve(model, sorted(least.items()), style.colour, style.dash, style.width + 0.4))
+    if not drawn:
         return None
-    radial = {"title": {"text": heading(size)}, "rangemode": "tozero", "gridcolor": HAIRLINE}
-    return {
-        "data": data,
-        "layout": {
-            "height": 520, "polar": {"angularaxis": {"rotation": 0, "color": MUTED}, "radialaxis": radial},
-            "font": {"color": INK}, "legend": {"orientation": "h", "y": 1.08, "yanchor": "bottom"},
-        },
-    }  # fmt: skip
+    most = max(float(item.varied[size]) for item in conditions)
+    return rose_of(drawn, most, " g" if size.endswith("_g") else "")

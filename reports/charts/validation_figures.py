@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 from harness.records.sets import ReliabilityBin
 from harness.records.validation import ValidationRecord
 from harness.validation.scenes import GRAVITY_M_S2
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, INK, faint, look
-
-Json = dict[str, Any]
 
 BASELINE: Final = "PGV threshold"
 BASELINE_COLOUR: Final = "#8a6d00"

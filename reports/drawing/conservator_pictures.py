@@ -1,4 +1,4 @@
-"""The conservator's three pictures as plain SVG: how far the statue reaches, which push it bears, what gives way first."""
+"""The conservator's pictures as plain SVG: how far the statue reaches, on a plan too, the push it bears, what gives way first."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from markupsafe import Markup
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts.static_svg_axes import nice_ticks
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
+from reports.drawing.floor_plan import Plan
 from reports.drawing.kinematics import Array, section
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
 from reports.drawing.silhouette import silhouette_m
 from reports.source import RunSource
 from reports.text.giving_way import Level, bearing
-from reports.text.numbers import length, percent
+from reports.text.language import Language
 
 SIDE: Final = 420
 """Width and height of each picture in its own units."""
@@ -28,7 +29,7 @@ SHAKING: Final = "#c2185b"
 INK: Final = "#1c2430"
 
 
-def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title: str) -> Markup:
+def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title: str, say: Language) -> Markup:
     """The statue at rest, at its farthest leans (rotation in rad, slip in m) as outlines, on its pedestal, before its wall."""
     scene, shape = source.scene, section(source.scene)
     outline = silhouette_m(scene, source.mesh)
@@ -62,15 +63,15 @@ def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title:
     if at_wall is not None and wall is not None:
         x = float(place(np.array([[at_wall, 0.0]]))[0, 0])
         inwards = 0.0 if wall.side == "right" else -12.0
-        shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, "wall", colour=INK)]
-    return _picture([*shapes, *_top_shift(outline, leans, place)]).svg(title, "plain")
+        shapes += [box(x + inwards, 20, 12, ground - 20, "#8a94a3"), Text(x, 14, say("reach.wall"), colour=INK)]
+    return _picture([*shapes, *_top_shift(outline, leans, place, say)]).svg(title, "plain")
 
 
 def _picture(shapes: Sequence[Shape], height: float = SIDE) -> Picture:
     return Picture(SIDE, height, shapes, type_px=15.0)
 
 
-def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[Shape]:
+def _top_shift(outline: Array, leans: Sequence[Array], place: Any, say: Language) -> list[Shape]:
     """How far the outline's highest point moves to each side, written above it."""
     peak = int(np.argmax(outline[:, 1]))
     rest = place(outline[peak : peak + 1])[0]
@@ -81,7 +82,7 @@ def _top_shift(outline: Array, leans: Sequence[Array], place: Any) -> list[Shape
         anchor, beside = ("start", 6) if moved > 0 else ("end", -6)
         shapes += [
             line([(rest[0], 30), (x, 30)], SHAKING, 3.0),
-            Text(x + beside, 34, length(abs(moved)), anchor, SHAKING),
+            Text(x + beside, 34, say.length(abs(moved)), anchor, SHAKING),
         ]
     return shapes
 
@@ -91,6 +92,7 @@ def push_svg(
     motion: MotionRecord | None,
     slips: Sequence[float],
     title: str,
+    say: Language,
     borne: Array | None = None,
 ) -> Markup:
     """Seen from above: the steady pushes, as shares of the weight, under which the statue keeps still, and the shaking.
@@ -123,16 +125,61 @@ def push_svg(
         shapes.append(line(place(shaking), SHAKING, 1.2))
     diagonal = middle - 0.7071 * scale * np.array(rings)
     shapes += [
-        Text(float(at), float(at) + 4, percent(ring), colour="#566070")
+        Text(float(at), float(at) + 4, say.percent(ring), colour="#566070")
         for at, ring in zip(diagonal, rings, strict=True)
     ]
-    shapes += [
-        Text(SIDE - 4, middle - 6, "right", "end", INK),
-        Text(4, middle - 6, "left", "start", INK),
-        Text(middle, 16, "back", colour=INK),
-        Text(middle, SIDE - 8, "front", colour=INK),
-    ]
+    shapes += _compass(say)
     return _picture(shapes).svg(title, "plain")
+
+
+def _compass(say: Language) -> list[Shape]:
+    """The names of the four sides at the rims of a picture seen from above."""
+    middle = SIDE / 2
+    return [
+        Text(SIDE - 4, middle - 6, say("side.right"), "end", INK),
+        Text(4, middle - 6, say("side.left"), "start", INK),
+        Text(middle, 16, say("side.back"), colour=INK),
+        Text(middle, SIDE - 8, say("side.front"), colour=INK),
+    ]
+
+
+def plan_svg(source: RunSource, plan: Plan, title: str, say: Language) -> Markup:
+    """Seen from above: the outline at rest, what holds every position of it, the pedestal, the wall; the room by side."""
+    stone, wall = source.scene.pedestal, source.scene.wall
+    corners = [plan.rest_m, plan.moved_m]
+    if stone is not None:
+        half = 0.5 * np.array([stone.width_m, stone.depth_m])
+        centre = [0.5 * (source.scene.statue.corner_right_m - source.scene.statue.corner_left_m) + stone.offset_m, 0.0]
+        corners.append(centre + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
+    low, high = np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
+    scale = (SIDE - 4 * MARGIN) / float((high - low).max())
+
+    def place(points: Array) -> Array:
+        seen = scale * (points - 0.5 * (low + high))
+        return np.column_stack([SIDE / 2 + seen[:, 0], SIDE / 2 - seen[:, 1]])
+
+    shapes: list[Shape] = [] if stone is None else [Path(place(corners[2]), "#59636f", 1.2, closed=True)]
+    shapes += [
+        area(place(plan.rest_m), "#dfd8cb", "#6d6353", 1.5),
+        Path(place(plan.moved_m), SHAKING, 1.6, "5 4", closed=True),
+    ]
+    if wall is not None:
+        side = 1.0 if wall.side == "right" else -1.0
+        edge = source.scene.statue.corner_right_m if side > 0 else source.scene.statue.corner_left_m
+        x = float(place(np.array([[side * (edge + wall.distance_m), 0.0]]))[0, 0])
+        # A wall farther away than the picture reaches is not drawn; its distance stands in words.
+        if 0.0 < x < SIDE:
+            shapes.append(box(x if side > 0 else x - 8, 20, 8, SIDE - 40, "#8a94a3"))
+    ends = place(np.array([plan.moved_m.min(axis=0), plan.moved_m.max(axis=0)]))
+    at = {
+        "left": (ends[0, 0] - 6, SIDE / 2 + 16, "end"), "right": (ends[1, 0] + 6, SIDE / 2 + 16, "start"),
+        "front": (SIDE / 2, ends[0, 1] + 18, "middle"), "back": (SIDE / 2, ends[1, 1] - 8, "middle"),
+    }  # fmt: skip
+    shapes += [
+        Text(float(at[side][0]), float(at[side][1]), f"+{say.length(room)}", at[side][2], SHAKING)
+        for side, room in plan.room_m.items()
+    ]
+    return _picture([*shapes, *_compass(say)]).svg(title, "plain")
 
 
 def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
@@ -146,7 +193,7 @@ def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
     return -alone / gravity_m_s2
 
 
-def order_svg(levels: Sequence[Level], peak: float | None, title: str) -> Markup:
+def order_svg(levels: Sequence[Level], peak: float | None, title: str, say: Language) -> Markup:
     """What gives way first: bars from weak to strong, the shaking's strongest push a line."""
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
@@ -156,10 +203,10 @@ def order_svg(levels: Sequence[Level], peak: float | None, title: str) -> Markup
         y, size = 52 + row * k, wide * level.push / most
         colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
         shapes += [Text(10, y, level.words, "start", INK), box(10, y + 8, size, 26, colour)]
-        shapes.append(Text(16 + size, y + 26, percent(level.push), "start", INK))
+        shapes.append(Text(16 + size, y + 26, say.percent(level.push), "start", INK))
     if peak is not None:
         x = 10 + wide * peak / most
         shapes.append(line([(x, 24), (x, height - 8)], SHAKING, 2.0, "6 4"))
         anchor = "end" if x > SIDE / 2 else "start"
-        shapes.append(Text(x, 18, f"this shaking: {percent(peak, 3)}", anchor, SHAKING))
+        shapes.append(Text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
     return _picture(shapes, height).svg(title, "plain")

@@ -14,8 +14,8 @@ from reports.drawing.kinematics import Section
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
-MOST_FACES: Final = 20_000
-"""More faces than this do not show on a page, and would make it slow on a telephone."""
+MOST_FACES: Final = 8_000
+"""More faces than this do not show on a page: shaded smoothly, each is some six pixels wide; they would make it large."""
 CREASE_COS: Final = float(np.cos(np.radians(38.0)))
 """Faces that meet at a sharper angle are drawn with an edge between them, as at a plinth."""
 BUSY_VERTEX: Final = 256
@@ -85,8 +85,8 @@ def _creased(vertices: Array, faces: Faces, source_faces: int) -> DisplayMesh:
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(length > 0.0, length, 1.0)
     keys = np.column_stack([faces.ravel(), np.round(normals * 60.0).astype(np.int64)])
-    _, kept, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return DisplayMesh(vertices[faces.ravel()[kept]], normals[kept], inverse.reshape(-1, 3), source_faces)
+    _, unique_at, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return DisplayMesh(vertices[faces.ravel()[unique_at]], normals[unique_at], inverse.reshape(-1, 3), source_faces)
 
 
 def _corner_pairs(vertex_of_corner: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -1,17 +1,17 @@
-"""The pictures of an effects study as inline SVG: the rose of overturning amplitudes, and each condition's effect."""
+"""The pictures of an effects study: the rose of overturning amplitudes, and each condition's effect."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from markupsafe import Markup
 
 from harness.records.effects3d import Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
+from reports.charts.static_svg_axes import nice_ticks
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
 
 SIZE: Final = 640.0
@@ -22,6 +22,10 @@ LABELS: Final = 300.0
 """Width of the conditions' names."""
 RIGHT: Final = 40.0
 """Room beside the last mark of the scale, for its label."""
+RINGS: Final = 6
+"""Most rings of a rose."""
+KEY_ROW: Final = 20.0
+"""Height of a name in a rose's key."""
 BASELINE: Final = "shaken along one direction"
 SIDES_COLOUR: Final = "#8a6d00"
 
@@ -42,24 +46,33 @@ class Curve:
 def curves(record: EffectsRecord) -> list[Curve]:
     """The curves of a record: every engine's, and the planar model asked at the base's sides."""
     engines = record.engines
-    found = []
+    drawn = []
     for name in engines[::-1]:
         points = [(row.azimuth_deg, row.peak_g) for row in record.amplitudes(name, BASELINE)]
         style = look(name, engines)
-        found.append(Curve(name, points, style.colour, style.dash.replace("px", ""), style.width + 0.4))
+        drawn.append(Curve(name, points, style.colour, style.dash, style.width + 0.4))
     sides = [(row.azimuth_deg, row.projected_g) for row in record.static]
-    return [*found, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
+    return [*drawn, Curve("analytic, at the base's sides", sides, SIDES_COLOUR, "1.5,4", 2.6)]
 
 
-def rose(record: EffectsRecord) -> Markup:
+def rose(record: EffectsRecord) -> Picture:
     """The least peak that overturns by direction; curves end on the rim where it does not overturn up to the most tried."""
     most = record.study.search.most_g
     lifts = [_place(row.azimuth_deg, row.lifts_g, most) for row in record.static]
-    shapes = [*_rings(most), *_base(record), *_band(record.bands, most), area(lifts, "#cdd3da", opacity=0.55)]
-    for curve in curves(record):
-        shapes += _curve(curve, most)
-    words = "Least peak acceleration of the floor that overturns the statue, by direction of shaking, in every model."
-    return Picture(SIZE, SIZE, shapes).svg(words)
+    under = [*_base(record), *_band(record.bands, most), area(lifts, "#cdd3da", opacity=0.55)]
+    return rose_of(curves(record), most, " g", under)
+
+
+def rose_of(drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shape] = ()) -> Picture:
+    """Closed curves by direction of shaking out to `most`, over the shapes `under` them, with a key below."""
+    shapes = [*_rings(most, unit), *under]
+    for curve in drawn:
+        shapes += _curve(curve, most, unit)
+    for k, curve in enumerate(drawn):
+        y = SIZE + 12.0 + KEY_ROW * k
+        shapes.append(line([(40.0, y), (72.0, y)], curve.colour, curve.width, _dash(curve)))
+        shapes.append(Text(80.0, y + 4.0, curve.name, "start"))
+    return Picture(SIZE, SIZE + KEY_ROW * len(drawn) + 8.0, shapes)
 
 
 def _place(azimuth_deg: float, peak_g: float, most_g: float) -> tuple[float, float]:
@@ -68,10 +81,9 @@ def _place(azimuth_deg: float, peak_g: float, most_g: float) -> tuple[float, flo
     return SIZE / 2.0 + r * math.cos(angle), SIZE / 2.0 - r * math.sin(angle)
 
 
-def _rings(most_g: float) -> list[Shape]:
-    step = 0.2 if most_g > 0.6 else 0.1
+def _rings(most_g: float, unit: str) -> list[Shape]:
     centre = SIZE / 2.0
-    values = [step * k for k in range(1, math.floor(most_g / step + 1e-9) + 1)]
+    values = nice_ticks(0.0, most_g, RINGS)[1:]
     shapes: list[Shape] = [Disc(centre, centre, RADIUS * value / most_g, stroke=HAIRLINE) for value in values]
     for azimuth in range(0, 360, 30):
         x, y = _place(azimuth, most_g, most_g)
@@ -80,7 +92,7 @@ def _rings(most_g: float) -> list[Shape]:
         shapes.append(Text(x + out[0], y + out[1] + 4.0, f"{azimuth}°", colour=MUTED))
     for value in values:
         x, y = _place(75.0, value, most_g)
-        shapes.append(Text(x, y + 4.0, f"{value:.1f} g", colour=MUTED, halo=True))
+        shapes.append(Text(x, y + 4.0, f"{value:g}{unit}", colour=MUTED, halo=True))
     return shapes
 
 
@@ -107,17 +119,20 @@ def _band(bands: Sequence[Band], most_g: float) -> list[Shape]:
     ]  # fmt: skip
 
 
-def _curve(curve: Curve, most_g: float) -> list[Shape]:
-    dash = "" if curve.dash == "solid" else curve.dash.replace(",", " ")
+def _dash(curve: Curve) -> str:
+    return "" if curve.dash == "solid" else curve.dash.replace("px", "").replace(",", " ")
+
+
+def _curve(curve: Curve, most_g: float, unit: str) -> list[Shape]:
     places = [_place(azimuth, most_g if peak is None else peak, most_g) for azimuth, peak in curve.points]
-    shapes: list[Shape] = [Path(np.array(places), curve.colour, curve.width, dash, closed=True)]
+    shapes: list[Shape] = [Path(np.array(places), curve.colour, curve.width, _dash(curve), closed=True)]
     for (azimuth, peak), (x, y) in zip(curve.points, places, strict=True):
-        tip = f"{curve.name}, {azimuth:g}°: " + ("stands" if peak is None else f"{peak:.3f} g")
+        tip = f"{curve.name}, {azimuth:g}°: " + ("stands" if peak is None else f"{peak:.3f}{unit}")
         shapes.append(Disc(x, y, 3.0, "#fff" if peak is None else curve.colour, curve.colour, title=tip))
     return shapes
 
 
-def changes(record: EffectsRecord, words: Mapping[str, str]) -> Markup:
+def changes(record: EffectsRecord) -> Picture:
     """Each condition's change of the overturning amplitude: one dot for a direction, a bar for the median, by engine."""
     items = record.effects
     conditions = list(dict.fromkeys(item.condition for item in items))
@@ -128,14 +143,13 @@ def changes(record: EffectsRecord, words: Mapping[str, str]) -> Markup:
     shapes = [*_scale(most, height), *_uncertainty(items, most, height)]
     for number, condition in enumerate(conditions):
         top = 34.0 + ROW * number
-        shapes.append(Text(LABELS - 12.0, top + 0.62 * ROW, words.get(condition, condition), "end"))
+        shapes.append(Text(LABELS - 12.0, top + 0.62 * ROW, condition, "end"))
         shapes.append(line([(0.0, top + ROW), (WIDE, top + ROW)], HAIRLINE, opacity=0.6))
         for item in items:
             if item.condition == condition:
                 shift = (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
                 shapes += _dots(item, top + ROW * shift, most, look(item.engine, engines).colour)
-    said = "Change of the overturning amplitude under each condition, in per cent, one dot for each direction."
-    return Picture(WIDE, height, shapes).svg(said, style="min-width: 700px")
+    return Picture(WIDE, height, shapes)
 
 
 def _x(relative: float, most: float) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from harness.model.history import History
 from harness.model.run import to_plain
 from harness.records.scene import MotionRecord
+from reports.charts.event import run_event_s
 from reports.charts.palette import look
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, section
@@ -36,6 +37,7 @@ def replay_payload(source: RunSource) -> str:
     names = list(source.runs)
     payload = {
         "step_s": step,
+        "begin_s": run_event_s(source)[0],
         "end_s": end,
         "corner_left_m": shape.corner_left_m,
         "corner_right_m": shape.corner_right_m,
@@ -47,7 +49,7 @@ def replay_payload(source: RunSource) -> str:
         "mesh": {
             "positions": packed_array(mesh.vertices_m, "f4"),
             "normals": packed_array(np.round(127.0 * mesh.normals), "i1"),
-            "index": packed_array(mesh.faces, "u4"),
+            "index": packed_array(mesh.faces, "u2" if len(mesh.vertices_m) <= 2**16 else "u4"),
             "faces": len(mesh.faces),
             "source_faces": mesh.source_faces,
             "own": source.mesh is not None,

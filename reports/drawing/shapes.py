@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
+from textwrap import wrap
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+LETTER: Final = 7.2
+"""Width of a letter of the pictures' type in pixels, on average."""
+HEAD_PX: Final = 22.0
+"""Height of a line of title over a picture."""
 ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
 """Where a text stands at its place, in the words of SVG and of print."""
 
@@ -150,3 +155,11 @@ def moved(shapes: Iterable[Shape], dx: float, dy: float) -> list[Shape]:
         else replace(shape, x=shape.x + dx, y=shape.y + dy)
         for shape in shapes
     ]
+
+
+def titled(drawn: Picture, words: str) -> Picture:
+    """A picture with a line of title over it, in as many lines as it needs."""
+    lines = wrap(words, max(20, int((drawn.width - 16.0) / LETTER)))
+    heads = [Text(8.0, 16.0 + 16.0 * k, text, "start") for k, text in enumerate(lines)]
+    room = HEAD_PX + 16.0 * (len(lines) - 1)
+    return Picture(drawn.width, drawn.height + room, [*heads, *moved(drawn.shapes, 0.0, room)])

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.model.errors import InputError, Mistake
-from harness.records.base import Record, plain
+from harness.records.base import Record
+from harness.records.effects3d import EffectsRecord
 from harness.records.kinds import read_result
 from harness.records.result_folder import check_marked
 from harness.records.run import RunRecord
-from harness.records.study import StudyRecord
+from harness.records.study import Panel, StudyRecord
 from reports.charts.histories import histories_figure
-from reports.charts.static_svg import picture
-from reports.charts.study_figures import panels_figure
-from reports.drawing.shapes import Picture, Text, moved
+from reports.charts.static_svg import picture_of
+from reports.charts.study_figures import panel_groups, panels_picture, rose_picture
+from reports.drawing.effects_figures import changes, rose
+from reports.drawing.shapes import Picture, titled
 from reports.export.paper import pixels_across, write_picture
+from reports.pages.page import PAGES
 from reports.source import RunSource, source_of
+from reports.text.pedestal_effect import pedestal_effect
+from reports.text.study_rows import conditions
 
 WIDTHS_MM: Final = {"column": 85.0, "page": 178.0}
 """A column and a page of most journals."""
 FORMATS: Final = ("png", "svg", "pdf")
+NAMES: Final = {"figure": "histories", "chart": "fragility"}
+"""Names of figures whose pages call them otherwise."""
 POINTS: Final = 2400
 """Most points of a printed curve: more than dots across a page at 300 dpi."""
-NARROW_PX: Final = 500.0
-"""A picture narrower than this needs more rows for the names over it."""
-HEAD_PX: Final = 22.0
-"""Height of a line of title over a picture."""
 
 
 def write_figures(
@@ -47,7 +52,7 @@ def write_figures(
     record = read_result(folder)
     pictures = dict(_pictures(folder, record, pixels_across(WIDTHS_MM[width]), model))
     if not pictures:
-        raise InputError(Mistake(str(folder), "", "a record with histories or panels", f"a {record.kind} without"))
+        raise InputError(Mistake(str(folder), "", "a record with charts", f"a {record.kind} without"))
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}
@@ -56,52 +61,59 @@ def write_figures(
 
 
 def _pictures(folder: Path, record: Record, width_px: float, model: str | None) -> Iterator[tuple[str, Picture]]:
-    """The name and the picture of each figure of a record."""
+    """The name and the picture of each figure of a record: every chart of its page."""
     if isinstance(record, RunRecord):
         source = source_of(folder, record)
         if source.histories:
             yield "histories", histories_picture(source, width_px)
-    for group in _groups(record) if isinstance(record, StudyRecord) else []:
+        return
+    if isinstance(record, EffectsRecord):
+        yield "rose", as_wide(rose(record), width_px)
+        yield "effects", as_wide(changes(record), width_px)
+        return
+    values = import_module(PAGES[record.kind]).context(folder, record)
+    for name, words, figure in values.get("charts") or ():
+        yield name, titled(picture_of(figure, width_px, POINTS), words)
+    for name, value in values.items():
+        if isinstance(value, dict) and {"data", "layout"} <= value.keys():
+            yield NAMES.get(name, name), picture_of(value, width_px, POINTS)
+    if isinstance(record, StudyRecord):
+        yield from _study_pictures(record, width_px, model)
+
+
+def _study_pictures(record: StudyRecord, width_px: float, model: str | None) -> Iterator[tuple[str, Picture]]:
+    """What a study's page shows beside its charts: panels, what the pedestal changes, a rose."""
+    for group in panel_groups(record.panels):
         chosen = _chosen(group, model)
-        name = f"panels_{group[0]['restitution']:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
-        yield name, panels_picture(group, chosen, width_px)
+        name = f"panels_{group[0].restitution:g}_{chosen}".replace(" ", "_").replace("(", "").replace(")", "")
+        yield name, panels_picture(group, chosen, width_px, POINTS)
+    models, cases = conditions(record.rows)
+    effect = pedestal_effect(record, models, cases)
+    for name, words, figure in () if effect is None else effect.charts:
+        yield name, titled(picture_of(figure, width_px, POINTS), words)
+    drawn = rose_picture(models, cases)
+    if drawn is not None:
+        yield "rose", as_wide(drawn, width_px)
 
 
-def _groups(record: StudyRecord) -> list[list[Mapping[str, Any]]]:
-    groups: dict[float, list[Mapping[str, Any]]] = {}
-    for panel in map(plain, record.panels or ()):
-        groups.setdefault(panel["restitution"], []).append(panel)
-    return list(groups.values())
-
-
-def _chosen(group: Sequence[Mapping[str, Any]], model: str | None) -> str:
-    known = list(dict.fromkeys(name for panel in group for name in panel["curves"]))
+def _chosen(group: Sequence[Panel], model: str | None) -> str:
+    known = list(dict.fromkeys(name for panel in group for name in panel.curves))
     if model is not None and model not in known:
         raise InputError(Mistake("--model", "", f"one of {', '.join(known)}", repr(model)))
     return model or known[0]
 
 
 def histories_picture(source: RunSource, width_px: float) -> Picture:
-    """The page's histories of all models, with the names of the motion patterns, which the page writes below them."""
+    """The page's histories of all models over the event, with the key of the motion patterns, which the page writes below."""
     figure = histories_figure(source)
     data = [trace | {"showlegend": True} if trace["type"] == "bar" else trace for trace in figure["data"]]
     layout = figure["layout"] | {"height": 0.8 * figure["layout"]["height"]}
-    return _drawn({"data": data, "layout": layout}, width_px)
+    return picture_of({"data": data, "layout": layout}, width_px, POINTS)
 
 
-def panels_picture(group: Sequence[Mapping[str, Any]], model: str, width_px: float) -> Picture:
-    """The arrangement of the paper's figures 7 to 9 for one model, named over it."""
-    drawn = _drawn(panels_figure(group, model), width_px)
-    title = Text(8.0, 16.0, f"{model}, r = {group[0]['restitution']:g}", "start")
-    return Picture(drawn.width, drawn.height + HEAD_PX, [title, *moved(drawn.shapes, 0.0, HEAD_PX)])
-
-
-def _drawn(figure: Mapping[str, Any], width_px: float) -> Picture:
-    room = {"top": 100.0 if width_px < NARROW_PX else 56.0}
-    drawn = picture({**figure, "layout": figure["layout"] | {"still": room}}, width_px, POINTS)
-    if drawn is None:
-        raise LookupError("a figure for print holds a kind of chart that has no still picture")
-    return drawn
+def as_wide(drawn: Picture, width_px: float) -> Picture:
+    """A picture of a size of its own as wide on paper as others: its letters stay as high as theirs."""
+    return replace(drawn, type_px=drawn.type_px * drawn.width / width_px)
 
 
 def main() -> None:

@@ -11,15 +11,12 @@ from harness.input.motions.inspect import DAMPING, PERIODS_S, Inspection, in_g
 from harness.input.motions.measures import arias_share
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.model.terminal import printable
+from reports.charts import Json
 from reports.charts.decimate import kept_samples
 from reports.charts.palette import MUTED
 from reports.charts.static_svg import picture
 from reports.drawing.shapes import Picture, Shape, Text, moved
 
-Json = dict[str, Any]
-
-WIDTH_MM: Final = 279.4
-"""A sheet's width: eleven inches, on which three histories and two charts beside them can be read."""
 ACROSS: Final = (770, 517)
 """Width in pixels of the histories, and of the charts beside them."""
 HEADS_PX: Final = 64
@@ -67,10 +64,10 @@ def _title(inspection: Inspection) -> tuple[str, str]:
 
 def _trace(x: Any, y: Any, colour: str, name: str = "", **more: Any) -> Json:
     """One curve; of more points than are drawn those that keep its peaks."""
-    kept = kept_samples(np.asarray(y), _MOST_POINTS)
+    samples = kept_samples(np.asarray(y), _MOST_POINTS)
     style = {"color": colour, "width": more.pop("width", 1.3), "dash": more.pop("dash", "solid")}
     return {
-        "type": "scatter", "mode": "lines", "x": np.asarray(x)[kept], "y": np.asarray(y)[kept], "line": style,
+        "type": "scatter", "mode": "lines", "x": np.asarray(x)[samples], "y": np.asarray(y)[samples], "line": style,
         "name": name, **more,
     }  # fmt: skip
 

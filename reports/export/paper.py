@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from harness.records.result_folder import MARK, writing
-from reports.charts.palette import INK
+from reports.charts.palette import INK, dark_css
 from reports.drawing.shapes import ANCHORS, Disc, Picture, Text
 from reports.drawing.shapes import Path as Line
 from reports.text.numbers import drawn_text
@@ -26,10 +27,12 @@ def pixels_across(width_mm: float, type_px: float = 13.0) -> float:
 
 
 def write_picture(picture: Picture, path: Path, dpi: int = DPI) -> Path:
-    """Write a picture as .png, .pdf or .svg, its type `TYPE_PT` high; the same picture always gives the same vector file."""
+    """Write a picture as .png, .pdf, .svg or .html, its type `TYPE_PT` high; one picture always gives one vector file."""
     kind = path.suffix[1:]
     with writing(path) as fresh:
-        if kind == "svg":
+        if kind == "html":
+            fresh.write_text(_html(picture, path.stem), encoding="utf-8")
+        elif kind == "svg":
             fresh.write_text(_svg(picture), encoding="utf-8")
         else:
             import matplotlib as mpl
@@ -39,6 +42,19 @@ def write_picture(picture: Picture, path: Path, dpi: int = DPI) -> Path:
             with mpl.rc_context({"pdf.fonttype": 42}):
                 figure(picture).savefig(fresh, format=kind, dpi=dpi, metadata=marked[kind])
     return path
+
+
+def _html(picture: Picture, name: str) -> str:
+    """A page of the picture alone, which fits its window and takes a dark screen's colours; its texts describe it."""
+    words = ". ".join(shape.text for shape in picture.shapes if isinstance(shape, Text) and len(shape.text) > 1)
+    look = (
+        "body{margin:0;background:#fff}svg{display:block;margin:auto;max-width:100%;height:96vh;font:13px sans-serif}"
+    )
+    dark = "@media screen and (prefers-color-scheme:dark){body{background:#1a2028}svg{fill:#e4e8ee}}"
+    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(name)}</title>'
+    style = f"<style>{look}{dark}{dark_css()}</style>"
+    body = f"<main>{picture.svg(words)}</main>"
+    return f'<!doctype html>\n<html lang="en"><head>{head}{style}</head>\n<!-- {MARK.decode()} -->\n<body>{body}</body></html>\n'
 
 
 def _svg(picture: Picture) -> str:

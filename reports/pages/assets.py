@@ -23,7 +23,7 @@ from reports.charts.static_svg import still
 from reports.pages.made_once import folder, made_once
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
-CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap", "scatterpolar"})
+CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})
 """The kinds of chart on all pages; the pages' chart library holds no others."""
 VIEWER_OWN_CODE: Final = "var camera,controls,scene,renderer,tracklight;"
 """Where trimesh's own page begins behind the three.js library in the viewer that its wheel ships."""
@@ -75,12 +75,17 @@ def json_for_script(value: Any) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
 
 
-def chart_json(figure: Mapping[str, Any]) -> Markup:
-    """A chart's figure as JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
+def packed_json(value: Any) -> str:
+    """JSON, packed."""
+    return pack_text(json.dumps(to_plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":")))
+
+
+def packed_chart(figure: Mapping[str, Any]) -> str:
+    """A chart's figure as packed JSON. Raises `LookupError` for a kind of chart that the pages' library does not hold."""
     unknown = {trace["type"] for trace in figure["data"]} - CHART_KINDS
     if unknown:
         raise LookupError(f"charts of kind {', '.join(sorted(unknown))} are left out of the pages: add to CHART_KINDS")
-    return json_for_script({**figure, "data": _shared(figure["data"])})
+    return packed_json({**figure, "data": _shared(figure["data"])})
 
 
 def _shared(traces: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -108,7 +113,7 @@ def _shown(value: Any) -> Any:
 def environment() -> Environment:
     """The templates, everything in them escaped, a missing value an error; compiled once for each state of theirs."""
     home = folder()
-    found = Environment(
+    templates = Environment(
         bytecode_cache=None if home is None else FileSystemBytecodeCache(str(home)),
         loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(default=True),
@@ -117,8 +122,13 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    found.filters |= {"script_json": json_for_script, "chart_json": chart_json, "still": still}
-    return found
+    templates.filters |= {
+        "script_json": json_for_script,
+        "packed_chart": packed_chart,
+        "packed_json": packed_json,
+        "still": still,
+    }
+    return templates
 
 
 def source_text(name: str) -> Markup:

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.records.bench import BenchRecord, PrecisionRow
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables
 from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
-
-Json = dict[str, Any]
 
 SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
 HEADS: Final = (

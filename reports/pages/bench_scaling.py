@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 from harness.records.bench import ScalingRow
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, MUTED, look
 from reports.text.numbers import heading
-
-Json = dict[str, Any]
 
 SYMBOLS: Final = {"duration_s": "circle", "mesh_vertices": "square", "runs": "diamond", "workers": "triangle-up"}
 PANELS: Final = {"wall_s": ("y", [0.42, 1.0], "time  [s]"), "memory_mb": ("y2", [0.0, 0.34], "memory  [MB]")}

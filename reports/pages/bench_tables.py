@@ -24,7 +24,7 @@ Table = tuple[str, list[str], list[tuple[str, list[str]]]]
 
 def tables(record: BenchRecord) -> dict[str, list[Table]]:
     """The tables by section, without those that are empty."""
-    found = {
+    candidates = {
         "choice": [
             _choice(record.choice, f"What {record.target_rad:g} rad takes, its own checks included"),
             _choice(record.seeded, "The same on the seeded scenes that meet it to the end"),
@@ -35,7 +35,7 @@ def tables(record: BenchRecord) -> dict[str, list[Table]]:
         "scaling": [_scaling(record.scaling)],
         "parts": [_parts(record.parts)],
     }
-    return {name: [item for item in items if item[2]] for name, items in found.items()}
+    return {name: [item for item in items if item[2]] for name, items in candidates.items()}
 
 
 def _choice(items: Sequence[Choice], caption: str) -> Table:
@@ -62,10 +62,10 @@ def _choice(items: Sequence[Choice], caption: str) -> Table:
     return caption, heads, rows
 
 
-def _coverage(found: Mapping[str, Covered]) -> Table:
+def _coverage(covered: Mapping[str, Covered]) -> Table:
     rows = [
         (name, [f"{item.inside} of {item.total}", ", ".join(map(str, item.missed)) or "–"])
-        for name, item in found.items()
+        for name, item in covered.items()
     ]
     return "How often the error lies within what the engine states", ["scenes", "missed (seed)"], rows
 
@@ -88,7 +88,7 @@ def _skips(items: Sequence[SkipRow]) -> Table:
 
 
 def _solvers(items: Sequence[SolverRow]) -> list[Table]:
-    found = []
+    lines = []
     heads = ["tolerance", "error [rad]", "time [s]", "steps or evaluations"]
     for case in dict.fromkeys(item.case for item in items):
         rows = [
@@ -101,8 +101,8 @@ def _solvers(items: Sequence[SolverRow]) -> list[Table]:
             for item in items
             if item.case == case
         ]  # fmt: skip
-        found.append((f"The analytic model and other solvers: {case}", heads, rows))
-    return found
+        lines.append((f"The analytic model and other solvers: {case}", heads, rows))
+    return lines
 
 
 def _throughput(rates: Mapping[str, Throughput]) -> Table:
@@ -117,13 +117,13 @@ def _throughput(rates: Mapping[str, Throughput]) -> Table:
     return "Outcomes of the compiled model", ["a second and core", "steps a run", "runs timed"], rows
 
 
-def _overhead(found: Mapping[str, float]) -> Table:
-    kinds = [name.removesuffix("_ratio") for name in found if name.endswith("_ratio")]
+def _overhead(ratios: Mapping[str, float]) -> Table:
+    kinds = [name.removesuffix("_ratio") for name in ratios if name.endswith("_ratio")]
     rows = [
-        (kind.replace("_", " "), [digits(found[f"{kind}_{what}"], 3) for what in ("run_s", "bare_s", "ratio")])
+        (kind.replace("_", " "), [digits(ratios[f"{kind}_{what}"], 3) for what in ("run_s", "bare_s", "ratio")])
         for kind in kinds
     ]
-    return "A whole pymunk run over a bare loop", ["run [s]", "bare loop [s]", "ratio"], rows
+    return "A whole pymunk run over a baseline loop", ["run [s]", "baseline loop [s]", "ratio"], rows
 
 
 def _scaling(items: Sequence[ScalingRow]) -> Table:

@@ -6,6 +6,8 @@ import shlex
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from harness.input.history_file import read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array, History
@@ -14,6 +16,7 @@ from harness.records.base import REWRITE
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
+from reports.charts.event import MOVED_SHARE, event_s
 from reports.charts.palette import HAIRLINE, MUTED, look
 from reports.pages.assets import packed_array
 from reports.text.glossary import score_rows
@@ -63,20 +66,22 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
             for name, history in zip(names, (a, b), strict=True)
         ]
     layout: dict[str, object] = {
-        "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False},
+        "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False,
+            "range": list(event_s((a, b), MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0)), float(both.t_s[-1])))},
         "hovermode": "x unified", "height": 560, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
     for number, (domain, title) in enumerate(ROWS[: 3 if slips else 2], start=1):
         layout[f"yaxis{number if number > 1 else ''}"] = {
             "domain": list(domain), "title": {"text": title}, "gridcolor": HAIRLINE, "zerolinecolor": MUTED, "automargin": True,
+            "fixedrange": True,
         }  # fmt: skip
     return {"data": data, "layout": layout}
 
 
 def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ...]) -> dict[str, Any]:
-    kept, style = kept_samples(values), look(name, names)
+    shown, style = kept_samples(values), look(name, names)
     return {
         "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
-        "x": packed_array(t_s[kept], "f4"), "y": packed_array(values[kept], "f4"),
+        "x": packed_array(t_s[shown], "f4"), "y": packed_array(values[shown], "f4"),
         "line": {"color": style.colour, "dash": style.dash, "width": style.width},
     }  # fmt: skip

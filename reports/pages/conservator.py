@@ -1,154 +1,168 @@
-"""The conservator's page of a run or a study: what happens to the statue, in plain words and three pictures."""
+"""The conservator's page of a run: what happens to the statue, in plain words and pictures; no model is named here."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from harness.model.history import Outcome
+from harness.records.assess import percent
 from harness.records.run import EngineRunRecord, RunRecord
-from reports.drawing.conservator_pictures import reach_svg
+from reports.drawing.conservator_pictures import plan_svg, reach_svg
+from reports.drawing.floor_plan import floor_plan
 from reports.drawing.kinematics import Array, section
 from reports.drawing.silhouette import silhouette_m
-from reports.pages.conservator_parts import LIMITS, Picture, end_words, order_picture, push_picture
+from reports.pages.conservator_parts import Picture, end_words, order_picture, page, push_picture
 from reports.source import RunSource, source_of
-from reports.text.chance import first_line
+from reports.text.chance import worse_tone, worst
 from reports.text.giving_way import support_of
-from reports.text.numbers import count_word, digits, length, listed, short
+from reports.text.language import ENGLISH, Language
 from reports.text.wording import AT_REST_RAD, horizon_s, motion_given, prediction_s
 
+VISIBLE_M: Final = 1e-4
+"""Less than a tenth of a millimetre is no movement to the eye."""
 
-def context(folder: Path, record: RunRecord) -> dict[str, object]:
+
+def context(folder: Path, record: RunRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Everything that the conservator's template shows of a run."""
-    source = source_of(folder, record)
-    return of_run(source) | {"title": record.title, "limits": LIMITS, "versions": record.versions}
+    return page(record.title, record.versions, of_run(source_of(folder, record), say), say)
 
 
-def of_run(source: RunSource) -> dict[str, object]:
+def of_run(source: RunSource, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of one run."""
     answered = {name: run for name, run in source.runs.items() if not run.outcome.failed}
-    headline, tone = first_line(source.record.assessment, *_headline(source, answered))
+    headline, tone, points = _answer(source, *_nominal(source, answered, say), say)
     scene, motion = source.scene, source.record.motion
     support = support_of(scene)
+    said = [*_who(source.runs, answered, say), *_lean(source, say), *_pedestal_slip(source, answered, say)]
+    pictures = [reach_picture(source, say), plan_picture(source, say), push_picture(scene, support, say, motion)]
     return {
         "headline": headline,
         "tone": tone,
-        "points": [*_who(source.runs, answered), *_lean(source), *_pedestal_slip(source, answered), *_trust(source)],
-        "pictures": [
-            reach_picture(source),
-            push_picture(scene, support, motion),
-            order_picture(scene, support, motion),
-        ],
+        "points": [*points, *said, *_trust(source, say)],
+        "pictures": [*pictures, order_picture(scene, support, say, motion)],
     }
 
 
-def _headline(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> tuple[str, str]:
-    ends = {end_words(run.outcome) for run in answered.values()}
-    begins = _begins(source)
+def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tuple[str, str, list[str]]:
+    """Headline, colour and first points: how probable a fall is where the record says so, then the run as given."""
+    if not source.record.assessment:
+        # One run is one draw: a shaking that it stands is no reason for green.
+        unknown = colour == "agree" and bool(source.record.motion.accel_m_s2)
+        return nominal, "differ" if unknown else colour, [say("chance.unknown")] if unknown else []
+    item, tone = worst(source.record.assessment), worse_tone(source.record.assessment, colour)
+    given = say("chance.given", what=nominal[0].lower() + nominal[1:])
+    if item.undecided >= 1.0:
+        return say("chance.open"), tone, [given]
+    share, low, high, left = (
+        percent(value).replace(".", say("decimal"))
+        for value in (item.probability_overturned, item.low, item.high, item.undecided)
+    )
+    open_ = [say("chance.undecided", share=left)] if item.undecided else []
+    return say("chance.falls", share=share, low=low, high=high), tone, [given, say("chance.cases"), *open_]
+
+
+def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> tuple[str, str]:
+    """What happens with the values as given, and its colour."""
+    ends = {end_words(run.outcome, say) for run in answered.values()}
+    begins = _begins(source, say)
     if not ends:
-        return "No model could compute what happens to the statue", "failed"
+        return say("run.none"), "failed"
     if len(ends) == 1:
         end = ends.pop()
-        return f"{begins} the statue {end}", "agree" if end == "stays upright" else "failed"
-    if "falls" in ends:
-        return f"{begins} the statue may fall: the models disagree", "differ"
-    return "The models disagree about what happens to the statue", "differ"
+        return say("run.one_end", begins=begins, end=end), "agree" if end == say("end.stands") else "failed"
+    if say("end.falls") in ends:
+        return say("run.may_fall", begins=begins), "differ"
+    return say("run.disagree"), "differ"
 
 
-def _begins(source: RunSource) -> str:
+def _begins(source: RunSource, say: Language) -> str:
     """What the statue is put through: shaking, a start off its rest, both or neither."""
     start, shaking = source.scene.initial, bool(source.record.motion.accel_m_s2)
     if start.pose is not None:
-        return "Let go from its pose in space," if not shaking else "In this shaking, begun from a pose in space,"
-    lean, rate = start.theta_rad, start.theta_rate_rad_s
-    begun = f"at a lean of {digits(math.degrees(abs(lean)), 2)}°" if lean else "with a turn given to it" if rate else ""
-    if shaking:
-        return f"In this shaking, begun {begun}," if begun else "In this shaking"
-    return f"Let go {begun}, without any shaking," if begun else "Left alone"
+        return say("begin.shaking_pose" if shaking else "begin.pose")
+    if start.theta_rad:
+        lean = say.digits(math.degrees(abs(start.theta_rad)), 2)
+        return say("begin.shaking_lean" if shaking else "begin.lean", lean=lean)
+    if start.theta_rate_rad_s:
+        return say("begin.shaking_turn" if shaking else "begin.turn")
+    return say("begin.shaking" if shaking else "begin.alone")
 
 
-def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRecord]) -> list[str]:
-    silent = [name for name in runs if name not in answered]
-    none = [f"No answer came from {listed(silent)}."] if silent else []
-    groups: dict[str, list[str]] = {}
-    for name, run in answered.items():
-        groups.setdefault(end_words(run.outcome), []).append(name)
+def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
+    """How many models say what; which they are stands in the engineer's report."""
+    silent = len(runs) - len(answered)
+    none = (
+        [say("run.silent_one") if silent == 1 else say("run.silent", count=_begun(say.count(silent)))] if silent else []
+    )
+    groups: dict[str, int] = {}
+    for run in answered.values():
+        end = end_words(run.outcome, say)
+        groups[end] = groups.get(end, 0) + 1
     if len(answered) == 1:
-        return [f"Only one computer model {'answered' if silent else 'was asked'} ({next(iter(answered))}).", *none]
+        return [say("run.answered_one" if silent else "run.asked_one"), *none]
+    unlike = [say("run.motion")] if motion_given(answered) else []
     if len(groups) == 1:
-        said = f"{count_word(len(answered)).capitalize()} computer models answered, and all say so"
-        return [f"{said}{_sides(answered)}.", *motion_given(answered), *none]
-    ends = [f"It {listed(f'{end} in {listed(names)}' for end, names in groups.items())}."] if groups else []
-    return [*ends, *motion_given(answered), *none]
+        sides = {run.outcome for run in answered.values()}
+        side = [say("run.only_side")] if len(sides) > 1 and all(Outcome(end).overturned for end in sides) else []
+        return [" ".join([say("run.all_agree", count=_begun(say.count(len(answered)))), *side]), *unlike, *none]
+    total = say.count(len(answered))
+    ends = [say("run.some", end=end, count=say.count(count), total=total) for end, count in groups.items()]
+    return [*ends, *unlike, *none]
 
 
-def _sides(answered: Mapping[str, EngineRunRecord]) -> str:
-    """To which sides it falls, where the models differ in that alone."""
-    sides: dict[str, list[str]] = {}
-    for name, run in answered.items():
-        sides.setdefault(run.outcome.removeprefix("overturned_"), []).append(name)
-    if len(sides) == 1 or not all(run.outcome.overturned for run in answered.values()):
-        return ""
-    return "; only the side differs: " + "; ".join(f"{side} in {listed(names)}" for side, names in sides.items())
+def _begun(word: str) -> str:
+    return word[0].upper() + word[1:]
 
 
 def _standing(source: RunSource) -> list[str]:
     return [name for name in source.histories if source.runs[name].outcome == Outcome.STANDS]
 
 
-def _lean(source: RunSource) -> list[str]:
+def _lean(source: RunSource, say: Language) -> list[str]:
     """The greatest lean of the models in which it stands, as a share of the lean from which it does not come back."""
-    statue, worst = source.scene.statue, 0.0
-    degrees = 0.0
-    for name in _standing(source):
+    statue, standing = source.scene.statue, _standing(source)
+    worst_share, degrees = 0.0, 0.0
+    for name in standing:
         theta = source.histories[name].theta_rad
         for side in (1, -1):
             peak = float((side * theta).max())
-            if peak / statue.slenderness_rad(side) > worst:
-                worst, degrees = peak / statue.slenderness_rad(side), math.degrees(peak)
-    if not _standing(source):
+            if peak / statue.slenderness_rad(side) > worst_share:
+                worst_share, degrees = peak / statue.slenderness_rad(side), math.degrees(peak)
+    if not standing:
         return []
-    where = "" if len(_standing(source)) == len(source.runs) else f"In {listed(_standing(source))}: "
+    where = [] if len(standing) == len(source.runs) else [say("run.of_standing")]
     if degrees < math.degrees(AT_REST_RAD):
-        return [f"{where}It does not rock: its base stays flat on its support."]
-    return [
-        f"{where}It rocks. At its worst it leans {digits(degrees, 2)}°, which is "
-        + (f"{100.0 * worst:.0f} % of the way to" if worst < 1.0 else "past")
-        + " the lean from which it would not come back by itself."
-    ]
+        return [" ".join([*where, say("run.no_rocking")])]
+    key = "run.leans" if worst_share < 1.0 else "run.leans_past"
+    leans = say(key, degrees=say.digits(degrees, 2), share=f"{100.0 * worst_share:.0f}")
+    return [" ".join([*where, leans])]
 
 
-def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
+def _pedestal_slip(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> list[str]:
     if source.scene.pedestal is None or not answered:
         return []
     most = max(run.peak_slip_m for run in answered.values())
-    return (
-        [f"Its pedestal slides on the floor by up to {length(most)}."] if most > 1e-4 else ["Its pedestal stays put."]
-    )
+    return [say("run.slides", length=say.length(most)) if most > VISIBLE_M else say("run.put")]
 
 
-def _trust(source: RunSource) -> list[str]:
+def _trust(source: RunSource, say: Language) -> list[str]:
     end_s = source.scene.duration_s
     until, predictable_s = horizon_s(source), prediction_s(source)
-    typical = "Read the distances on this page as typical, not as exact."
     if predictable_s is not None and predictable_s < end_s:
-        return [
-            f"Rocking is sensitive: from second {short(predictable_s, 2)} on no model can follow it swing by swing. {typical}"
-        ]
+        return [f"{say('run.unpredictable', time=say.short(predictable_s, 2))} {say('run.typical')}"]
     if until is not None and until < end_s:
-        return [
-            f"From second {short(until, 2)} on the computed swings are not exact enough to be trusted one by one. {typical}"
-        ]
+        return [f"{say('run.inexact', time=say.short(until, 2))} {say('run.typical')}"]
     return []
 
 
 def _extremes(source: RunSource) -> list[tuple[float, float]]:
     """Rotation and slip at the farthest shifts of the top to the left and to the right, over the models in which it stands."""
-    shape, found = section(source.scene), []
+    shape, extremes = section(source.scene), []
     for side in (-1.0, 1.0):
         best: tuple[float, float, float] | None = None
         for name in _standing(source):
@@ -157,23 +171,20 @@ def _extremes(source: RunSource) -> list[tuple[float, float]]:
             k = int(np.argmax(moved))
             if best is None or moved[k] > best[0]:
                 best = (float(moved[k]), float(history.theta_rad[k]), float(history.slip_m[k]))
-        if best is not None and best[0] > 1e-4:
-            found.append(best[1:])
-    return found
+        if best is not None and best[0] > VISIBLE_M:
+            extremes.append(best[1:])
+    return extremes
 
 
-def reach_picture(source: RunSource, heading: str = "How far does it move?") -> Picture:
+def reach_picture(source: RunSource, say: Language, heading: str = "reach.heading") -> Picture:
     """How far the statue moves, against its wall; where it moves in no model but falls, its lean of no return."""
-    extremes = _extremes(source)
+    extremes, title = _extremes(source), say(heading)
     words = []
     outline, shape = silhouette_m(source.scene, source.mesh), section(source.scene)
     if extremes:
-        words.append("The dashed lines show its farthest positions to either side; the numbers, how far its top moves.")
-        clear = [(side, _beyond(outline, shape, extremes, sign)) for side, sign in (("left", -1.0), ("right", 1.0))]
-        each = listed(f"{length(reach)} on the {side}" for side, reach in clear)
-        words.append(f"Beyond its outline at rest it needs {each}: keep that space free.")
+        words.append(say("reach.dashed"))
     elif _standing(source):
-        words.append(f"In {listed(_standing(source))} it does not move visibly.")
+        words.append(say("reach.still"))
     wall = source.scene.wall
     if wall is not None and _standing(source):
         sign = 1.0 if wall.side == "right" else -1.0
@@ -181,23 +192,35 @@ def reach_picture(source: RunSource, heading: str = "How far does it move?") -> 
         edge = shape.corner_right_m if sign > 0 else shape.corner_left_m
         gap = wall.distance_m + edge - rest
         left = gap - _beyond(outline, shape, extremes, sign)
-        words.append(
-            f"At rest {length(gap)} are free between it and the wall; at its farthest lean "
-            + (f"{length(left)} remain." if left > 0 else "nothing remains: it would strike the wall.")
-        )
+        remains = say("reach.remain", left=say.length(left)) if left > 0 else say("reach.strikes")
+        words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
     fell = [name for name, run in source.runs.items() if run.outcome.overturned]
     if fell:
-        words.append(f"In {listed(fell)} it falls. No distance to a wall protects it then.")
-    others = [name for name, run in source.runs.items() if name not in (*fell, *_standing(source))]
-    for name in others:
-        failed = source.runs[name].outcome.failed
-        words.append(f"{name} gave no answer." if failed else f"In {name} it {end_words(source.runs[name].outcome)}.")
+        words.append(say("reach.fell", count=say.count(len(fell)), total=say.count(len(source.runs))))
     last = _no_return(source, fell) if not extremes else []
     if last:
+        words.append(say("reach.no_return"))
+    return Picture(title, reach_svg(source, extremes or last, f"{title} {' '.join(words)}", say), words)
+
+
+def plan_picture(source: RunSource, say: Language) -> Picture:
+    """The space that the statue needs while it rocks, all round where a model follows it in space."""
+    heading, standing = say("plan.heading"), _standing(source)
+    plan = floor_plan(source, standing)
+    words = [say("plan.seen")]
+    moves = {side: room for side, room in plan.room_m.items() if room > VISIBLE_M}
+    if not standing:
+        words = [say("plan.none")]
+    elif moves:
         words.append(
-            "The dashed line shows the lean from which it does not come back; the number, how far its top is then."
+            say("plan.room", rooms=say.listed(say(f"plan.{s}", length=say.length(r)) for s, r in moves.items()))
         )
-    return Picture(heading, reach_svg(source, extremes or last, f"{heading} {' '.join(words)}"), words)
+    else:
+        words.append(say("plan.still"))
+    if standing and "front" not in plan.room_m:
+        words.append(say("plan.planar"))
+    words.append(say("plan.fall", height=say.length(source.scene.statue.height_m)))
+    return Picture(heading, plan_svg(source, plan, f"{heading} {' '.join(words)}", say), words)
 
 
 def _no_return(source: RunSource, fell: Sequence[str]) -> list[tuple[float, float]]:

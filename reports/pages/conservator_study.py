@@ -13,30 +13,28 @@ from harness.records.effects3d import EffectsRecord
 from harness.records.study import StudyRecord
 from reports.charts.static_svg import still
 from reports.pages.conservator import reach_picture
-from reports.pages.conservator_parts import LIMITS, Picture, end_words, order_picture, push_picture
+from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
 from reports.source import run_source
 from reports.text.chance import tone_of_outcomes
 from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
-from reports.text.numbers import count_word, heading, listed, percent, short
+from reports.text.language import ENGLISH, Language
+from reports.text.numbers import heading
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import Condition, agreement, conditions, family
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
-PLAIN: Final[Mapping[str, str]] = {
-    "restitution": "how much an impact throws back",
-    "amplitude_g": "the strength of the shaking",
-    "scale": "the strength of the shaking",
-    "frequency_hz": "how fast the floor swings",
-    "pedestal": "with or without the pedestal",
-    "azimuth_deg": "the direction of the shaking",
+PLAIN: Final = frozenset({"restitution", "amplitude_g", "scale", "frequency_hz", "pedestal", "azimuth_deg"})
+"""Keys of a study that every language has words for; others are told as they stand in the file."""
+CHART: Final[Mapping[str, str]] = {
+    "frequency [Hz]": "chart.frequency",
+    "top moves by  [m]": "chart.top",
+    "overturns  [%]": "chart.overturns",
+    "on the floor": "chart.floor",
+    "on the pedestal": "chart.stone",
+    "wall": "chart.wall",
 }
-AXES: Final[Mapping[str, str]] = {
-    "frequency [Hz]": "swings of the floor in a second",
-    "top moves by  [m]": "top moves by (metres)",
-    "overturns  [%]": "situations in which it falls (%)",
-}
-"""Keys and axes of a study in plain words."""
+"""What stands in the engineer's charts, by the key of its plain words."""
 STRENGTHS: Final = (
     "motion.scale",
     *(f"motion.{axis}.{name}" for axis in "xy" for name in ("amplitude_g", "scale", "pga_g")),
@@ -44,22 +42,23 @@ STRENGTHS: Final = (
 """Keys that vary the strength of a level shaking."""
 
 
-def context(folder: Path, record: StudyRecord | EffectsRecord) -> dict[str, object]:
+def context(folder: Path, record: StudyRecord | EffectsRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Everything that the conservator's template shows of a study."""
-    page = of_study(record) if isinstance(record, StudyRecord) else of_effects(folder, record)
-    return page | {"title": record.title, "limits": LIMITS, "versions": record.versions}
+    said = of_study(record, say) if isinstance(record, StudyRecord) else of_effects(folder, record, say)
+    return page(record.title, record.versions, said, say)
 
 
-def of_study(record: StudyRecord) -> dict[str, Any]:
+def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
     ends = {model: _ends(cases, model) for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
+    said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say), *_agree(models, cases, say)]
     return {
-        "headline": _headline(ends),
+        "headline": _headline(ends, say),
         "tone": tone_of_outcomes([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
-        "points": [*_asked(record, models), *_by_model(ends), *_bore(cases), *_agree(models, cases)],
-        "pictures": _pictures(record, models, cases),
+        "points": said,
+        "pictures": _pictures(record, models, cases, say),
     }
 
 
@@ -69,46 +68,69 @@ def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:
     return [Outcome(row.run.outcome) for row in rows if row is not None and row.run is not None]
 
 
-def _headline(ends: Mapping[str, Sequence[Outcome]]) -> str:
+def _headline(ends: Mapping[str, Sequence[Outcome]], say: Language) -> str:
     """In how many situations it falls, by the models that answered the most of them."""
     if not ends:
-        return "Nothing was computed"
+        return say("study.nothing")
     most = max(map(len, ends.values()))
     whole = {model: outcomes for model, outcomes in ends.items() if len(outcomes) == most}
     falls = {_falls(outcomes) for outcomes in whole.values()}
     if len(falls) == 1:
-        return f"The statue falls in {falls.pop()} of {most} situations that were tried"
+        return say("study.falls", falls=falls.pop(), total=most)
     parts = [{model.partition(" (")[0] for model in whole}, {model.partition(" (")[2] for model in whole}]
-    by = listed(name for name, names in zip(("model", "variant"), parts, strict=True) if len(names) > 1)
-    return (
-        f"The statue falls in {min(falls)} to {max(falls)} of {most} situations that were tried, depending on the {by}"
-    )
+    named = zip(("study.model", "study.variant"), parts, strict=True)
+    by = say.listed(say(key) for key, names in named if len(names) > 1)
+    return say("study.falls_between", least=min(falls), most=max(falls), total=most, by=by)
 
 
-def _by_model(ends: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """What each model says of the situations that it answered; whatever is neither a fall nor standing is named."""
-    sentences = []
+def _by_variant(ends: Mapping[str, Sequence[Outcome]], say: Language) -> list[str]:
+    """What the models say of each variant; whatever is neither a fall nor standing is named."""
+    variants: dict[str, list[Sequence[Outcome]]] = {}
     for model, outcomes in ends.items():
-        other = Counter(
-            "no answer came" if outcome.failed else f"it {end_words(outcome)}"
-            for outcome in outcomes
-            if not outcome.overturned and outcome is not Outcome.STANDS
-        )
-        more = f"; {listed(f'{words} in {count}' for words, count in other.items())}" if other else ""
-        sentences.append(f"“{model}”: it falls in {_falls(outcomes)} of {len(outcomes)}{more}.")
+        variants.setdefault(model.partition(" (")[2][:-1], []).append(outcomes)
+    sentences = []
+    for variant, answers in variants.items():
+        kinds = [Counter(map(_end_key, outcomes)) for outcomes in answers]
+        others = dict.fromkeys(key for counts in kinds for key in counts if key not in ("falls", "stands"))
+        each = [
+            say("study.more_silent", count=_between([counts[key] for counts in kinds], say))
+            if key == "silent"
+            else say("study.more_end", end=say(f"end.{key}"), count=_between([counts[key] for counts in kinds], say))
+            for key in others
+        ]
+        more = say("study.more", ends=say.listed(each)) if each else ""
+        falls, total = _between([counts["falls"] for counts in kinds], say), _between(list(map(len, answers)), say)
+        key = "study.by_one" if len(variants) == 1 else "study.by_variant"
+        sentences.append(say(key, variant=variant, falls=falls, total=total, more=more))
     return sentences
+
+
+def _end_key(outcome: Outcome) -> str:
+    if outcome.failed:
+        return "silent"
+    return "falls" if outcome.overturned else ENDS.get(outcome, "other")
+
+
+def _between(counts: Sequence[int], say: Language) -> str:
+    least, most = min(counts), max(counts)
+    return str(least) if least == most else say("study.between", least=least, most=most)
 
 
 def _falls(outcomes: Sequence[Outcome]) -> int:
     return sum(outcome.overturned for outcome in outcomes)
 
 
-def _asked(record: StudyRecord, models: Sequence[str]) -> list[str]:
-    varied = [PLAIN.get(key.rsplit(".", 1)[-1], heading(key).partition(" [")[0]) for key in record.vary]
+def _asked(record: StudyRecord, models: Sequence[str], say: Language) -> list[str]:
+    varied = [_key_words(key, say) for key in record.vary]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
-    named = f"the variants {listed(f'“{name}”' for name in variants)}" if len(variants) > 1 else ""
-    each = [*dict.fromkeys(varied), *([named] if named else [])]
-    return [f"What was varied: {listed(each)}."] if each else []
+    said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
+    names = say.listed(f"“{name}”" for name in variants)
+    return [*said, *([say("study.variants", names=names)] if len(variants) > 1 else [])]
+
+
+def _key_words(key: str, say: Language) -> str:
+    last = key.rsplit(".", 1)[-1]
+    return say(f"key.{last}") if last in PLAIN else heading(key).partition(" [")[0]
 
 
 def _strength(cases: Sequence[Condition]) -> str | None:
@@ -132,21 +154,23 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     return safe
 
 
-def _bore(cases: Sequence[Condition]) -> list[str]:
+def _bore(cases: Sequence[Condition], say: Language) -> list[str]:
     key = _strength(cases)
     if key is None:
         return []
     safe = _borne(cases, key)
     if safe is None:
         weakest = min(abs(float(item.varied[key])) for item in cases)
-        return [f"Already in the weakest shaking tried ({_level(key, weakest)}) not every answer is that it stands."]
-    return [f"Up to a shaking of {_level(key, safe)} it stood in every situation that was tried, in every model."]
+        return [say("study.weakest", level=_level(key, weakest, say))]
+    return [say("study.borne", level=_level(key, safe, say))]
 
 
-def _level(key: str, value: float) -> str:
+def _level(key: str, value: float, say: Language) -> str:
     if key.endswith("_g"):
-        return f"{percent(value)} of its weight"
-    return f"{short(value)} times the record" if key.endswith("scale") else f"{heading(key)} {short(value)}"
+        return say("study.level_weight", push=say.percent(value))
+    if key.endswith("scale"):
+        return say("study.level_record", factor=say.short(value))
+    return say("study.level_other", key=heading(key), value=say.short(value))
 
 
 def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
@@ -167,67 +191,66 @@ def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float
     return borne
 
 
-def _agree(models: Sequence[str], cases: Sequence[Condition]) -> list[str]:
+def _agree(models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[str]:
     pairs = agreement(models, cases)
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     if not total:
         return []
-    engines = {model.partition(" (")[0] for model in models}
-    return [
-        f"{count_word(len(engines)).capitalize()} models were asked; of all comparisons of two of them, "
-        f"{100.0 * same / total:.0f} % agree."
-    ]
+    count = say.count(len({model.partition(" (")[0] for model in models}))
+    return [say("study.agree", count=count[0].upper() + count[1:], share=f"{100.0 * same / total:.0f}")]
 
 
-def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> list[Picture]:
+def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Picture]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, study_support(record)
-    push = push_picture(scene, support, borne=_by_direction(record, cases))
+    push = push_picture(scene, support, say, borne=_by_direction(record, cases))
     effect = pedestal_effect(record, models, cases)
     if effect is None:
-        return [push, order_picture(scene, support)]
+        return [push, order_picture(scene, support, say)]
+    saved_words = say("study.saved", **vars(effect.counts))
     if not effect.charts:
-        order = order_picture(scene, support)
-        return [push, Picture(order.heading, order.drawing, [*order.words, effect.sentence])]
-    saved, moved = (still(_plainly(figure), WIDTH) for _, _, figure in effect.charts)
-    far = f"No top moves farther than its point in any situation in which the statue stands ({effect.model})."
+        order = order_picture(scene, support, say)
+        return [push, Picture(order.heading, order.drawing, [*order.words, saved_words])]
+    saved, moved = (still(_plainly(figure, say), WIDTH) for _, _, figure in effect.charts)
     return [
-        Picture("How far does its top move?", moved, [far]),
+        Picture(say("study.top"), moved, [say("study.far")]),
         push,
-        Picture("What does the pedestal change?", saved, [effect.sentence]),
+        Picture(say("order.heading_pedestal"), saved, [saved_words]),
     ]
 
 
-def _plainly(figure: Mapping[str, Any]) -> dict[str, Any]:
-    """The figure with its axes named in plain words."""
+def _plainly(figure: Mapping[str, Any], say: Language) -> dict[str, Any]:
+    """The figure with everything that stands in it in plain words."""
+
+    def plain(text: str) -> str:
+        return say(CHART[text]) if text in CHART else text
+
     layout = dict(figure["layout"])
     for axis in ("xaxis", "yaxis"):
-        text = layout[axis]["title"]["text"]
-        layout[axis] = layout[axis] | {"title": {"text": AXES.get(text, text)}}
-    return {"data": figure["data"], "layout": layout}
+        layout[axis] = layout[axis] | {"title": {"text": plain(layout[axis]["title"]["text"])}}
+    layout["annotations"] = [note | {"text": plain(note["text"])} for note in layout.get("annotations", ())]
+    return {"data": [trace | {"name": plain(trace["name"])} for trace in figure["data"]], "layout": layout}
 
 
-def of_effects(folder: Path, record: EffectsRecord) -> dict[str, Any]:
+def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> dict[str, object]:
     """Headline, points and pictures of an effects study: the shaking borne by direction, over all its conditions and models."""
     borne: dict[float, float] = {}
     for row in record.rows:
         borne[row.azimuth_deg] = min(borne.get(row.azimuth_deg, math.inf), row.stands_at_g)
     weak, strong = (choose(borne, key=lambda key: borne[key]) for choose in (min, max))
     scene, support = record.scene, support_of(record.scene)
-    pictures = [push_picture(scene, support, borne=borne), order_picture(scene, support)]
+    pictures = [push_picture(scene, support, say, borne=borne), order_picture(scene, support, say)]
     if record.replay:
-        pictures.insert(
-            0, reach_picture(run_source(folder / record.replay.folder), "One case, replayed in the full report")
-        )
+        pictures.insert(0, reach_picture(run_source(folder / record.replay.folder), say, "reach.replayed"))
     variants = len({row.condition for row in record.rows})
+    strongest = say.percent(borne[strong])
     return {
-        "headline": f"It stood in every shaking tried of up to {percent(borne[weak])} of its weight, from any direction",
+        "headline": say("study.effects", push=say.percent(borne[weak])),
         "tone": "agree",
         "points": [
-            f"Least towards the {compass(weak)}; towards the {compass(strong)} it bears {percent(borne[strong])}.",
-            f"{len(borne)} directions were tried, each in up to {variants} variants"
-            " of what is not known exactly about the statue.",
-            "The shaking is always of the same form; only its strength and direction were varied.",
+            say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
+            say("study.effects_directions", count=len(borne), variants=variants),
+            say("study.effects_form"),
         ],
         "pictures": pictures,
     }

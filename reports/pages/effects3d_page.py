@@ -6,7 +6,7 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -30,11 +30,17 @@ GROUPS: Final = {
     "numerical": "numerical error",
 }
 LEAVES_RAD: Final = 1e-3
+ROSE_WORDS: Final = (
+    "Least peak acceleration of the floor that overturns the statue, by direction of shaking, in every model."
+)
+CHANGES_WORDS: Final = (
+    "Change of the overturning amplitude under each condition, in per cent, one dot for each direction."
+)
 
 Peaks = Mapping[float, float]
 
 
-def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
+def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     """Everything that the template shows."""
     engines = record.engines
     source = run_source(folder / record.replay.folder) if record.replay else None
@@ -48,11 +54,11 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, Any]:
         ],
         "picture": scene_svg(record.scene),
         "scene_title": record.scene.title,
-        "rose": rose(record),
+        "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
         "engines": engines,
         "direction_rows": direction_rows(record, engines),
-        "changes": changes(record, {}),
+        "changes": changes(record).svg(CHANGES_WORDS, style="min-width: 700px"),
         "effect_engines": list(dict.fromkeys(item.engine for item in record.effects)),
         "effect_rows": effect_rows(record),
         "left_out": [(name, why) for name, why in record.left_out.items()],
@@ -88,6 +94,11 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
     solid, planar = _peaks(record, engine), _peaks(record, "analytic")
     points: list[str] = []
     headline, tone = "The planar model was not asked", "differ"
+    unsafe = {
+        a: planar[a] / solid[a] - 1.0
+        for a in solid
+        if math.isfinite(solid[a]) and math.isfinite(planar.get(a, math.inf))
+    }
     if planar:
         over = [a for a in solid if math.isfinite(solid[a]) and planar[a] > (1.0 + NEAR) * solid[a]]
         headline = (
@@ -97,6 +108,10 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
         tone = "differ" if over else "agree"
         sides = _by_sides(record, solid, engine)
         headline += f"; asked at the base's sides, it is right within {sides[0]} % in the median" if sides else ""
+        if unsafe and (share := max(unsafe.values())) > 0.0:
+            points.append(
+                f"The plane is {digits(100.0 * share, 2)} % unsafe towards {max(unsafe, key=lambda a: unsafe[a]):g}°."
+            )
         points += [*_worst(over, solid, planar, engine), *sides[1:]]
     points += [*_solid_pair(record), *_least(solid, planar), *_effect_points(record, engine), *_leaving(record, engine)]
     return Verdict(headline, tone, points)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Final
+
+from markupsafe import Markup
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import write_text
@@ -13,7 +16,9 @@ from harness.model.terminal import printable
 from harness.records.base import Record
 from harness.records.kinds import read_result
 from reports.charts.library import chart_library
+from reports.charts.palette import DARK, dark_css
 from reports.pages.assets import environment, source_text
+from reports.text.language import Language, language
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
@@ -29,6 +34,7 @@ PAGES: Final = {
     "assess": "reports.pages.assess_page",
     "study": "reports.pages.study_page",
     "effects3d": "reports.pages.effects3d_page",
+    "rocking_spectrum": "reports.pages.rocking_spectrum_page",
     "validation": "reports.pages.validation_page",
     "tosses": "reports.pages.tosses_page",
     "bench": "reports.pages.bench_page",
@@ -38,8 +44,10 @@ PAGES: Final = {
 """Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, language_code: str = "en") -> Path:
     """Write `report.html` into a result folder from its records alone, and `conservator.html` beside it for a run or a study.
+
+    The second is in the language of that code (`reports.text.language.LANGUAGES`).
 
     Returns the path of the first; raises `InputError` for a broken folder, after every page that can be was written, and what a
     page itself tripped over, with a note that names the page.
@@ -47,7 +55,7 @@ def write_report(folder: Path) -> Path:
     record = read_result(folder)
     mistakes: list[Mistake] = []
     faults: list[Exception] = []
-    for name, build in _pages(record).items():
+    for name, build in _pages(record, language(language_code)).items():
         try:
             text = build(folder, record)
         except InputError as error:
@@ -64,22 +72,23 @@ def write_report(folder: Path) -> Path:
     return folder / REPORT_NAME
 
 
-def _pages(record: Record) -> dict[str, Callable[[Path, Record], str]]:
+def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], str]]:
     """What builds each page of a record, by file name."""
-    plain = {CONSERVATOR_NAME: _conservator} if record.kind in CONSERVATOR_PAGES else {}
+    plain = {CONSERVATOR_NAME: partial(_conservator, say=say)} if record.kind in CONSERVATOR_PAGES else {}
     return {REPORT_NAME: _report, **plain}
 
 
 def _report(folder: Path, record: Record) -> str:
     values = import_module(PAGES[record.kind]).context(folder, record)
-    machinery = {"script": source_text("page.js"), "chart_library": chart_library()}
+    machinery = {"script": source_text("page.js"), "chart_library": chart_library(), "dark": DARK}
     return _render(f"{record.kind}.html.j2", values | machinery)
 
 
-def _conservator(folder: Path, record: Record) -> str:
-    return _render("conservator.html.j2", import_module(CONSERVATOR_PAGES[record.kind]).context(folder, record))
+def _conservator(folder: Path, record: Record, say: Language) -> str:
+    return _render("conservator.html.j2", import_module(CONSERVATOR_PAGES[record.kind]).context(folder, record, say))
 
 
 def _render(template: str, values: Mapping[str, object]) -> str:
     title = printable(str(values["title"]))
-    return environment().get_template(template).render(values, title=title, css=source_text("page.css"))
+    css = source_text("page.css") + Markup(dark_css())
+    return environment().get_template(template).render(values, title=title, css=css)

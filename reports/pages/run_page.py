@@ -7,20 +7,21 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.model.run import PATTERN_NAMES
 from harness.model.scene import Initial
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.witness import sentences
 from reports.charts.histories import histories_figure
 from reports.charts.palette import PATTERN_LOOKS, look
+from reports.charts.patterns import pattern_words
 from reports.drawing.replay import default_model, replay_payload
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text, three_js
 from reports.source import RunSource, source_of
-from reports.text.glossary import BARE_PATTERNS, score_rows
+from reports.text.glossary import score_rows
 from reports.text.limits import fall_sentence, limit_rows, plan_rows, skipped_rows
 from reports.text.numbers import angle, digits, given, label, length, plain, short, unit
+from reports.text.weights import weighed
 from reports.text.wording import run_verdict
 
 OUTCOME_ROWS: Final[Sequence[tuple[Callable[[EngineRunRecord], float | None], str, str]]] = (
@@ -61,12 +62,8 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "scene_rows": scene_rows(source),
         "motion_rows": motion_rows(record.motion, source.scene),
         "patterns": [
-            {
-                "words": words if record.scene.pedestal else BARE_PATTERNS.get(name, words),
-                "name": name,
-                "colour": PATTERN_LOOKS[name][0],
-            }
-            for name, words in PATTERN_NAMES.items()
+            {"words": words, "name": name, "colour": PATTERN_LOOKS[name][0]}
+            for name, words in pattern_words(record.scene).items()
             if any(which == name for run in source.runs.values() for _, _, which in run.patterns)
         ],
         "replay": replay_values(source) if source.histories else None,
@@ -84,8 +81,7 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         "fall": fall_sentence(source),
         "plan": plan_rows(record.plan),
         "skipped": skipped_rows(source.runs),
-        "warnings": record.warnings,
-        "notes": record.notes,
+        "notes": weighed([*record.warnings, *record.notes]) if record.warnings or record.notes else {},
         "settings": {
             name: [(label(k), plain(v)) for k, v in run.settings.items()] for name, run in source.runs.items()
         },

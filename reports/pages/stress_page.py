@@ -70,14 +70,14 @@ def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[t
     mine = [cell for cell in cells if cell.engine == engine]
     settings = list(dict.fromkeys(cell.setting for cell in mine))
     difficulties = list(dict.fromkeys(cell.difficulty for cell in mine))
-    found = {(cell.difficulty, cell.setting): cell for cell in mine}
-    return settings, [(row, [found.get((row, column)) for column in settings]) for row in difficulties]
+    by_place = {(cell.difficulty, cell.setting): cell for cell in mine}
+    return settings, [(row, [by_place.get((row, column)) for column in settings]) for row in difficulties]
 
 
 def notes(engine: str, cells: Sequence[Cell]) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
-    found: dict[tuple[str, str], list[str]] = {}
+    by_note: dict[tuple[str, str], list[str]] = {}
     for cell in cells:
         if cell.engine == engine and cell.explained:
-            found.setdefault((cell.difficulty, cell.explained), []).append(cell.setting)
-    return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in found.items()]
+            by_note.setdefault((cell.difficulty, cell.explained), []).append(cell.setting)
+    return [f"{words}, {'; '.join(settings)}: {text}" for (words, text), settings in by_note.items()]

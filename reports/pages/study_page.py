@@ -10,9 +10,18 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.records.study import ClaimVerdict, StudyRecord, StudyRow
+from reports.charts.axis_curves import curve_figures
 from reports.charts.design_figures import best_designs, design_figures
 from reports.charts.map_figures import map_axes, map_figures
-from reports.charts.study_figures import fragility_figure, panel_data, rose_figure
+from reports.charts.static_svg import WIDE
+from reports.charts.study_figures import (
+    PANEL_POINTS,
+    fragility_figure,
+    panel_data,
+    panel_groups,
+    panels_picture,
+    rose_picture,
+)
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
 from reports.text.chance import tone_of_outcomes
@@ -27,24 +36,25 @@ from reports.text.study_rows import (
     cell,
     conditions,
     family,
-    model_name,
     varying_keys,
 )
+from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
 """Longer matrices are not read; the map shows them."""
 MOST_WARNINGS: Final = 30
+ROSE_WORDS: Final = "Least amplitude that overturns the statue, by direction"
 NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number inside a warning: runs differ in it while the warning is the same."""
 MARKS: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐", "not tested": "–"}
 
 
-def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
+def context(folder: Path, record: StudyRecord) -> dict[str, object]:
     """Everything that the study template shows."""
     models, cases = conditions(record.rows)
     keys = varying_keys(cases)
-    charts = study_charts(record, models, cases, keys)
+    charts, rose = study_charts(record, models, cases, keys), rose_picture(models, cases)
     return {
         "title": record.title,
         "verdict": study_verdict(record, models, cases),
@@ -58,17 +68,23 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
         "matrix": matrix(models, cases, keys) if len(cases) <= MOST_MATRIX_ROWS else None,
         "matrix_keys": [heading(key) for key in keys],
         "legend": [*SYMBOLS.values(), FAILED, NOT_SENT],
-        "pairs": agreement(models, cases),
+        "over_all": [
+            (f"{name} and {item.reference}", f"{item.sentence}.") for name, item in (record.scores or {}).items()
+        ],
         "panels": panel_data(record.panels) if record.panels else None,
+        "panel_stills": [
+            panels_picture(group, next(iter(group[0].curves)), WIDE, PANEL_POINTS).svg()
+            for group in panel_groups(record.panels)
+        ],
         "pedestal_effect": pedestal_effect(record, models, cases),
         "charts": charts,
+        "rose": None if rose is None else rose.svg(ROSE_WORDS),
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record.summary.sentence,
         "audit": record.audit,
         "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
-        "warnings": study_warnings(record.rows),
-        "notes": record.notes,
+        "notes": weighed([*study_warnings(record.rows), *record.notes]),
         "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
@@ -82,20 +98,20 @@ def context(folder: Path, record: StudyRecord) -> dict[str, Any]:
 def study_charts(
     record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str]
 ) -> list[tuple[str, str, dict[str, Any]]]:
-    """The charts that the rows hold, each with its name on the page and its words: maps, fragility, a rose."""
+    """The charts that the rows hold, each with its name on the page and its words: maps, curves, fragility."""
     axes = [key for key in record.vary if key in keys]
+    if record.panels:  # the paper's arrangement shows the same as histories
+        return []
     charts = [(f"map-{k}", title, figure) for k, (title, figure) in enumerate(map_figures(models, cases, axes))]
     designs = design_figures(models, cases, map_axes(cases, axes))
     charts += [(f"map-design-{k}", title, figure) for k, (title, figure) in enumerate(designs)]
+    charts += [(f"curve-{k}", title, figure) for k, (title, figure) in enumerate(curve_figures(models, cases, axes))]
     scattered = len(axes) < len(keys)
     for key in axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
             figure = fragility_figure(models, cases, key)
             if figure is not None:
                 charts.append((f"fragility-{key}", f"Share of runs that overturn, against {heading(key)}", figure))
-    rose = rose_figure(models, cases)
-    if rose is not None:
-        charts.append(("rose", "Least amplitude that overturns the statue, by direction", rose))
     return charts
 
 
@@ -128,8 +144,8 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
 def left_domain(rows: Sequence[StudyRow]) -> list[str]:
     """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
     sentences = []
-    for model in dict.fromkeys(model_name(row) for row in rows):
-        runs = [row.run for row in rows if row.run is not None and model_name(row) == model]
+    for model in dict.fromkeys(row.model for row in rows):
+        runs = [row.run for row in rows if row.run is not None and row.model == model]
         causes = Counter(run.validity.get("left_domain_by") or "" for run in runs)
         del causes[""]
         if causes:

@@ -20,7 +20,7 @@ KINDS: Final[Mapping[str, tuple[Callable[[PoseErrors], Quartiles], str]]] = {
 """The two errors of a pose and their units."""
 
 
-def context(folder: Path, record: TossesRecord) -> dict[str, Any]:
+def context(folder: Path, record: TossesRecord) -> dict[str, object]:
     """Everything that the tosses' template shows."""
     models = record.models
     return {

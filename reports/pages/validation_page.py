@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
@@ -25,7 +25,7 @@ SCORES: Final = (
 )
 
 
-def context(_folder: Path, record: ValidationRecord) -> dict[str, Any]:
+def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
     """Everything that the validation template shows."""
     models = record.models
     return {
@@ -137,15 +137,15 @@ def score_rows(record: ValidationRecord) -> list[tuple[str, list[str]]]:
 
 def pair_sentences(pairs: Sequence[PairScores]) -> list[tuple[str, str]]:
     """For each two models, how often they give the same outcome and the shares of the verdicts."""
-    found = []
+    sentences = []
     for pair in pairs:
         same = pair.outcomes.side_accuracy
         text = f"the same outcome in {share(same)} of {pair.cases} tests; " if same else ""
         text += "; ".join(f"{each.value}: {100 * pair.verdicts.get(each, 0.0):.0f} %" for each in Verdicts) + "."
         if pair.flips:
             text += f" In {pair.flips} the outcome flips within the numerical error."
-        found.append((f"{pair.a} and {pair.b}", text))
-    return found
+        sentences.append((f"{pair.a} and {pair.b}", text))
+    return sentences
 
 
 def _cell(interval: Interval | None, key: str) -> str:

@@ -8,28 +8,54 @@ rockcheck.bytes = (base64) => {
   for (let k = 0; k < bytes.length; k += 1) bytes[k] = letters.charCodeAt(k);
   return bytes;
 };
-rockcheck.unpack = async (id) => {
-  const packed = rockcheck.bytes(document.getElementById(id).textContent);
+rockcheck.unpack = async (holder) => {
+  const packed = rockcheck.bytes(holder.textContent);
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 };
 
 rockcheck.run = async (id) => {
   const script = document.createElement("script");
-  script.textContent = await rockcheck.unpack(id);
+  script.textContent = await rockcheck.unpack(document.getElementById(id));
   document.head.append(script);
 };
 
 const isNarrow = () => window.innerWidth < 760;
 
+/* On a dark screen figures take the dark colours of the palette; printed pages show the stills, which stay light. */
+rockcheck.isDark = window.matchMedia("(prefers-color-scheme: dark)");
+const darkColours = JSON.parse(document.getElementById("dark-colours").textContent);
+const parts = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+rockcheck.coloured = (text) => (!rockcheck.isDark.matches ? text : text
+  .replace(/#[0-9a-f]{6}/gi, (colour) => darkColours[colour.toLowerCase()] || colour)
+  .replace(/rgba\((\d+),(\d+),(\d+),/g, (all, ...rgb) => {
+    const dark = darkColours[`#${rgb.slice(0, 3).map((part) => Number(part).toString(16).padStart(2, "0")).join("")}`];
+    return dark ? `rgba(${parts(dark)},` : all;
+  }));
+const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
 const fitted = (layout) => {
   const narrow = isNarrow();
   return {
     ...layout,
-    font: { family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif", size: narrow ? 11 : 13, color: "#1c2430" },
+    font: { family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Liberation Sans', sans-serif", size: narrow ? 11 : 13, color: style("--ink") },
     margin: { l: narrow ? 46 : 66, r: narrow ? 10 : 22, t: layout.margin_top || 40, b: layout.margin_bottom || (narrow ? 42 : 48) },
-    paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: narrow ? false : "zoom",
-    hoverlabel: { font: { size: 12 }, bgcolor: "rgba(255,255,255,.94)" },
+    paper_bgcolor: style("--card"), plot_bgcolor: style("--card"), dragmode: narrow ? false : "zoom",
+    hoverlabel: { font: { size: 12, color: style("--ink") }, bgcolor: style("--card") },
   };
+};
+
+/* The live chart stands beside its still, which is printed in its place. A chart that answers is no picture any more. */
+rockcheck.live = (chart) => {
+  let box = chart.querySelector(".live");
+  if (!box) {
+    chart.querySelector(".wait")?.remove();
+    box = document.createElement("div");
+    box.className = "live";
+    chart.append(box);
+    chart.classList.add("drawn");
+    chart.setAttribute("role", "group");
+  }
+  return box;
 };
 
 const config = { responsive: true, displaylogo: false, scrollZoom: false, doubleClick: "reset",
@@ -43,14 +69,13 @@ rockcheck.draw = async () => {
   const holders = [...document.querySelectorAll("script.chart-data")].map((holder) => [away(holder), holder]);
   for (const [, holder] of holders.sort((a, b) => a[0] - b[0])) {
     const name = holder.dataset.chart;
-    const box = document.getElementById(`chart-${name}`);
-    const figure = JSON.parse(holder.textContent);
+    const box = rockcheck.live(document.getElementById(`chart-${name}`));
+    const figure = JSON.parse(rockcheck.coloured(await rockcheck.unpack(holder)));
     /* Curves over the same times share one array of them. */
     for (const trace of figure.data) for (const letter of ["x", "y"]) {
       if (trace[letter] && trace[letter].same) trace[letter] = figure.data[trace[letter].same[0]][trace[letter].same[1]];
     }
-    box.replaceChildren();
-    await Plotly.newPlot(box, figure.data, fitted(figure.layout), config);
+    await Plotly.react(box, figure.data, fitted(figure.layout), config);
     rockcheck.charts[name] = { box, views: figure.views || null };
     await breath();
   }
@@ -71,6 +96,8 @@ document.addEventListener("click", (event) => {
   const action = button.dataset.do;
   if (action === "all") {
     Plotly.relayout(box, views ? { "xaxis.range": [0, views.duration_s], "yaxis.range": views.near } : { "xaxis.autorange": true, "yaxis.autorange": true });
+  } else if (action === "event") {
+    Plotly.relayout(box, { "xaxis.range": views.event_s, "yaxis.range": views.near });
   } else if (action === "height") {
     const whole = button.getAttribute("aria-pressed") !== "true";
     button.setAttribute("aria-pressed", String(whole));
@@ -131,5 +158,6 @@ const start = async () => {
   for (const next of rockcheck.whenReady) await next();
   rockcheck.readyMs = performance.now();
   document.documentElement.dataset.ready = "yes";
+  rockcheck.isDark.addEventListener("change", rockcheck.draw);
 };
 document.addEventListener("DOMContentLoaded", start);

@@ -2,9 +2,9 @@
 /* The paper's figures 7 to 9: one grid of small panels for each coefficient of restitution, for the model chosen. */
 rockcheck.whenReady.push(async () => {
   const holder = document.getElementById("panel-data");
-  const box = document.getElementById("panel-chart");
+  const chart = document.getElementById("panel-chart");
   const select = document.getElementById("panel-model");
-  const data = JSON.parse(holder.textContent);
+  let data = {};
   let group = 0;
   const line = (curve, name, axis, colour, scale, words) => ({
     type: "scatter", mode: "lines", x: curve.t_s, y: scale === 1 ? curve[name] : scaled(curve[name], scale), xaxis: `x${axis}`, yaxis: `y${axis}`,
@@ -25,12 +25,12 @@ rockcheck.whenReady.push(async () => {
     places.forEach((place, index) => {
       const axis = index === 0 ? "" : String(index + 1);
       const left = place.column * (width + gapX), top = 1 - place.row * (height + gapY);
-      layout[`xaxis${axis}`] = { domain: [left, left + width], anchor: `y${axis}`, matches: index ? "x" : undefined, gridcolor: "#e4e8ee", zeroline: false, title: place.row === rows - 1 ? { text: "time  [s]" } : undefined };
-      layout[`yaxis${axis}`] = { domain: [Math.max(0, top - height), top], anchor: `x${axis}`, range: [-data.shown_rad, data.shown_rad], gridcolor: "#e4e8ee", zerolinecolor: "#8a94a3", nticks: 5, title: place.column === 0 ? { text: "θ [rad]", standoff: 4 } : undefined };
+      layout[`xaxis${axis}`] = { domain: [left, left + width], anchor: `y${axis}`, matches: index ? "x" : undefined, gridcolor: style("--line"), zeroline: false, title: place.row === rows - 1 ? { text: "time  [s]" } : undefined };
+      layout[`yaxis${axis}`] = { domain: [Math.max(0, top - height), top], anchor: `x${axis}`, range: [-data.shown_rad, data.shown_rad], gridcolor: style("--line"), zerolinecolor: style("--muted"), nticks: 5, title: place.column === 0 ? { text: "θ [rad]", standoff: 4 } : undefined };
       annotations.push({ xref: "paper", yref: "paper", x: left, y: top, xanchor: "left", yanchor: "bottom", showarrow: false, text: `<b>${place.amplitude} g, ${place.frequency} Hz</b>`, font: { size: 12 } });
       const panel = panels.find((item) => item.amplitude_g === place.amplitude && item.frequency_hz === place.frequency);
       const curves = panel && panel.curves[select.value];
-      if (!curves) { annotations.push({ xref: "paper", yref: "paper", x: left + width / 2, y: top - height / 2, showarrow: false, text: "not run", font: { color: "#566070" } }); return; }
+      if (!curves) { annotations.push({ xref: "paper", yref: "paper", x: left + width / 2, y: top - height / 2, showarrow: false, text: "not run", font: { color: style("--muted") } }); return; }
       if (curves.floor) traces.push(line(curves.floor, "theta_rad", axis, data.colours.floor, 1, "on the floor, rad"));
       if (curves.pedestal) {
         traces.push(line(curves.pedestal, "theta_rad", axis, data.colours.pedestal, 1, "on the pedestal, rad"));
@@ -41,7 +41,11 @@ rockcheck.whenReady.push(async () => {
     layout.annotations = annotations;
     return [traces, fitted(layout)];
   };
-  const draw = async () => { const [traces, layout] = figure(); await Plotly.react(box, traces, layout, config); };
+  const draw = async () => {
+    data = JSON.parse(rockcheck.coloured(await rockcheck.unpack(holder)));
+    const [traces, layout] = figure();
+    await Plotly.react(rockcheck.live(chart), traces, layout, config);
+  };
   for (const button of document.querySelectorAll("[data-panel-group]")) {
     button.addEventListener("click", () => {
       group = Number(button.dataset.panelGroup);
@@ -50,6 +54,6 @@ rockcheck.whenReady.push(async () => {
     });
   }
   select.addEventListener("change", draw);
-  box.replaceChildren();
+  rockcheck.isDark.addEventListener("change", draw);
   await draw();
 });

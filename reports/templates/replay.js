@@ -13,13 +13,13 @@ rockcheck.whenReady.push(async () => {
     wait.textContent = "This browser cannot draw in 3D (no WebGL); the histories below show the same motion.";
     return;
   }
-  const data = JSON.parse(await rockcheck.unpack("replay-data"));
-  const kinds = { f4: Float32Array, i1: Int8Array, u4: Uint32Array };
+  const data = JSON.parse(await rockcheck.unpack(document.getElementById("replay-data")));
+  const kinds = { f4: Float32Array, i1: Int8Array, u2: Uint16Array, u4: Uint32Array };
   const array = ({ dtype, bdata }) => new kinds[dtype](rockcheck.bytes(bdata).buffer);
 
   /* the scene */
   const scene = new THREE.Scene();
-  scene.background = new THREE.Color("#eceff2");
+  scene.background = new THREE.Color();
   renderer.outputEncoding = THREE.sRGBEncoding;
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = THREE.PCFSoftShadowMap;
@@ -38,11 +38,19 @@ rockcheck.whenReady.push(async () => {
   sun.shadow.normalBias = 0.01 * total;
   Object.assign(sun.shadow.camera, { left: -1.8 * total, right: 1.8 * total, top: 1.8 * total, bottom: -1.8 * total, near: 0.1, far: 7 * total });
   scene.add(sun, sun.target);
-  const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * total, 40 * total), new THREE.MeshStandardMaterial({ color: "#dfe2e5", roughness: 1 }));
+  const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * total, 40 * total), new THREE.MeshStandardMaterial({ roughness: 1 }));
   floor.receiveShadow = true;
   scene.fog = new THREE.Fog("#eceff2", 6 * total, 16 * total);
+  const light = () => {
+    const [air, ground] = rockcheck.isDark.matches ? ["#20262e", "#3a424c"] : ["#eceff2", "#dfe2e5"];
+    scene.background.set(air);
+    scene.fog.color.set(air);
+    floor.material.color.set(ground);
+    grid.material.opacity = rockcheck.isDark.matches ? 0.25 : 1;
+  };
   scene.add(floor);
   const grid = new THREE.GridHelper(20, 80, "#aab2bb", "#cdd2d8");
+  grid.material.transparent = true;
   grid.rotation.x = Math.PI / 2;
   grid.position.set(centre, 0, 0.0015);
   scene.add(grid);
@@ -204,7 +212,7 @@ rockcheck.whenReady.push(async () => {
     play.textContent = yes ? "❚❚ Pause" : "▶ Play";
     play.setAttribute("aria-pressed", String(yes));
     if (!yes) return;
-    if (rockcheck.time >= data.end_s) rockcheck.time = 0;
+    if (rockcheck.time >= data.end_s) rockcheck.time = data.begin_s;
     before = performance.now();
     requestAnimationFrame(frame);
   };
@@ -256,6 +264,9 @@ rockcheck.whenReady.push(async () => {
   wait.remove();
   stage.prepend(canvas);
   aim();
+  light();
+  rockcheck.isDark.addEventListener("change", () => { light(); draw(true); });
+  rockcheck.time = data.begin_s; /* shortly before anything moves */
   dress();
   fit();
   new ResizeObserver(fit).observe(stage);

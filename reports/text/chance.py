@@ -1,4 +1,4 @@
-"""The colour of every verdict on pages, from a probability of falling or from outcomes; a run's headline with its probability."""
+"""The colour of every verdict on pages, from a probability of falling or from outcomes."""
 
 from __future__ import annotations
 
@@ -30,14 +30,11 @@ def tone_of_probability(item: Assessment) -> Tone:
     return "failed" if item.probability_overturned >= LIKELY else "differ"
 
 
-def first_line(answers: Mapping[str, Assessment] | None, headline: str, colour: str) -> tuple[str, str]:
-    """A run's headline and colour with the probability before them, where the record has one.
+def worst(answers: Mapping[str, Assessment]) -> Assessment:
+    """The answer in which a fall is the most probable."""
+    return max(answers.values(), key=lambda each: each.most)
 
-    The worse of both colours: a probability makes no run's green greener.
-    """
-    if not answers:
-        return headline, colour
-    item = max(answers.values(), key=lambda each: each.most)
-    nominal = headline[0].lower() + headline[1:]
-    worse = max(colour, tone_of_probability(item), key=SEVERITY.index)
-    return f"The statue {item.sentence}. As given, once: {nominal}", worse
+
+def worse_tone(answers: Mapping[str, Assessment], colour: str) -> str:
+    """The worst of a run's colour and every model's probability: a probability makes no run's green greener."""
+    return max([colour, *map(tone_of_probability, answers.values())], key=SEVERITY.index)

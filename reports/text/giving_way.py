@@ -11,13 +11,13 @@ import numpy as np
 
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import StudyRecord
-from harness.statics.push import CAUSES, tipping_of_pedestal
+from harness.statics.push import tipping_of_pedestal
 from reports.drawing.kinematics import Array
-from reports.text.numbers import listed, percent, short
+from reports.text.language import ENGLISH, Language
 
 Span = tuple[float, float]
 
-DIRECTIONS: Final = ("right", "back right", "back", "back left", "left", "front left", "front", "front right")
+DIRECTIONS: Final = ("right", "back_right", "back", "back_left", "left", "front_left", "front", "front_right")
 EQUAL: Final = 0.01
 """Sides whose pushes differ by a smaller share are told as equally weak: pushes are told to two digits."""
 EVERY_SIDE: Final = 6
@@ -36,27 +36,27 @@ class Support:
     statue: Span
     statue_keys: tuple[str, ...] = ()
 
-    def situations(self) -> list[tuple[str, float | None, float]]:
+    def situations(self, say: Language = ENGLISH) -> list[tuple[str, float | None, float]]:
         """Words for what varies, friction on the floor (None without a pedestal) and under the statue, at the ends of both."""
-        found = []
+        listed = []
         for stone in self.pedestal:
             for floor in dict.fromkeys(self.floor or ()) if stone else (None,):
                 for statue in dict.fromkeys(self.statue):
-                    said = ["with the pedestal" if stone else "without the pedestal"] if len(self.pedestal) > 1 else []
+                    said = [say("order.with" if stone else "order.without")] if len(self.pedestal) > 1 else []
                     if floor is not None and self.floor is not None and self.floor[0] < self.floor[1]:
-                        said.append(f"where the floor's friction is {percent(floor)}")
+                        said.append(say("order.floor_friction", push=say.percent(floor)))
                     if self.statue[0] < self.statue[1]:
-                        said.append(f"where the friction under the statue is {percent(statue)}")
-                    found.append((" and ".join(said), floor, statue))
-        return found
+                        said.append(say("order.statue_friction", push=say.percent(statue)))
+                    listed.append((say.listed(said) if said else "", floor, statue))
+        return listed
 
     def slips(self) -> list[tuple[float, str]]:
         """The pushes from which something slides, and what, from weak to strong."""
-        found = {
-            (statue, "the statue") if floor is None or statue < floor else (floor, "the pedestal")
+        frictions = {
+            (statue, "statue") if floor is None or statue < floor else (floor, "pedestal")
             for _, floor, statue in self.situations()
         }
-        return sorted(found)
+        return sorted(frictions)
 
 
 def support_of(scene: SceneRecord) -> Support:
@@ -83,9 +83,9 @@ class Level:
     cause: str
 
 
-def compass(azimuth_deg: float) -> str:
+def compass(azimuth_deg: float, say: Language = ENGLISH) -> str:
     """A direction, counter-clockwise from the right as seen from above, in words."""
-    return DIRECTIONS[round(azimuth_deg / 45.0) % 8]
+    return say(f"side.{DIRECTIONS[round(azimuth_deg / 45.0) % 8]}")
 
 
 def bearing(scene: SceneRecord) -> Array:
@@ -107,21 +107,18 @@ def weakest_pushes(safe: Array) -> tuple[float, list[float]]:
     return float(distances.min()), [math.degrees(math.atan2(*outward[k][::-1])) for k in order]
 
 
-def weakest_words(scene: SceneRecord) -> str:
+def weakest_words(scene: SceneRecord, say: Language = ENGLISH) -> str:
     """Towards which sides the statue tips first, and from which push on; told in the scan's own axes too where it was turned."""
     least, azimuths = weakest_pushes(bearing(scene))
-    names = list(dict.fromkeys(map(compass, azimuths)))
+    names = list(dict.fromkeys(compass(azimuth, say) for azimuth in azimuths))
     if len(names) >= EVERY_SIDE:
-        return f"It is about as weak towards every side: it tips from a push of {percent(least)} of its weight on."
-    text = f"It is weakest towards the {listed(names)}: there it tips from a push of {percent(least)} of its weight on."
+        return say("push.round", push=say.percent(least))
+    text = say("push.weakest", sides=say.listed(names), push=say.percent(least))
     turn = scan_turn_deg(scene)
     if turn == 0.0:
         return text
-    own = listed(dict.fromkeys(f"{short((azimuth - turn) % 360.0, 3)}°" for azimuth in azimuths))
-    return (
-        f"{text} The scene has turned the scan by {short(turn, 3)}° to stand so: in the scan's own file this is towards {own}, "
-        "counted counter-clockwise from its first level axis as seen from above."
-    )
+    own = say.listed(dict.fromkeys(f"{say.short((azimuth - turn) % 360.0, 3)}°" for azimuth in azimuths))
+    return f"{text} {say('push.turned', turn=say.short(turn, 3))} {say('push.own', angles=own)}"
 
 
 def scan_turn_deg(scene: SceneRecord) -> float:
@@ -132,28 +129,29 @@ def scan_turn_deg(scene: SceneRecord) -> float:
     return float(turn) % 360.0 if isinstance(turn, int | float) else 0.0
 
 
-def levels(scene: SceneRecord, support: Support) -> list[Level]:
+def levels(scene: SceneRecord, support: Support, say: Language = ENGLISH) -> list[Level]:
     """What gives way, from weak to strong: tipping to either side, slips that come before the last of these."""
     statue, h = scene.statue, scene.statue.centroid_height_m
     left, right = statue.corner_left_m / h, statue.corner_right_m / h
-    found = [
-        Level("the statue tips to the left", left, "statue_tips"),
-        Level("the statue tips to the right", right, "statue_tips"),
+    pushes = [
+        Level(say("order.tips", side=say(f"side.{side}")), push, "statue_tips")
+        for side, push in (("left", left), ("right", right))
     ]
     least, azimuths = weakest_pushes(bearing(scene))
     if least < (1.0 - EQUAL) * min(left, right):
-        found.append(Level(f"the statue tips to the {compass(azimuths[0])}", least, "statue_tips"))
+        pushes.append(Level(say("order.tips", side=compass(azimuths[0], say)), least, "statue_tips"))
     for friction in dict.fromkeys(support.floor or ()):
-        found.append(Level(CAUSES["pedestal_slides"] + _end(friction, support.floor), friction, "pedestal_slides"))
-    most = max(level.push for level in found)
+        words = _end(say("order.pedestal_slides"), friction, support.floor, say)
+        pushes.append(Level(words, friction, "pedestal_slides"))
+    most = max(level.push for level in pushes)
     for side, push in pedestal_tips(scene, support).items():
         if push < most:
-            found.append(Level(f"the pedestal tips to the {side}", push, "pedestal_tips"))
+            pushes.append(Level(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
     for friction in dict.fromkeys(support.statue):
         if friction < most:
-            words = CAUSES["statue_slides"] + _end(friction, support.statue)
-            found.append(Level(words, friction, "statue_slides"))
-    return sorted(found, key=lambda level: level.push)
+            words = _end(say("order.statue_slides"), friction, support.statue, say)
+            pushes.append(Level(words, friction, "statue_slides"))
+    return sorted(pushes, key=lambda level: level.push)
 
 
 def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
@@ -167,65 +165,56 @@ def pedestal_tips(scene: SceneRecord, support: Support) -> dict[str, float]:
     return {names[side]: push for side, push in pushes.items()}
 
 
-def _end(friction: float, span: Span | None) -> str:
+def _end(words: str, friction: float, span: Span | None, say: Language) -> str:
     if span is None or span[0] == span[1]:
-        return ""
-    return " (least tried)" if friction == span[0] else " (greatest tried)"
+        return words
+    return say("order.least" if friction == span[0] else "order.greatest", words=words)
 
 
-def order_words(scene: SceneRecord, support: Support, push: PushRecord | None, *, rising: bool = False) -> list[str]:
+def order_words(
+    scene: SceneRecord, support: Support, push: PushRecord | None, *, rising: bool = False, say: Language = ENGLISH
+) -> list[str]:
     """What the order of giving way means, by situation where it differs; `push` is what a motion asks (`harness.statics.push`).
 
     `rising`: the shaking has an up-and-down part.
     """
     tips = [level.push for level in levels(scene, support) if level.cause == "statue_tips"]
     stone = min(pedestal_tips(scene, support).values(), default=math.inf)
-    meanings = {said: _meaning(tips, stone, floor, statue) for said, floor, statue in support.situations()}
+    meanings = {said: say(_meaning(tips, stone, floor, statue)) for said, floor, statue in support.situations(say)}
     if len(set(meanings.values())) == 1:
         words = [next(iter(meanings.values()))]
     else:
-        words = [f"{said[0].upper()}{said[1:]}: {text[0].lower()}{text[1:]}" for said, text in meanings.items()]
+        words = [
+            say("order.case", where=f"{said[0].upper()}{said[1:]}", meaning=f"{text[0].lower()}{text[1:]}")
+            for said, text in meanings.items()
+        ]
     if push is not None:
-        words.append(_push_words(push, support, rising))
+        words.append(_push_words(push, support, rising, say))
     if support.pedestal == (True,):
-        words.append("Whether it prevents falls on the whole is shown by a study of the statue with and without it.")
+        words.append(say("order.study"))
     return words
 
 
 def _meaning(tips: Sequence[float], stone: float, floor: float | None, statue: float) -> str:
-    """The order of giving way at one pair of frictions in a sentence or two; `stone` tips the pedestal itself."""
+    """The key of what the order of giving way means at one pair of frictions; `stone` tips the pedestal itself."""
     if floor is not None and stone < min(*tips, floor, statue):
-        return "The pedestal itself tips, with the statue on it, before anything else gives way: it is too slender to protect it."
+        return "order.stone_first"
     if statue < min(*tips, math.inf if floor is None else floor):
-        return (
-            f"The statue slides on its {'support' if floor is None else 'pedestal'} before anything else gives way. Sliding "
-            "limits the push that reaches it; the price is that the statue wanders."
-        )
+        return "order.slides_floor" if floor is None else "order.slides_stone"
     if floor is None:
-        if statue < max(tips):
-            return "Towards its weak side the statue tips before it slides, towards its strong side after."
-        return "The statue stands on the floor: nothing slides before it tips that could soften the shaking."
+        return "order.weak_floor" if statue < max(tips) else "order.nothing_slides"
     if floor < min(tips):
-        return (
-            "The pedestal slides before the statue tips. Sliding limits the push that reaches the statue, as a fuse does; the "
-            "price is that the pedestal wanders."
-        )
-    if floor < max(tips):
-        return (
-            "Towards its weak side the statue tips before its pedestal slides, towards its strong side after. The pedestal "
-            "softens strong shaking only in part."
-        )
-    return "The statue tips before its pedestal slides: a pedestal that holds fast gives no protection."
+        return "order.fuse"
+    return "order.part" if floor < max(tips) else "order.no_protection"
 
 
-def _push_words(push: PushRecord, support: Support, rising: bool) -> str:
+def _push_words(push: PushRecord, support: Support, rising: bool, say: Language) -> str:
     """How strong the shaking is beside what gives way first under it."""
-    said = f"This shaking pushes with up to {percent(push.peak, 3)} of the weight"
-    share, words = push.shares[push.first], CAUSES[push.first]
-    counted = " (its up-and-down part counted in)" if rising else ""
+    peak, share = say.percent(push.peak, 3), push.shares[push.first]
+    words = say(f"order.cause_{push.first}" if push.first.endswith("tips") else f"order.{push.first}")
     if share is None:
         without = push.first == "pedestal_slides" and support.floor is not None and support.floor[0] == 0.0
-        why = "which has no friction there" if without else "for at moments the floor drops as fast as things fall"
-        return f"{said}; under any push {words}, {why}."
-    times = f"{short(share, 3)} times" if share >= 1.0 else f"{percent(share, 3)} of"
-    return f"{said}: {times} what it takes until {words}{counted}."
+        return say("order.any_push", peak=peak, words=words, why=say("order.no_friction" if without else "order.drops"))
+    few = share < 1.0
+    times = say("order.share", share=say.percent(share, 3)) if few else say("order.times", share=say.short(share, 3))
+    return say("order.pushes_rising" if rising else "order.pushes", peak=peak, times=times, words=words)

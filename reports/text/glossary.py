@@ -105,8 +105,6 @@ REASON_WORDS: Final[Mapping[str, str]] = {
     "switched off": "this saving was switched off (--no-skip)",
 }
 """Reasons of the plan in a reader's words; others are shown as they stand."""
-BARE_PATTERNS: Final[Mapping[str, str]] = {"rest": "at rest", "rocking": "rocking"}
-"""Motion patterns of a statue without a pedestal."""
 
 
 def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]:

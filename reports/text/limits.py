@@ -27,14 +27,14 @@ FOLLOWED: Final[Mapping[str, str]] = {
 
 def limit_rows(source: RunSource) -> dict[str, Sequence[tuple[str, str]]]:
     """Each model's limits as words and value; of one that overturns also what they were until its point of no return."""
-    found: dict[str, Sequence[tuple[str, str]]] = {}
+    by_name: dict[str, Sequence[tuple[str, str]]] = {}
     for name, run in source.runs.items():
         if not run.validity:
             continue
         before = before_fall(run, source.histories.get(name))
         rows = validity_rows(run.validity, before, run.no_return_time_s)
-        found[name] = [*rows, *interventions_row(run.interventions, run.validity)]
-    return found
+        by_name[name] = [*rows, *interventions_row(run.interventions, run.validity)]
+    return by_name
 
 
 def interventions_row(written: Mapping[str, Intervention], validity: Table) -> list[tuple[str, str]]:
@@ -62,13 +62,13 @@ def before_fall(run: EngineRunRecord, history: History | None) -> dict[str, floa
     if history is None or until is None:
         return {}
     upright = history.t_s <= until
-    found = {}
+    rows = {}
     for key, column in FOLLOWED.items():
         if key in run.validity and column in history.extra and upright.any():
             values = np.asarray(history.extra[column])
             start = float(values[0]) if key == "yaw_rad" else 0.0
-            found[key] = float(np.max(np.abs(values[upright] - start)))
-    return found
+            rows[key] = float(np.max(np.abs(values[upright] - start)))
+    return rows
 
 
 def fall_sentence(source: RunSource) -> str:

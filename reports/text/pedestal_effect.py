@@ -10,27 +10,45 @@ import numpy as np
 
 from harness.model.history import Outcome
 from harness.records.study import StudyRecord
+from reports.charts import Json
 from reports.charts.palette import HAIRLINE, MUTED
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.kinematics import section
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
 
-Json = dict[str, Any]
-
 WALL_COLOUR: Final = "#8c1d2f"
 
 
 @dataclass(frozen=True)
+class Saved:
+    """Of `total` conditions asked with and without the pedestal: falls without it, those prevented by it, and caused."""
+
+    total: int
+    bare: int
+    prevented: int
+    caused: int
+
+
+@dataclass(frozen=True)
 class PedestalEffect:
-    """A model's sentence, and charts of the share of falls (`saved`) and of the reach (`moved`): (name, words, figure).
+    """What a model says it saves, and charts of the share of falls (`saved`) and of the reach (`moved`): (name, words, figure).
 
     There are charts where the study varies a frequency.
     """
 
     model: str
-    sentence: str
+    counts: Saved
     charts: Sequence[tuple[str, str, Json]]
+
+    @property
+    def sentence(self) -> str:
+        """For the engineer."""
+        item = self.counts
+        return (
+            f"Of {item.total} conditions it overturns in {item.bare} without the pedestal; with it {item.prevented} of these are "
+            f"prevented and {item.caused} others caused ({self.model})."
+        )
 
 
 def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> PedestalEffect | None:
@@ -42,7 +60,7 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
     shape = section(record.scene)
     model = next((name for name in models if name.startswith("analytic")), models[0])
     if pace is None:
-        return PedestalEffect(model, _saved_in_words(cases, model), [])
+        return PedestalEffect(model, _saved(cases, model), [])
     fell: dict[tuple[float, str], list[bool]] = {}
     reach: dict[tuple[float, str], float] = {}
     for item in cases:
@@ -64,10 +82,10 @@ def pedestal_effect(record: StudyRecord, models: Sequence[str], cases: Sequence[
             _reach_by_setting(reach, heading(pace), record),
         ),
     ]
-    return PedestalEffect(model, _saved_in_words(cases, model), charts)
+    return PedestalEffect(model, _saved(cases, model), charts)
 
 
-def _saved_in_words(cases: Sequence[Condition], model: str) -> str:
+def _saved(cases: Sequence[Condition], model: str) -> Saved:
     """How often the pedestal prevents, and how often it causes, an overturning under the same condition."""
     pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
     for item in cases:
@@ -79,10 +97,7 @@ def _saved_in_words(cases: Sequence[Condition], model: str) -> str:
     both = [pair for pair in pairs.values() if len(pair) == 2]
     prevented, caused = sum(p[True] and not p[False] for p in both), sum(p[False] and not p[True] for p in both)
     bare = sum(p[True] for p in both)
-    return (
-        f"Of {len(both)} conditions it overturns in {bare} without the pedestal; with it {prevented} of these are prevented and "
-        f"{caused} others caused ({model})."
-    )
+    return Saved(len(both), bare, prevented, caused)
 
 
 def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], title: str) -> Json:

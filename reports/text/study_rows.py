@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 from harness.model.history import Outcome
-from harness.records.study import StudyRow
+from harness.records.study import StudyRow, Value
 
 SYMBOLS: Final = {
     "stands": ("●", "stands"),
@@ -41,23 +41,25 @@ class Cell:
 class Condition:
     """One combination of what the study varies, with every model's row of it (the variants' own keys aside)."""
 
-    varied: Mapping[str, Any]
+    varied: Mapping[str, Value]
     answers: Mapping[str, StudyRow] = field(default_factory=dict)
 
-
-def model_name(row: StudyRow) -> str:
-    """Engine and variant of a row."""
-    return f"{row.engine} ({row.varied['variant']})"
+    def number(self, key: str) -> float:
+        """The value of a key that varies among numbers. Raises `TypeError` for a text."""
+        value = self.varied[key]
+        if isinstance(value, str):
+            raise TypeError(f"{key} is {value!r}, no number")
+        return value
 
 
 def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
     """The models in their order, and all conditions in the study's order."""
     models: dict[str, None] = {}
-    by_keys: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, StudyRow]]] = {}
+    by_keys: dict[tuple[Value, ...], tuple[dict[str, Value], dict[str, StudyRow]]] = {}
     for row in sorted(rows, key=lambda item: int(item.number)):
         varied = {key: value for key, value in row.varied.items() if key != "variant"}
-        models[model_name(row)] = None
-        by_keys.setdefault(tuple(varied.values()), (varied, {}))[1][model_name(row)] = row
+        models[row.model] = None
+        by_keys.setdefault(tuple(varied.values()), (varied, {}))[1][row.model] = row
     variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
     return sorted(models, key=lambda model: _order(model, variants)), [
         Condition(varied, answers) for varied, answers in by_keys.values()

@@ -14,7 +14,7 @@ from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
 from reports.source import RunSource
-from reports.text.chance import first_line, tone_of_outcomes
+from reports.text.chance import tone_of_outcomes, worse_tone, worst
 from reports.text.numbers import angle, count_word, length, listed, spread, unit
 from reports.text.study_rows import family
 
@@ -36,8 +36,12 @@ class Verdict:
 def run_verdict(source: RunSource) -> Verdict:
     """The verdict on one scene: how probable a fall is, where the record says so, and what the models say of it as given."""
     nominal = _nominal(source)
-    headline, colour = first_line(source.record.assessment, nominal.headline, nominal.tone)
-    return Verdict(headline, colour, nominal.points)
+    answers = source.record.assessment
+    if not answers:
+        return nominal
+    item = worst(answers)
+    given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
+    return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), [given, *nominal.points])
 
 
 def _nominal(source: RunSource) -> Verdict:
@@ -121,27 +125,27 @@ def _outcome_times(answered: Mapping[str, EngineRunRecord]) -> list[str]:
 
 def _lean(source: RunSource, answered: Mapping[str, EngineRunRecord]) -> list[str]:
     standing = [name for name in answered if answered[name].outcome == Outcome.STANDS and name in source.histories]
-    found = []
+    causes = []
     for name in standing:
         theta = source.histories[name].theta_rad
         if np.abs(theta).max() < AT_REST_RAD:
             continue
         side = 1 if theta[np.argmax(np.abs(theta))] > 0.0 else -1
-        found.append((float(np.abs(theta).max()), side, name))
-    if not found:
+        causes.append((float(np.abs(theta).max()), side, name))
+    if not causes:
         if not standing:
             return []
         where = "The" if len(standing) == len(answered) else f"In {listed(standing)} the"
         return [f"{where} statue does not rock."]
-    sides = {side for _, side, _ in found}
+    sides = {side for _, side, _ in causes}
     if len(sides) > 1:
-        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in found)
+        each = listed(f"{angle(peak)} to the {SIDES[side]} ({name})" for peak, side, name in causes)
         return [f"Largest lean: {each}."]
     side = sides.pop()
     balance = source.scene.statue.slenderness_rad(side)
-    peaks = [peak for peak, _, _ in found]
+    peaks = [peak for peak, _, _ in causes]
     share = spread([100.0 * peak / balance for peak in peaks], "%", 2)
-    by = "" if len(found) == len(answered) else f" ({', '.join(name for _, _, name in found)})"
+    by = "" if len(causes) == len(answered) else f" ({', '.join(name for _, _, name in causes)})"
     return [
         f"Largest lean{by}: {spread(peaks, 'rad')} ({spread([math.degrees(peak) for peak in peaks], '°', 2)}) to the "
         f"{SIDES[side]}, {share} of the {angle(balance)} at which the statue balances on that edge."

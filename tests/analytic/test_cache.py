@@ -65,7 +65,7 @@ def test_a_folder_that_another_process_removes_meanwhile_is_passed_over(
         return real(path, **options)
 
     monkeypatch.setattr(Path, "stat", gone)
-    _cache.prune(home, kept=1)
+    _cache.prune(home, most=1)
     monkeypatch.undo()
     assert len(folders(home)) == 2
 

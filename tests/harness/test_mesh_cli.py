@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.command import Known, Surroundings
+from harness.input.motions.layout import Layout
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.scene_file import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError
@@ -117,6 +120,16 @@ def test_new_takes_pedestal_friction_and_scale(scan: Path, motion: Path, tmp_pat
     assert scene.statue.mass_kg == pytest.approx(650.0)
     assert scene.base_excitation.x.peak_m_s2 == pytest.approx(2.5 * 3.0, rel=1e-3)
     assert scene.base_excitation.z.peak_m_s2 == pytest.approx(2.5 * 0.5, rel=1e-3)
+
+
+def test_new_takes_a_record_that_no_reader_knows(scan: Path, tmp_path: Path) -> None:
+    """The options that `motion inspect` says fit the file are those of `new`, and stand in the scene."""
+    text = tmp_path / "any.txt"
+    text.write_text("a logger's file\n" + "".join(f"{0.1 * math.sin(0.3 * k):.5f}\n" for k in range(200)))
+    layout = Layout(dt_s=0.01, skip_lines=1, columns="all")
+    around = Surroundings(motion_unit="g")
+    scene = load_scene(new(scan, text, tmp_path / "any.toml", Known(unit="m", up="z"), around, layout))
+    assert scene.base_excitation.x.peak_m_s2 == pytest.approx(0.1 * STANDARD_GRAVITY_M_S2, rel=1e-3)
 
 
 @pytest.mark.parametrize(

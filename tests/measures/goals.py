@@ -83,7 +83,7 @@ def goals(record: BenchRecord) -> Iterator[Goal]:
         yield Goal("first call over a trivial one", record.startup.first_call_ratio, FIRST_CALL_RATIO, at_most=True)
     for name, ratio in record.overhead.items():
         if name.endswith("_ratio"):
-            yield Goal(f"pymunk over a bare loop, {name}", ratio, OVERHEAD, at_most=True)
+            yield Goal(f"pymunk over a baseline loop, {name}", ratio, OVERHEAD, at_most=True)
 
 
 def _solvers(rows: Sequence[SolverRow]) -> Iterator[Goal]:

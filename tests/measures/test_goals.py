@@ -71,5 +71,5 @@ def test_the_command_tells_and_fails(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main([str(path)]) == 0
     path.write_text(json.dumps(plain(replace(GOOD, overhead={"pedestal_ratio": 2.0}))), encoding="utf-8")
     assert main([str(path)]) == 1
-    assert "MISSED   pymunk over a bare loop, pedestal_ratio: 2, at most 1.1 wanted" in capsys.readouterr().out
+    assert "MISSED   pymunk over a baseline loop, pedestal_ratio: 2, at most 1.1 wanted" in capsys.readouterr().out
     assert str(Goal("a", None, 1.0)).endswith("not measured, at least 1 wanted")

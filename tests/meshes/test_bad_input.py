@@ -70,7 +70,7 @@ def test_statue_and_plinth_that_overlap_become_one() -> None:
     figure = box(0.4, 0.5, 1.4)[0] + [0.1, 0.15, 0.1]
     both = RawMesh(np.vstack([plinth, figure]), np.vstack([faces, faces + 8]), "pair")
     prepared = prepare_mesh(both, METRES)
-    assert [change.step for change in prepared.account.changes] == ["bodies"]
+    assert [change.step for change in prepared.log.changes] == ["bodies"]
     expected = 0.6 * 0.8 * 0.2 + 0.4 * 0.5 * (1.4 - 0.1)
     assert prepared.solid(density_kg_m3=1.0).mass_kg == pytest.approx(expected)
 
@@ -117,11 +117,11 @@ def test_a_branching_edge_is_repaired_or_refused(statue: Solid) -> None:
     a, b, _ = statue.faces[100]
     faces = np.vstack([statue.faces, [[a, b, len(fin) - 1]]])
     prepared = prepare_mesh(RawMesh(fin, faces, "fin"), METRES)
-    assert "non-manifold" in [change.step for change in prepared.account.changes]
+    assert "non-manifold" in [change.step for change in prepared.log.changes]
     vertices, cube = box(0.4, 0.7, 1.5)
     stuck = RawMesh(np.vstack([vertices, [[1.0, 1.0, 1.0]]]), np.vstack([cube, [[0, 1, 8]]]), "one face on a cube")
     trimmed = prepare_mesh(stuck, METRES)
-    assert "1 faces that stick out there removed" in str(trimmed.account)
+    assert "1 faces that stick out there removed" in str(trimmed.log)
     assert trimmed.solid(density_kg_m3=1.0).mass_kg == pytest.approx(0.42)
     many = np.vstack([cube, [[0, 1, 6], [1, 2, 7], [2, 3, 4], [3, 0, 5]]])
     with pytest.raises(MeshError, match="non-manifold"):

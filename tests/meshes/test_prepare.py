@@ -1,4 +1,4 @@
-"""The scanner bench: a statue of known truth scanned with every fault, and recovered; the account says what was done."""
+"""The scanner bench: a statue of known truth scanned with every fault, and recovered; the log says what was done."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def test_corners_are_recovered(statue: Solid, noisy: Prepared) -> None:
 
 
 def test_the_account_names_every_step_with_its_effect(noisy: Prepared) -> None:
-    account = noisy.account
-    assert [change.step for change in account.changes] == ["crumbs", "up axis", "scale", "base", "decimation"]
-    assert account.changes[0].count == COARSE.crumbs
-    closing = account.changes[3]
-    assert closing.volume_rel is not None
-    assert 0.0 < closing.volume_rel < 0.01
-    text = str(account)
+    log = noisy.log
+    assert [change.step for change in log.changes] == ["debris", "up axis", "scale", "base", "decimation"]
+    assert log.changes[0].count == COARSE.debris
+    base = log.changes[3]
+    assert base.volume_rel is not None
+    assert 0.0 < base.volume_rel < 0.01
+    text = str(log)
     assert "open base closed" in text
     assert "centroid moved" in text
 
@@ -62,18 +62,18 @@ def test_the_result_is_closed_and_in_metres(noisy: Prepared, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("up", ["z", "-z", "x", "-x", "-y"])
 def test_any_up_axis_is_found(statue: Solid, up: str) -> None:
-    faults = Faults(edge_m=0.05, noise_m=0.0, crumbs=0, up=up, units_per_m=1.0)
+    faults = Faults(edge_m=0.05, noise_m=0.0, debris=0, up=up, units_per_m=1.0)
     solid = prepare_mesh(scan(statue, faults), Wanted(unit="m")).solid(density_kg_m3=DENSITY)
     assert solid.mass_kg == pytest.approx(statue.mass_kg, rel=QUIET_SCAN_REL)
     assert solid.corner_right_m == pytest.approx(statue.corner_right_m, abs=CORNER_ASKED_M)
 
 
 def test_a_closed_body_on_its_side_is_stood_up(statue: Solid) -> None:
-    faults = Faults(edge_m=1.0, noise_m=0.0, crumbs=0, open_below=False, up="x", units_per_m=1.0)
+    faults = Faults(edge_m=1.0, noise_m=0.0, debris=0, open_below=False, up="x", units_per_m=1.0)
     prepared = prepare_mesh(scan(statue, faults), Wanted(unit="m"))
     solid = prepared.solid(density_kg_m3=DENSITY)
     assert solid.corner_right_m == pytest.approx(statue.corner_right_m, rel=1e-6)
-    assert [change.step for change in prepared.account.changes] == ["up axis"]
+    assert [change.step for change in prepared.log.changes] == ["up axis"]
 
 
 def test_scale_from_a_known_height(statue: Solid) -> None:
@@ -85,7 +85,7 @@ def test_scale_from_a_known_height(statue: Solid) -> None:
 
 def test_glb_is_in_metres_by_its_standard(statue: Solid, tmp_path: Path) -> None:
     file = write(
-        scan(statue, Faults(edge_m=1.0, noise_m=0.0, crumbs=0, open_below=False, units_per_m=1.0)), tmp_path / "s.glb"
+        scan(statue, Faults(edge_m=1.0, noise_m=0.0, debris=0, open_below=False, units_per_m=1.0)), tmp_path / "s.glb"
     )
     assert prepare(file, Wanted(up="y")).solid(density_kg_m3=DENSITY).mass_kg == pytest.approx(statue.mass_kg, rel=1e-5)
 
@@ -93,7 +93,7 @@ def test_glb_is_in_metres_by_its_standard(statue: Solid, tmp_path: Path) -> None
 def test_inside_out_is_turned_and_accounted(statue: Solid) -> None:
     inside_out = RawMesh(statue.vertices_m, np.ascontiguousarray(statue.faces[:, ::-1]), "scan")
     prepared = prepare_mesh(inside_out, Wanted(unit="m"))
-    assert [change.step for change in prepared.account.changes] == ["orientation"]
+    assert [change.step for change in prepared.log.changes] == ["orientation"]
     assert prepared.solid(density_kg_m3=DENSITY).mass_kg == pytest.approx(statue.mass_kg, rel=ROUND_OFF_REL)
 
 
@@ -101,7 +101,7 @@ def test_some_faces_turned_are_turned_back(statue: Solid) -> None:
     faces = statue.faces.copy()
     faces[::7] = faces[::7, ::-1]
     prepared = prepare_mesh(RawMesh(statue.vertices_m, faces, "scan"), Wanted(unit="m"))
-    assert prepared.account.changes[0].count == len(faces[::7])
+    assert prepared.log.changes[0].count == len(faces[::7])
     assert measure(prepared.mesh).volume_m3 == pytest.approx(statue.mass_kg / DENSITY, rel=ROUND_OFF_REL)
 
 
@@ -109,7 +109,7 @@ def test_small_holes_are_closed_and_accounted(statue: Solid) -> None:
     middle = statue.vertices_m[statue.faces].mean(axis=1)
     kept = np.linalg.norm(middle - middle[len(middle) // 2], axis=1) > 0.03
     prepared = prepare_mesh(RawMesh(statue.vertices_m, statue.faces[kept], "scan"), Wanted(unit="m", up="z"))
-    assert "holes" in [change.step for change in prepared.account.changes]
+    assert "holes" in [change.step for change in prepared.log.changes]
     assert measure(prepared.mesh).volume_m3 == pytest.approx(statue.mass_kg / DENSITY, rel=QUIET_SCAN_REL)
 
 
@@ -127,9 +127,9 @@ def test_the_limit_on_repair_is_a_limit(statue: Solid) -> None:
 
 
 def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> None:
-    dense = scan(statue, Faults(edge_m=0.04, noise_m=0.0, crumbs=0, open_below=False, up="z", units_per_m=1.0))
+    dense = scan(statue, Faults(edge_m=0.04, noise_m=0.0, debris=0, open_below=False, up="z", units_per_m=1.0))
     prepared = prepare_mesh(dense, Wanted(unit="m", up="z", max_faces=12_000))
-    made = prepared.account.changes[-1]
+    made = prepared.log.changes[-1]
     assert made.step == "decimation"
     assert made.volume_rel is not None
     assert abs(made.volume_rel) <= DECIMATION_VOLUME_REL
@@ -149,13 +149,13 @@ def test_decimation_keeps_its_bounds_and_every_base_vertex(statue: Solid) -> Non
 def test_more_faces_than_asked_are_explained(most: int, bounds: Bounds, says: str, statue: Solid) -> None:
     mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
     prepared = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=most, bounds=bounds))
-    told = [text for text in prepared.account.found if f"not {most}: with so few" in text]
+    told = [text for text in prepared.log.found if f"not {most}: with so few" in text]
     assert len(prepared.mesh.faces) > most
     assert len(told) == 1
     assert f"{len(prepared.mesh.faces)} triangles" in told[0]
     assert says in told[0]
     enough = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=len(mesh.faces)))
-    assert not any("triangles, not" in text for text in enough.account.found)
+    assert not any("triangles, not" in text for text in enough.log.found)
 
 
 def test_measure_agrees_with_trimesh(statue: Solid) -> None:
@@ -178,11 +178,11 @@ def test_measure_agrees_with_trimesh(statue: Solid) -> None:
 def test_real_scans_become_watertight(data_dir: Path, name: str, wanted: Wanted, watertight_as_read: bool) -> None:
     prepared = prepare(data_dir / "meshes" / name, wanted)
     assert EdgeCount.of(prepared.mesh.faces).closed
-    assert ("base" in [change.step for change in prepared.account.changes]) != watertight_as_read
+    assert ("base" in [change.step for change in prepared.log.changes]) != watertight_as_read
     assert prepared.solid(density_kg_m3=DENSITY).mass_kg > 50.0
 
 
 def test_real_closed_scans_are_left_as_they_are(data_dir: Path) -> None:
     prepared = prepare(data_dir / "meshes" / "maria.obj", Wanted(unit="m"))
-    assert prepared.account.changes == ()
+    assert prepared.log.changes == ()
     assert prepared.solid(density_kg_m3=DENSITY).mass_kg / DENSITY == pytest.approx(0.1935, abs=1e-4)

@@ -107,7 +107,8 @@ def write_table_study(folder: Path) -> Path:
                     name: getattr(history, name) for name in ("t_s", "theta_rad", "slip_m")
                 }
         panels.append({"restitution": r, "amplitude_g": a, "frequency_hz": f, "curves": curves})
-    verdicts = claims.judge(rows, lambda theta: 1.46 * float(np.sin(theta)))
+    typed = [part(StudyRow, row, Path("invented")) for row in rows]
+    verdicts = claims.judge(typed, lambda theta: 1.46 * float(np.sin(theta)))
     found = _record(
         "An invented table of 60 conditions",
         rows,

@@ -192,7 +192,7 @@ def test_pictures_and_controls_have_names(visit: Callable[[str, str], Visit]) ->
 
 def test_the_papers_panels_change_with_group_and_model(visit: Callable[[str, str], Visit]) -> None:
     page = visit("table", "desk").page
-    shown = "document.getElementById('panel-chart').data.length"
+    shown = "document.querySelector('#panel-chart > .live').data.length"
     both = page.evaluate(shown)
     assert both == 30
     page.locator("[data-panel-group='2']").click()
@@ -211,7 +211,22 @@ def test_without_scripts_the_charts_are_still_there(browser: Any, pages: dict[st
     stills = page.locator("svg.still")
     assert all(stills.nth(k).is_visible() for k in range(stills.count()))
     assert stills.count() >= (1 if name == "run" else 2)
-    assert stills.count() + page.locator(".chart .wait").count() == page.locator(".chart").count()
+    assert page.locator(".chart:not(:has(svg.still))").count() == 0
     assert not any(page.locator(".tools, .transport, .wait, .stage").nth(k).is_visible() for k in range(3))
     assert page.locator("table:visible").count() > 0
+    context.close()
+
+
+def test_a_page_opens_on_the_event(browser: Any, pages: dict[str, Path]) -> None:
+    """The first view and the replay begin shortly before anything moves; zooming leaves the rotation's scale alone."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    page = context.new_page()
+    page.goto(pages["run"].as_uri())
+    page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+    views = page.evaluate("rockcheck.charts.histories.views")
+    assert page.evaluate("rockcheck.charts.histories.box.layout.xaxis.range") == views["event_s"]
+    assert page.evaluate("rockcheck.time") == views["event_s"][0]
+    assert page.evaluate("rockcheck.charts.histories.box.layout.yaxis.fixedrange") is True
+    verdict = page.locator("#verdict").bounding_box()
+    assert verdict["y"] + verdict["height"] <= 800, "the answer stands before the fold"
     context.close()

@@ -13,13 +13,17 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.campaign.runner import Done, InlinePool, Work
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
+from harness.model.history import Outcome
 from harness.model.scene import Scene
 from harness.records.base import plain
 from harness.records.run import EngineRunRecord
+from harness.records.study import StudyRow
 from harness.scene_run.scene_run import run_scene
 from harness.studies.case_tasks import stored_runs
 from harness.studies.file import load_study
 from harness.studies.study_run import Beside, run_study
+from reports import build_examples
+from tests import doubles
 from tests.harness.studies.small_study import BLOCK, written
 
 
@@ -76,3 +80,16 @@ def test_what_a_study_has_stored_is_not_run_again(
     assert second is not None
     assert all((values == second.columns()[name]).all() for name, values in first.columns().items())
     assert "analytic_vs_pymunk" in found.scores
+
+
+@pytest.mark.parametrize(
+    ("outcome", "failed"), [(Outcome.STANDS, False), (Outcome.UNAVAILABLE, False), (Outcome.CRASHED, True)]
+)
+def test_an_engine_that_is_not_installed_is_said_and_fails_nothing(
+    outcome: Outcome, failed: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row = StudyRow(
+        number=0, engine="pybullet", reason="", varied={}, run=doubles.case_run(engine="pybullet", outcome=outcome)
+    )
+    assert build_examples._failed([row]) is failed
+    assert ("left out: pybullet" in capsys.readouterr().err) is (outcome is Outcome.UNAVAILABLE)

@@ -150,7 +150,7 @@ def test_the_strongest_push_is_that_of_the_whole_motion_within_the_run(told: lis
         assert first in match.group(2), (item.seed, shares)
         times = re.search(r": (\S+) (times|% of) what it takes", match.group(2))
         if shares[first] > 1e6:
-            assert "under any push" in match.group(2), item.seed
+            assert "Under any push" in match.group(2), item.seed
         else:
             assert times is not None, item.seed
             share = float(times.group(1)) * (1.0 if times.group(2) == "times" else 0.01)

@@ -303,6 +303,26 @@ def test_two_histories_of_any_software_are_compared(scene: Path, tmp_path: Path)
     assert scores["rms_theta_rad"] == 0.0
 
 
+def test_two_models_are_compared_over_a_suite_of_scenes(scene: Path, tmp_path: Path) -> None:
+    """Nine scenes of one block let go from unlike leans: outcomes and the distributions of the maxima, after the pairs."""
+    text = (tmp_path / "block.toml").read_text(encoding="utf-8")
+    names = []
+    for k in range(9):
+        names.append(f"s{k}.toml")
+        (tmp_path / names[-1]).write_text(
+            text.replace("theta_rad = 0.05", f"theta_rad = {0.02 + 0.005 * k}"), encoding="utf-8"
+        )
+    done = rockcheck("compare", *names, "-e", "analytic", "-e", "pymunk", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    over_all = json.loads(done.stdout)["over_all_scenes"]
+    assert list(over_all) == ["pymunk"]
+    assert over_all["pymunk"]["cases"] == 9
+    assert over_all["pymunk"]["peaks"]["size_a"] == 9
+    told = rockcheck("compare", *names[:2], "-e", "analytic", "-e", "pymunk", cwd=tmp_path).stdout
+    assert "over all scenes, pymunk: 2 cases; fallen or standing as analytic in" in told
+    assert "too few cases to compare distributions" in told
+
+
 def test_a_single_instant_is_no_agreement(tmp_path: Path) -> None:
     (tmp_path / "one.csv").write_text("t_s,theta_rad\n0,0\n")
     (tmp_path / "two.csv").write_text("t_s,theta_rad\n0,0\n1,0.1\n")

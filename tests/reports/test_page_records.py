@@ -6,8 +6,6 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from harness.model.run import write_json
 from harness.records.base import as_file
 from harness.records.bench import PartRow, ScalingRow
@@ -16,6 +14,8 @@ from harness.records.scores import Interval
 from harness.records.stress import Cell
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import ValidationRecord
+from reports.charts.study_figures import rose_picture
+from reports.drawing.shapes import Disc
 from reports.pages.bench_page import bench_verdict, on_front, precision_figure
 from reports.pages.bench_scaling import scaling_figure
 from reports.pages.bench_tables import tables as bench_tables
@@ -93,11 +93,13 @@ def test_a_map_shows_what_was_not_asked(tmp_path: Path) -> None:
 
 def test_a_rose_gives_the_least_overturning_amplitude(tmp_path: Path) -> None:
     record = invented_study.study(invented_study.write_rose_study(tmp_path))
-    charts = {name: figure for name, _, figure in study_context(tmp_path, record)["charts"]}
-    trace = charts["rose"]["data"][0]
-    least = dict(zip(trace["theta"], trace["r"], strict=True))
-    assert least[0.0] == pytest.approx(0.6)
-    assert least[180.0] == pytest.approx(0.2)
+    drawn = rose_picture(*conditions(record.rows))
+    assert drawn is not None
+    told = [shape.title for shape in drawn.shapes if isinstance(shape, Disc) and shape.title]
+    assert [text.partition(", ")[2] for text in told if ", 0°" in text or ", 180°" in text] == [
+        "0°: 0.600 g",
+        "180°: 0.200 g",
+    ]
 
 
 def validation(folder: Path) -> ValidationRecord:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,10 @@ import pytest
 from PIL import Image
 
 from harness.model.errors import InputError
-from harness.model.run import PATTERN_NAMES
-from harness.records.base import plain
+from harness.model.run import PATTERN_NAMES, write_json
+from harness.records.base import as_file
 from harness.records.kinds import read_result
+from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
 from reports.charts.palette import look
 from reports.charts.static_svg_axes import MARGIN
@@ -21,10 +23,12 @@ from reports.drawing.shapes import Text
 from reports.export.animation import FRAMES_PER_S, write_gif
 from reports.export.figures import histories_picture, write_figures
 from reports.export.paper import pixels_across
+from reports.pages.study_page import context as study_context
 from reports.source import run_source
 from tests.budgets_reports import DRAWN_SHARE, STILL_PX
+from tests.reports.invented_records import write_validation
 from tests.reports.invented_run import write_invented
-from tests.reports.invented_study import write_map_study, write_table_study
+from tests.reports.invented_study import write_map_study, write_rose_study, write_table_study
 
 SIGNATURES = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
@@ -84,25 +88,24 @@ def test_a_column_holds_its_chart_whole(folder: Path) -> None:
 def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
     record = read_result(table)
     assert isinstance(record, StudyRecord)
-    panels = [plain(panel) for panel in record.panels or ()]
-    group = [item for item in panels if item["restitution"] == 0.85]
+    group = [item for item in record.panels or () if item.restitution == 0.85]
     figure = panels_figure(group, "pymunk (own impact)")
     layout = figure["layout"]
     for note in layout["annotations"]:
         number = note["xref"].partition(" ")[0][1:]
         panel = group[int(number or 1) - 1]
-        assert note["text"] == f"{panel['amplitude_g']:g} g, {panel['frequency_hz']:g} Hz"
+        assert note["text"] == f"{panel.amplitude_g:g} g, {panel.frequency_hz:g} Hz"
         x, y = layout[f"xaxis{number}"]["domain"], layout[f"yaxis{number}"]["domain"]
-        assert (x[0] > 0.0) == (panel["amplitude_g"] == 0.429)
-        assert (y[1] == 1.0) == (panel["frequency_hz"] == 1.5)
+        assert (x[0] > 0.0) == (panel.amplitude_g == 0.429)
+        assert (y[1] == 1.0) == (panel.frequency_hz == 1.5)
         mine = [trace for trace in figure["data"] if trace["xaxis"] == f"x{number}"]
         (drawn,) = [trace for trace in mine if trace["name"].startswith("θ, on the pedestal")]
-        assert drawn["y"] == panel["curves"]["pymunk (own impact)"]["pedestal"]["theta_rad"]
+        assert drawn["y"] == panel.curves["pymunk (own impact)"]["pedestal"].theta_rad
 
 
 def test_a_study_has_a_figure_for_each_restitution(table: Path) -> None:
     names = [path.name for path in write_figures(table, ("svg",), "column", "analytic (paper)")]
-    assert names == [f"panels_{r}_analytic_paper.svg" for r in ("0.85", "0.875", "0.9")]
+    assert names == [*(f"panels_{r}_analytic_paper.svg" for r in ("0.85", "0.875", "0.9")), "saved.svg", "moved.svg"]
 
 
 @pytest.mark.parametrize(
@@ -118,9 +121,27 @@ def test_unknown_options_are_refused_and_nothing_is_written(
     assert sorted(table.rglob("*")) == before
 
 
-def test_a_record_without_curves_has_no_figure(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="histories or panels"):
-        write_figures(write_map_study(tmp_path))
+def test_every_chart_of_a_studys_page_is_a_figure(tmp_path: Path) -> None:
+    folder = write_map_study(tmp_path)
+    record = read_result(folder)
+    charts = [name for name, _, _ in study_context(folder, record)["charts"]]
+    assert len(charts) > 3
+    assert [path.stem for path in write_figures(folder, ("svg",), "column")] == charts
+    assert [path.stem for path in write_figures(write_rose_study(tmp_path / "rose"), ("svg",))][-1] == "rose"
+
+
+def test_a_validation_has_its_figures(tmp_path: Path) -> None:
+    names = {path.stem for path in write_figures(write_validation(tmp_path), ("svg",))}
+    assert names == {"accuracy", "plane", "fragility"}
+
+
+def test_a_record_without_charts_has_no_figure(tmp_path: Path) -> None:
+    folder = write_invented(tmp_path)
+    record = read_result(folder)
+    assert isinstance(record, RunRecord)
+    write_json(folder / "result.json", as_file(replace(record, histories=[])))
+    with pytest.raises(InputError, match="a record with charts"):
+        write_figures(folder)
 
 
 def test_the_gif_runs_in_real_time_and_moves(folder: Path) -> None:

@@ -100,7 +100,8 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     )
     assert expected in said["headline"]
     for variant, each in falls.items():
-        assert any(f"({variant})”: it falls in {sum(each)} of {len(each)}" in point for point in said["points"])
+        expected = f"“{variant}”: it falls in" if len(falls) > 1 else "It falls in"
+        assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said["points"])
     stands = [row.run.outcome == "stands" for row in record.rows]
     assert (said["tone"] == "agree") is all(stands)
     # One model alone cannot agree with itself: the engineer's page takes its colour from the outcomes too.
@@ -140,7 +141,7 @@ def test_the_supports_told_are_those_of_all_cases(study: tuple[Path, Path]) -> N
         assert slip >= 1.0 or re.search(rf"slides.* {100.0 * slip:.2g} %", words), slip
     sent_away = "shown by a study of the statue with and without it" in words
     assert sent_away is (told.pedestal == [True])
-    assert ("of the statue that varies" in words or "what was varied of it" in words) is bool(told.statue_keys)
+    assert ("of the statue that varies" in words or "What was varied of it" in words) is bool(told.statue_keys)
 
 
 def test_what_the_pedestal_changes_is_told_without_a_frequency_too(study: tuple[Path, Path]) -> None:

@@ -25,6 +25,7 @@ from analytic.spatial.kernel.contact import (
     UNLIMITED,
     Rows,
     along_across,
+    clear,
     columns,
     edge_margin,
     normal,
@@ -36,10 +37,12 @@ from analytic.spatial.kernel.directions import find_directions
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import rests, stops_all
-from analytic.spatial.kernel.vectors import Vector, dot, vector
+from analytic.spatial.kernel.vectors import Vector, dot, put, times, to_body, vector
 
 ZERO: Final = 1e-9
 """Share of the largest response within which another counts as zero: what was rounded away, not a way out of the mode."""
+ANOTHER: Final = 1e-6
+"""Share of the largest response by which another mode's must differ to be another motion: far above what solving rounds away."""
 
 
 @inlined
@@ -55,10 +58,11 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
     """Whether the solution in memory pushes where it touches, leaves where it does not, and keeps inside its cones."""
     for k in range(s.touching):
         i = m.touch[k]
-        if _parts(m, rows, mode, a, b, i):
-            if normal(m, rows, i) < 0.0:
-                return False
-        elif dot(rows[2], response(m, i)) < -zero:
+        lift = dot(rows[2], response(m, i))
+        # A singular system's forces need not hold what they were to hold.
+        if _parts(m, rows, mode, a, b, i) and (normal(m, rows, i) < 0.0 or lift > zero):
+            return False
+        if lift < -zero:
             return False
     if mode == EDGE_STICK:
         return m.stick_limit[a] >= UNLIMITED or edge_margin(m, rows, a, b) >= 0.0
@@ -90,8 +94,7 @@ def _possible(
     s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float, field: Vector, impulse: bool, size: float
 ) -> bool:
     """Whether a mode is consistent with its own response; the solution stands in memory."""
-    zero = ZERO * size
-    m.force[:] = 0.0
+    clear(s, m)
     m.response[:] = 0.0
     for k in range(s.touching):
         i = m.touch[k]
@@ -99,7 +102,7 @@ def _possible(
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]
     if mode == FLAT_REST:
         if impulse:
-            moving, spin = field, _spin(m)
+            moving, spin = field, vector(m.y, 10)
             return stops_all(s, m, rows, moving, spin)
         return rests(s, m, rows, field)
     if mode == FLAT_PIVOT:
@@ -111,95 +114,110 @@ def _possible(
         ok = True
     else:
         ok = solve_columns(s, m, columns(m, rows, mode, a, b, sign))
-    return ok and _signs_hold(s, m, rows, mode, a, b, sign, zero)
-
-
-@inlined
-def _spin(m: Memory) -> Vector:
-    return vector(m.y, 10)
-
-
-@inlined
-def _sticks(m: Memory, i: int) -> bool:
-    """Whether no velocity says that vertex i slides."""
-    return bool(m.known[i] == 0)
+    return ok and _signs_hold(s, m, rows, mode, a, b, sign, ZERO * size)
 
 
 @jit
-def _still_all(s: Run, m: Memory) -> bool:
-    known = 0
-    for k in range(s.touching):
-        known += m.known[m.touch[k]]
-    return bool(known == 0)
+def _candidates(s: Run, mode: int) -> int:
+    """How many candidates of a mode the vertices that touch give."""
+    n = s.touching
+    flat, pairs = n > 2, n if n > 2 else n - 1
+    if s.friction_kinetic >= UNLIMITED and mode not in (FLAT_REST, EDGE_STICK, VERTEX_STICK, FLIGHT):
+        return 0
+    if mode in (FLAT_REST, FLAT_SLIDE):
+        return 1 if flat else 0
+    if mode == FLAT_PIVOT:
+        return 2 * n if flat else 0
+    if mode in (VERTEX_STICK, VERTEX_SLIDE):
+        return n
+    if mode == FLIGHT:
+        return 1
+    return 4 * pairs if mode == EDGE_PIVOT else pairs
 
 
-@inlined
-def _take(s: Run, mode: int, a: int, b: int, sign: float) -> bool:
-    s.mode, s.a, s.b, s.sign = mode, a, b, sign
+@jit
+def _candidate(s: Run, m: Memory, mode: int, c: int) -> tuple[int, int, float]:
+    """Candidate c of a mode: its vertices a and b, and the sign of the yaw about a."""
+    n = s.touching
+    if mode in (FLAT_REST, FLAT_SLIDE, FLIGHT):
+        return -1, -1, 0.0
+    if mode == FLAT_PIVOT:
+        return m.touch[c // 2], -1, 1.0 - 2.0 * (c % 2)
+    if mode in (VERTEX_STICK, VERTEX_SLIDE):
+        return m.touch[c], -1, 0.0
+    if mode == EDGE_PIVOT:
+        k, swap = c // 4, c // 2 % 2
+        return m.touch[(k + swap) % n], m.touch[(k + 1 - swap) % n], 1.0 - 2.0 * (c % 2)
+    return m.touch[c], m.touch[(c + 1) % n], 0.0
+
+
+@jit
+def _turns(m: Memory, rows: Rows, a: int, b: int, sign: float) -> bool:
+    """Whether vertex b's velocity about the sticking vertex a, if it has one, is that of the sign."""
+    if m.known[b] == 0:
+        return True
+    across = along_across(m, rows, a, b)[1]
+    turned: float = dot(rows[0], across) * m.heading[b, 0] + dot(rows[1], across) * m.heading[b, 1]
+    return sign * turned > 0.0
+
+
+@jit
+def _may(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) -> bool:
+    """Whether the velocities allow a candidate: what sticks in it must not slide."""
+    if mode == FLAT_REST:
+        slides = 0
+        for k in range(s.touching):
+            slides += m.known[m.touch[k]]
+        return bool(slides == 0)
+    if mode == EDGE_STICK:
+        return bool(m.known[a] == 0 and m.known[b] == 0)
+    if mode == VERTEX_STICK:
+        return bool(m.known[a] == 0)
+    if mode == EDGE_PIVOT:
+        return m.known[a] == 0 and _turns(m, rows, a, b, sign)
+    if mode == FLAT_PIVOT:
+        return m.known[a] == 0 and _turns(m, rows, a, m.touch[0] if m.touch[0] != a else m.touch[1], sign)
     return True
 
 
 @inlined
-def _turns(m: Memory, rows: Rows, a: int, b: int, sign: float) -> bool:
-    """Whether vertex b's known direction about the sticking vertex a, if it has one, is that of the sign."""
-    if m.known[b] == 0:
-        return True
-    across = along_across(m, rows, a, b)[1]
-    turned: float = dot(rows[0], across) * m.slide[b, 0] + dot(rows[1], across) * m.slide[b, 1]
-    return sign * turned > 0.0
+def _differs(m: Memory, reach: float, size: float) -> bool:
+    """Whether the response in memory is another than the one chosen."""
+    change = 0.0
+    for c in range(6):
+        change = max(change, abs(m.response[c] - m.chosen[c]) * (1.0 if c < 3 else reach))
+    return change > ANOTHER * size
 
 
 @jit
 def choose(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: float) -> bool:
     """Set the first mode that is possible, its forces or impulses in memory; False if none is.
 
-    field: g_e in the table's frame; with impulses the centroid's velocity in the body's frame. size: of the responses.
+    field: g_e in the table's frame; with impulses the centroid's velocity in the body's frame. size: of the responses. Where
+    events are noted all candidates are tried, and `ties` counts the choices that another motion could have followed.
     """
-    n = s.touching
-    pairs = n if n > 2 else n - 1
-    slides = s.friction_kinetic < UNLIMITED
-    if n > 2 and _still_all(s, m) and _possible(s, m, rows, FLAT_REST, -1, -1, 0.0, field, impulse, size):
-        return _take(s, FLAT_REST, -1, -1, 0.0)
-    for k in range(pairs):
-        a, b = m.touch[k], m.touch[(k + 1) % n]
-        if _sticks(m, a) and _sticks(m, b) and _possible(s, m, rows, EDGE_STICK, a, b, 0.0, field, impulse, size):
-            return _take(s, EDGE_STICK, a, b, 0.0)
-    if n > 2 and slides:
-        for k in range(n):
-            a = m.touch[k]
-            for sign in (1.0, -1.0):
-                may = _sticks(m, a) and _turns(m, rows, a, m.touch[(k + 1) % n], sign)
-                if may and _possible(s, m, rows, FLAT_PIVOT, a, -1, sign, field, impulse, size):
-                    return _take(s, FLAT_PIVOT, a, -1, sign)
-    for k in range(pairs if slides else 0):
-        for swap in range(2):
-            a, b = m.touch[(k + swap) % n], m.touch[(k + 1 - swap) % n]
-            for sign in (1.0, -1.0):
-                may = _sticks(m, a) and _turns(m, rows, a, b, sign)
-                if may and _possible(s, m, rows, EDGE_PIVOT, a, b, sign, field, impulse, size):
-                    return _take(s, EDGE_PIVOT, a, b, sign)
-    for k in range(n):
-        a = m.touch[k]
-        if _sticks(m, a) and _possible(s, m, rows, VERTEX_STICK, a, -1, 0.0, field, impulse, size):
-            return _take(s, VERTEX_STICK, a, -1, 0.0)
-    return _choose_sliding(s, m, rows, field, impulse, size)
-
-
-@jit
-def _choose_sliding(s: Run, m: Memory, rows: Rows, field: Vector, impulse: bool, size: float) -> bool:
-    """The same among the modes in which nothing sticks."""
-    n = s.touching if s.friction_kinetic < UNLIMITED else 0
-    pairs = n if n > 2 else n - 1
-    if n > 2 and _possible(s, m, rows, FLAT_SLIDE, -1, -1, 0.0, field, impulse, size):
-        return _take(s, FLAT_SLIDE, -1, -1, 0.0)
-    for k in range(pairs):
-        a, b = m.touch[k], m.touch[(k + 1) % n]
-        if _possible(s, m, rows, EDGE_SLIDE, a, b, 0.0, field, impulse, size):
-            return _take(s, EDGE_SLIDE, a, b, 0.0)
-    for k in range(n):
-        a = m.touch[k]
-        if _possible(s, m, rows, VERTEX_SLIDE, a, -1, 0.0, field, impulse, size):
-            return _take(s, VERTEX_SLIDE, a, -1, 0.0)
-    if _possible(s, m, rows, FLIGHT, -1, -1, 0.0, field, impulse, size):
-        return _take(s, FLIGHT, -1, -1, 0.0)
-    return False
+    some, tie, chosen, a0, b0, sign0 = False, False, FLIGHT, -1, -1, 0.0
+    reach = math.sqrt(m.at[0, 0] ** 2 + m.at[0, 1] ** 2 + m.at[0, 2] ** 2)
+    for mode in range(FLIGHT + 1):
+        for c in range(_candidates(s, mode)):
+            a, b, sign = _candidate(s, m, mode, c)
+            if not _may(s, m, rows, mode, a, b, sign):
+                continue
+            if not _possible(s, m, rows, mode, a, b, sign, field, impulse, size):
+                continue
+            if some:
+                tie = tie or _differs(m, reach, size)
+            else:
+                some, chosen, a0, b0, sign0 = True, mode, a, b, sign
+                m.chosen[:] = m.response
+                if mode == FLAT_REST and not impulse:
+                    # No forces were solved for: at rest they undo the field.
+                    put(m.chosen, 0, to_body(rows, times(-1.0, field)))
+                if not s.keep_events:
+                    s.mode, s.a, s.b, s.sign = mode, a, b, sign
+                    return True
+    if some:
+        s.ties += 1 if tie else 0
+        _possible(s, m, rows, chosen, a0, b0, sign0, field, impulse, size)
+        s.mode, s.a, s.b, s.sign = chosen, a0, b0, sign0
+    return some

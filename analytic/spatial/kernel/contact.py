@@ -69,22 +69,32 @@ def eliminate(matrix: Floats, n: int) -> bool:
     return True
 
 
+@inlined
+def clear(s: Run, m: Memory) -> None:
+    """Take the forces away from all vertices that touch."""
+    for k in range(s.touching):
+        i = m.touch[k]
+        m.force[i, 0], m.force[i, 1], m.force[i, 2] = 0.0, 0.0, 0.0
+
+
 @jit
-def free_accelerations(m: Memory, y: Floats, field: Vector) -> None:
-    """Write each vertex' acceleration without contact: g_e + α × r + ω × (ω × r), I α = −ω × I ω."""
+def free_accelerations(s: Run, m: Memory, y: Floats, field: Vector) -> None:
+    """Write each touching vertex' acceleration without contact: g_e + α × r + ω × (ω × r), I α = −ω × I ω."""
     spin, down = vector(y, 10), to_body(axes(y), field)
     alpha = apply(m.inverse, cross(apply(m.inertia, spin), spin))
-    for i in range(m.vertices):
+    for k in range(s.touching):
+        i = m.touch[k]
         r = row3(m.at, i)
         a = plus(plus(down, cross(alpha, r)), cross(spin, cross(spin, r)))
         m.u[i, 0], m.u[i, 1], m.u[i, 2] = a
 
 
 @jit
-def vertex_velocities(m: Memory, y: Floats) -> None:
-    """Write each vertex' velocity: v + ω × r."""
+def vertex_velocities(s: Run, m: Memory, y: Floats) -> None:
+    """Write each touching vertex' velocity: v + ω × r."""
     spin, v = vector(y, 10), to_body(axes(y), vector(y, 7))
-    for i in range(m.vertices):
+    for k in range(s.touching):
+        i = m.touch[k]
         a = plus(v, cross(spin, row3(m.at, i)))
         m.u[i, 0], m.u[i, 1], m.u[i, 2] = a
 
@@ -157,7 +167,7 @@ def solve_columns(s: Run, m: Memory, n: int) -> bool:
         m.matrix[j, n] = -dot(row3(m.hold, j), row3(m.u, m.column[j]))
     if not eliminate(m.matrix, n):
         return False
-    m.force[:] = 0.0
+    clear(s, m)
     for k in range(n):
         for c in range(3):
             m.force[m.column[k], c] += m.matrix[k, n] * m.push[k, c]

@@ -10,7 +10,7 @@ from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
 from analytic.spatial.kernel.contact import Rows, along_across, columns, response, solve_columns
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
-from analytic.spatial.kernel.vectors import dot, to_table
+from analytic.spatial.kernel.vectors import Vector, cross, dot, length, plus, row3, times, to_table
 
 SECTORS: Final = 48
 """Directions in which a sign change is looked for; a second root within one sector is not seen."""
@@ -40,7 +40,10 @@ def off_direction(m: Memory, rows: Rows, i: int) -> tuple[float, float]:
 @jit
 def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, angle: float) -> float:
     set_direction(m, i, angle)
-    if not solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)):
+    # Beyond its own end a flat mode goes on smoothly, so that a sign change is seen from both sides.
+    if mode == FLAT_SLIDE:
+        solve_flat(s, m, rows, mode, -1)
+    elif not solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)):
         return math.nan
     return off_direction(m, rows, i)[0]
 
@@ -111,49 +114,97 @@ def two_directions(s: Run, m: Memory, rows: Rows, a: int, b: int, size: float, z
 
 
 @jit
-def _flat_motion(
-    s: Run, m: Memory, rows: Rows, px: float, py: float, turn: float, zero: float
-) -> tuple[float, float, float, bool]:
-    """The level motion (of the point below the centroid, and yaw) that follows from sliding as in (px, py, turn).
+def _flat_missed(
+    s: Run, m: Memory, rows: Rows, d: Vector, reach: float, first: Vector, second: Vector
+) -> tuple[float, float, float]:
+    """Response to sliding of a flat base in the direction d, along two directions across d and along d itself.
 
-    A vertex slower than zero keeps its direction: with equal coefficients sliding begins without acceleration.
+    A direction is a unit vector of (place of the point below the centroid x, y; yaw times reach). The response to it does not
+    depend on how fast the base slides.
     """
     for k in range(s.touching):
         i = m.touch[k]
-        dx, dy = px - turn * place(m, rows, i, 2), py + turn * place(m, rows, i, 1)
+        dx, dy = d[0] - d[2] / reach * place(m, rows, i, 2), d[1] + d[2] / reach * place(m, rows, i, 1)
         speed = math.sqrt(dx * dx + dy * dy)
-        if m.known[i] == 0 and speed > zero:
+        if speed > 0.0:
             m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
-    ok = solve_flat(s, m, rows, FLAT_SLIDE, -1)
+    solve_flat(s, m, rows, FLAT_SLIDE, -1)
     # Two vertices give the level motion of all.
     i, j = m.touch[0], m.touch[1]
     xi, xj = to_table(rows, response(m, i)), to_table(rows, response(m, j))
     lx, ly = place(m, rows, j, 1) - place(m, rows, i, 1), place(m, rows, j, 2) - place(m, rows, i, 2)
     yaw = (lx * (xj[1] - xi[1]) - ly * (xj[0] - xi[0])) / (lx * lx + ly * ly)
-    return xi[0] + yaw * place(m, rows, i, 2), xi[1] - yaw * place(m, rows, i, 1), yaw, ok
+    r = (xi[0] + yaw * place(m, rows, i, 2), xi[1] - yaw * place(m, rows, i, 1), yaw * reach)
+    return dot(first, r), dot(second, r), dot(d, r)
+
+
+@inlined
+def _towards(d: Vector, step: Vector) -> Vector:
+    """The unit vector of their sum."""
+    sum_ = plus(d, step)
+    return times(1.0 / length(sum_), sum_)
 
 
 @jit
-def flat_directions(s: Run, m: Memory, rows: Rows, size: float) -> bool:
-    """Find the directions of all vertices of a flat base by repetition, halfway at most; True with the solution in memory."""
-    px, py, turn, count, zero = 0.0, 0.0, 0.0, 0.0, 1e-9 * size
+def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: float, zero: float) -> bool:
+    """Newton's method on the sphere of directions, steps halved: the response lies along the direction. True with the solution in
+    memory."""
+    small = 1e-7
+    for _ in range(NEWTON):
+        first = cross(d, (1.0, 0.0, 0.0) if abs(d[0]) < 0.6 else (0.0, 1.0, 0.0))
+        first = times(1.0 / length(first), first)
+        second = cross(d, first)
+        f, g, along = _flat_missed(s, m, rows, d, reach, first, second)
+        miss = abs(f) + abs(g)
+        if miss <= CONVERGED * size:
+            return along >= -zero
+        fp, gp, _a = _flat_missed(s, m, rows, _towards(d, times(small, first)), reach, first, second)
+        fq, gq, _a = _flat_missed(s, m, rows, _towards(d, times(small, second)), reach, first, second)
+        a, b, c, e = (fp - f) / small, (fq - f) / small, (gp - g) / small, (gq - g) / small
+        det = a * e - b * c
+        if det == 0.0:
+            return False
+        step = plus(times((b * g - e * f) / det, first), times((c * f - a * g) / det, second))
+        share, smaller = 1.0 / max(1.0, 2.0 * length(step)), False
+        for _half in range(HALVINGS):
+            trial = _towards(d, times(share, step))
+            f1, g1, along1 = _flat_missed(s, m, rows, trial, reach, first, second)
+            # Across the new direction, to first order.
+            turned = (dot(trial, first), dot(trial, second))
+            now = abs(f1 - along1 * turned[0]) + abs(g1 - along1 * turned[1])
+            if now < miss:
+                d, smaller = trial, True
+                break
+            share *= 0.5
+        if not smaller:
+            _flat_missed(s, m, rows, d, reach, first, second)
+            return miss <= 100.0 * CONVERGED * size and along >= -zero
+    return False
+
+
+@jit
+def flat_directions(s: Run, m: Memory, rows: Rows, size: float, zero: float) -> bool:
+    """Find the directions of all vertices of a flat base that begins to slide; True with the solution in memory.
+
+    Newton's method starts from the motion without contact: alone, with yaw to either side, and from yaw alone.
+    """
+    px, py, reach, n = 0.0, 0.0, 0.0, 1.0 * s.touching
     for k in range(s.touching):
-        x = to_table(rows, (m.u[m.touch[k], 0], m.u[m.touch[k], 1], m.u[m.touch[k], 2]))
-        px, py, count = px + x[0], py + x[1], count + 1.0
-    px, py = px / count, py / count
-    share = 1.0
-    for step in range(400):
-        qx, qy, q, ok = _flat_motion(s, m, rows, px, py, turn, zero)
-        change = abs(qx - px) + abs(qy - py) + abs(q - turn)
-        if change <= 1e-12 * size:
-            right = ok
-            for k in range(s.touching):
-                i = m.touch[k]
-                right = right and (m.known[i] != 0 or off_direction(m, rows, i)[1] >= -zero)
-            return right
-        if step > 8:
-            share = 0.5
-        px, py, turn = px + share * (qx - px), py + share * (qy - py), turn + share * (q - turn)
+        i = m.touch[k]
+        x = to_table(rows, row3(m.u, i))
+        px, py = px + x[0] / n, py + x[1] / n
+        reach += math.sqrt(place(m, rows, i, 1) ** 2 + place(m, rows, i, 2) ** 2) / n
+    side = math.sqrt(px * px + py * py)
+    if side > 0.0:
+        px, py = px / side, py / side
+    for start in range(5):
+        level = 1.0 if start < 3 and side > 0.0 else 0.0
+        yaw = 0.0 if start == 0 else (1.0 if start % 2 == 1 else -1.0)
+        if level == 0.0 and yaw == 0.0:
+            continue
+        d = _towards((level * px, level * py, yaw), (0.0, 0.0, 0.0))
+        if _flat_newton(s, m, rows, d, reach, size, zero):
+            return True
     return False
 
 
@@ -162,10 +213,15 @@ def find_directions(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, si
     """Solve a sliding mode, the directions that no velocity gives being found; True with the solution in memory."""
     zero = 1e-9 * size
     if mode == FLAT_SLIDE:
-        unknown = False
+        unknown, last = 0, -1
         for k in range(s.touching):
-            unknown = unknown or m.known[m.touch[k]] == 0
-        return flat_directions(s, m, rows, size) if unknown else solve_flat(s, m, rows, mode, -1)
+            if m.known[m.touch[k]] == 0:
+                unknown, last = unknown + 1, m.touch[k]
+        if unknown == 0:
+            return solve_flat(s, m, rows, mode, -1)
+        if unknown == 1:
+            return one_direction(s, m, rows, mode, a, b, last, zero)
+        return flat_directions(s, m, rows, size, zero)
     if mode == VERTEX_SLIDE and m.known[a] == 0:
         return one_direction(s, m, rows, mode, a, b, a, zero)
     if mode == EDGE_SLIDE and m.known[a] + m.known[b] < 2:

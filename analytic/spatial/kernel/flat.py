@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import FLAT_PIVOT
-from analytic.spatial.kernel.contact import Rows, eliminate, respond, sliding_push
+from analytic.spatial.kernel.contact import Rows, clear, eliminate, respond, sliding_push
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import Vector, cross, dot, plus, row3, times, vector
 
@@ -39,16 +41,23 @@ def flat_push(m: Memory, rows: Rows, i: int, pivot: int) -> Vector:
     return rows[2] if i == pivot else sliding_push(m, rows, i)
 
 
+@inlined
+def load_all(s: Run, m: Memory) -> None:
+    """Let all vertices that touch bear pressure."""
+    for k in range(s.touching):
+        m.loaded[m.touch[k]] = 1
+
+
 @jit
-def _flat_once(s: Run, m: Memory, rows: Rows, pivot: int, loaded: int) -> bool:
-    """Solve for the pressure plane over the loaded vertices (bits of their order)."""
+def _flat_once(s: Run, m: Memory, rows: Rows, pivot: int) -> bool:
+    """Solve for the pressure plane over the loaded vertices."""
     n = 3 if pivot < 0 else 5
     for c in range(n):
-        m.force[:] = 0.0
+        clear(s, m)
         if c < 3:
             for k in range(s.touching):
                 i = m.touch[k]
-                if loaded >> k & 1:
+                if m.loaded[i] != 0:
                     f = times(place(m, rows, i, c), flat_push(m, rows, i, pivot))
                     m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
         else:
@@ -67,42 +76,69 @@ def _flat_once(s: Run, m: Memory, rows: Rows, pivot: int, loaded: int) -> bool:
     return eliminate(m.matrix, n)
 
 
+@inlined
+def _plane(m: Memory, rows: Rows, i: int, n: int) -> float:
+    """Pressure at vertex i in the plane that the system's column n holds."""
+    plane: float = m.matrix[0, n] + m.matrix[1, n] * place(m, rows, i, 1) + m.matrix[2, n] * place(m, rows, i, 2)
+    return plane
+
+
+@jit
+def flat_margin(s: Run, m: Memory, ok: bool) -> float:
+    """How far a sliding facet is from tipping, N: the third largest pressure, as two vertices bear all where it tips; the least
+    where it has tipped."""
+    first, second, third, least = 0.0, 0.0, 0.0, math.inf
+    for k in range(s.touching):
+        x = m.pressure[m.touch[k]]
+        least = min(least, x)
+        if x > first:
+            first, second, third = x, first, second
+        elif x > second:
+            second, third = x, second
+        elif x > third:
+            third = x
+    return third if ok else min(least, 0.0)
+
+
 @jit
 def solve_flat(s: Run, m: Memory, rows: Rows, mode: int, a: int) -> bool:
     """Forces on a flat base that slides, about vertex a if that sticks; False where no pressure on its vertices keeps it flat.
 
     With more than three vertices the split of the normal force is not determined: it is that of equal springs under the vertices,
-    a pressure linear in place and never negative. Beyond the mode's end the plane over all vertices goes on smoothly.
+    a pressure linear in place and never negative. Beyond the mode's end the last plane goes on smoothly.
     """
     pivot = a if mode == FLAT_PIVOT else -1
     n = 3 if pivot < 0 else 5
-    every = (1 << s.touching) - 1
-    loaded, ok = every, False
+    ok, smooth = False, False
+    load_all(s, m)
     for _ in range(4 + 2 * s.touching):
-        if not _flat_once(s, m, rows, pivot, loaded):
+        if not _flat_once(s, m, rows, pivot):
             break
-        now = 0
+        changed, count = False, 0
         for k in range(s.touching):
             i = m.touch[k]
-            plane = m.matrix[0, n] + m.matrix[1, n] * place(m, rows, i, 1) + m.matrix[2, n] * place(m, rows, i, 2)
-            if plane >= 0.0:
-                now |= 1 << k
-        if now == loaded:
-            ok = True
+            m.pressed[i] = 1 if _plane(m, rows, i, n) >= 0.0 else 0
+            changed, count = changed or m.loaded[i] != m.pressed[i], count + m.pressed[i]
+        last = count < 3 or (pivot >= 0 and m.pressed[pivot] == 0)
+        if last or not changed:
+            # Fewer than three loaded vertices bear no pressure plane, and a pivot without pressure no friction: other modes.
+            ok, smooth = not last, True
             break
-        loaded = now
-    if not ok:
-        loaded = every
-        if not _flat_once(s, m, rows, pivot, every):
+        for k in range(s.touching):
+            m.loaded[m.touch[k]] = m.pressed[m.touch[k]]
+    if not smooth:
+        load_all(s, m)
+        if not _flat_once(s, m, rows, pivot):
             return False
-    p0, p1, p2 = m.matrix[0, n], m.matrix[1, n], m.matrix[2, n]
-    t0, t1 = (m.matrix[3, n], m.matrix[4, n]) if pivot >= 0 else (0.0, 0.0)
-    m.force[:] = 0.0
     for k in range(s.touching):
         i = m.touch[k]
-        if loaded >> k & 1:
-            plane = p0 + p1 * place(m, rows, i, 1) + p2 * place(m, rows, i, 2)
-            f = times(plane, flat_push(m, rows, i, pivot))
+        m.pressure[i] = _plane(m, rows, i, n) if m.loaded[i] != 0 else 0.0
+    t0, t1 = (m.matrix[3, n], m.matrix[4, n]) if pivot >= 0 else (0.0, 0.0)
+    clear(s, m)
+    for k in range(s.touching):
+        i = m.touch[k]
+        if m.loaded[i] != 0:
+            f = times(m.pressure[i], flat_push(m, rows, i, pivot))
             if i == pivot:
                 f = plus(f, plus(times(t0, rows[0]), times(t1, rows[1])))
             m.force[i, 0], m.force[i, 1], m.force[i, 2] = f

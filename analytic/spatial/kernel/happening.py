@@ -67,7 +67,7 @@ def _stop(s: Run, m: Memory, vertex: int) -> None:
     """A vertex' velocity along its direction has passed zero: it stops, unless it has only turned."""
     moving = False
     if vertex >= 0:
-        vertex_velocities(m, m.y)
+        vertex_velocities(s, m, m.y)
         x = to_table(axes(m.y), row3(m.u, vertex))
         moving = math.sqrt(x[0] * x[0] + x[1] * x[1]) > 10.0 * s.still_m_s
     if moving:

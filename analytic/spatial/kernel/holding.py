@@ -101,7 +101,7 @@ def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
 def take_heading(s: Run, m: Memory, y: Floats) -> None:
     """Note in which direction each touching vertex slides now; a vertex slower than `still_m_s` keeps its direction."""
     rows = axes(y)
-    vertex_velocities(m, y)
+    vertex_velocities(s, m, y)
     for k in range(s.touching):
         i = m.touch[k]
         x = to_table(rows, row3(m.u, i))

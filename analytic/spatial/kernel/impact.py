@@ -47,8 +47,8 @@ def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
     A vertex that does not slide sticks up to the static coefficient. Under impulses one that slides may stick too, up to the
     kinetic one.
     """
-    rows, largest = axes(m.y), 0.0
-    vertex_velocities(m, m.y)
+    rows, largest, slow = axes(m.y), 0.0, 0
+    vertex_velocities(s, m, m.y)
     for k in range(s.touching):
         i = m.touch[k]
         x = to_table(rows, row3(m.u, i))
@@ -60,16 +60,22 @@ def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
         m.stick_limit[i] = s.friction_kinetic if slides and impulse else s.friction_static
         m.slide_limit[i] = s.friction_kinetic
         largest = max(largest, length(x))
+        slow += 0 if slides else 1
+    if slow > 1 and s.touching > 2:
+        # Two vertices of a flat base at rest: the others are only little faster, and none has a direction of its own.
+        for k in range(s.touching):
+            m.known[m.touch[k]] = 0
     return largest
 
 
 @jit
-def find_mode(s: Run, m: Memory) -> bool:
-    """Set the mode of the vertices that are down from their own accelerations; False if none is possible."""
+def find_mode(s: Run, m: Memory, still_m_s: float) -> bool:
+    """Set the mode of the vertices that are down from their own accelerations, those slower than still_m_s beginning from rest;
+    False if none is possible."""
     set_touch(s, m)
-    limits(s, m, 10.0 * s.still_m_s, False)
+    limits(s, m, still_m_s, False)
     g = field(s, m, s.time_s)
-    free_accelerations(m, m.y, g)
+    free_accelerations(s, m, m.y, g)
     size = length(g)
     for k in range(s.touching):
         size = max(size, length(row3(m.u, m.touch[k])))
@@ -79,7 +85,7 @@ def find_mode(s: Run, m: Memory) -> bool:
 @jit
 def decide(s: Run, m: Memory) -> None:
     """Choose the mode of the vertices that are down, and put the state into it."""
-    if find_mode(s, m):
+    if find_mode(s, m, 10.0 * s.still_m_s):
         enter(s, m)
     else:
         s.outcome = NO_MODE
@@ -173,7 +179,7 @@ def _worst_cone(s: Run, m: Memory) -> float:
 @jit
 def _leave(s: Run, m: Memory) -> None:
     """Let go of the vertices that the impact makes leave."""
-    vertex_velocities(m, m.y)
+    vertex_velocities(s, m, m.y)
     rows = axes(m.y)
     largest = 0.0
     for k in range(s.touching):
@@ -188,7 +194,7 @@ def _leave(s: Run, m: Memory) -> None:
 @jit
 def _settle(s: Run, m: Memory) -> bool:
     """Bring to rest what leaves the floor too slowly for its rebound to be seen; True if that was done."""
-    vertex_velocities(m, m.y)
+    vertex_velocities(s, m, m.y)
     rows, fastest, lift = axes(m.y), 0.0, 0.0
     for k in range(s.touching):
         u = row3(m.u, m.touch[k])

@@ -164,7 +164,10 @@ def begin(s: Run, m: Memory) -> None:
     s.time_s, s.outcome, s.fresh, s.stalled, s.event_s = 0.0, RUNNING, True, 0, -1.0
     pass_breaks(s, m)
     down, rows = False, axes(m.y)
-    vertex_velocities(m, m.y)
+    s.touching = m.vertices
+    for i in range(m.vertices):
+        m.touch[i] = i
+    vertex_velocities(s, m, m.y)
     for i in range(m.vertices):
         m.down[i] = 0
         if vertex_place(m, m.y, i)[2] <= s.touch_m:

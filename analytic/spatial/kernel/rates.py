@@ -17,7 +17,7 @@ from analytic.spatial.kernel.codes import (
     VERTEX_SLIDE,
     VERTEX_STICK,
 )
-from analytic.spatial.kernel.contact import Rows, columns, free_accelerations, solve_columns
+from analytic.spatial.kernel.contact import Rows, clear, columns, free_accelerations, solve_columns
 from analytic.spatial.kernel.flat import solve_flat
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.records import LOST, WORK, Memory, Run
@@ -64,22 +64,20 @@ def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
 @jit
 def contact_forces(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector) -> bool:
     """Write the contact forces and the response of the present mode; False where its equations have no solution."""
-    m.force[:] = 0.0
+    clear(s, m)
     m.response[:] = 0.0
     if s.mode == FLIGHT:
         return True
     if s.mode == FLAT_REST:
         spread_rest(s, m, rows, g)
         return True
-    free_accelerations(m, y, g)
+    free_accelerations(s, m, y, g)
     if s.mode == FLAT_PIVOT:
         pivot_directions(s, m, rows, s.a, s.sign)
-        solve_flat(s, m, rows, s.mode, s.a)
-        return True
+        return solve_flat(s, m, rows, s.mode, s.a)
     if s.mode == FLAT_SLIDE:
         set_slides(s, m, y, rows)
-        solve_flat(s, m, rows, s.mode, -1)
-        return True
+        return solve_flat(s, m, rows, s.mode, -1)
     if s.mode == EDGE_SLIDE or s.mode == VERTEX_SLIDE:
         set_slides(s, m, y, rows)
     return solve_columns(s, m, columns(m, rows, s.mode, s.a, s.b, s.sign))

@@ -14,9 +14,8 @@ STATE: Final = 15
 work done by the field g_e on the body and work lost by sliding."""
 WORK: Final = 13
 LOST: Final = 14
-MAX_VERTICES: Final = 64
-"""Room for the base's vertices: a record's arrays have their sizes from the start. A loaded vertex of a flat base is one bit of a
-whole number, so no more than these."""
+MAX_VERTICES: Final = 256
+"""Room for the base's vertices: a record's arrays have their sizes from the start."""
 Triples = Annotated[Floats, (MAX_VERTICES, 3)]
 Pairs = Annotated[Floats, (MAX_VERTICES, 2)]
 Scalars = Annotated[Floats, (MAX_VERTICES,)]
@@ -75,6 +74,7 @@ class Run:
     rejected: int
     impacts: int
     ties: int
+    """Choices of a mode that another motion could have followed."""
     settled: int
     stalled: int
     watched: int
@@ -130,6 +130,8 @@ class Memory:
     """Each vertex' response without contact, body's frame."""
     response: Annotated[Floats, (6,)]
     """What the contact forces add: linear and angular, body's frame."""
+    chosen: Annotated[Floats, (6,)]
+    """The same of the mode chosen, while others are tried."""
     force: Triples
     """Contact forces or impulses, body's frame."""
     slide: Pairs
@@ -146,6 +148,12 @@ class Memory:
     """The vertices that touch, in the polygon's order."""
     down: Marks
     """Whether each vertex touches."""
+    loaded: Marks
+    """Whether each vertex of a flat base bears pressure,"""
+    pressed: Marks
+    """would bear some by the plane of pressure, and"""
+    pressure: Scalars
+    """how much, N."""
     anchor: Pairs
     """Where each vertex sticks, table's frame."""
     column: Annotated[Ints, (8,)]

@@ -22,8 +22,8 @@ from analytic.spatial.kernel.codes import (
     WATCH_SPEED,
     WATCH_TILT,
 )
-from analytic.spatial.kernel.contact import UNLIMITED, Rows, edge_margin, normal, respond, tangent
-from analytic.spatial.kernel.flat import flat_push, flat_row, place
+from analytic.spatial.kernel.contact import UNLIMITED, Rows, edge_margin, normal, tangent
+from analytic.spatial.kernel.flat import flat_margin
 from analytic.spatial.kernel.holding import vertex_place
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces, touches_flat
@@ -51,60 +51,7 @@ def heading_speed(m: Memory, y: Floats, rows: Rows, i: int) -> float:
 
 
 @jit
-def _flat_edges(s: Run, m: Memory, rows: Rows, n: int) -> int:
-    """One function for each edge of a sliding facet: positive while the push needed lies on the inner side of what the edge's two
-    vertices can give, so that some pressure on all of them gives it. Sums as of `flat_row`; a pivot's friction is eliminated."""
-    pivot = s.a if s.mode == FLAT_PIVOT else -1
-    t = m.cone
-    # Columns: what a unit push at each vertex gives, what is needed; the pivot's two frictional forces.
-    for k in range(s.touching + 2):
-        m.force[:] = 0.0
-        i = pivot
-        if k < s.touching:
-            i = m.touch[k]
-            f = flat_push(m, rows, i, pivot)
-            m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
-        elif pivot >= 0:
-            m.force[i, 0], m.force[i, 1], m.force[i, 2] = rows[k - s.touching]
-        respond(s, m)
-        flat_row(s, m, rows, 0, 7, pivot)
-        if k < s.touching:
-            for c in range(3):
-                t[0, k, c] = m.matrix[c, 7]
-            t[1, k, 0], t[1, k, 1] = (m.matrix[3, 7], m.matrix[4, 7]) if pivot >= 0 else (0.0, 0.0)
-        else:
-            for c in range(5):
-                m.matrix[c, 4 + k - s.touching] = m.matrix[c, 7] if pivot >= 0 else 0.0
-    d0, d1, d2 = 0.0, 0.0, 0.0
-    for k in range(s.touching):
-        i = m.touch[k]
-        lift = -dot(rows[2], row3(m.u, i))
-        d0, d1, d2 = d0 + lift, d1 + lift * place(m, rows, i, 1), d2 + lift * place(m, rows, i, 2)
-    if pivot >= 0:
-        a, b, c, d = m.matrix[3, 4], m.matrix[3, 5], m.matrix[4, 4], m.matrix[4, 5]
-        det = a * d - b * c
-        for k in range(s.touching + 1):
-            last = k == s.touching
-            x, y = (-dot(rows[0], row3(m.u, pivot)), -dot(rows[1], row3(m.u, pivot)))
-            if not last:
-                x, y = t[1, k, 0], t[1, k, 1]
-            p, q = (d * x - b * y) / det, (a * y - c * x) / det
-            e0 = m.matrix[0, 4] * p + m.matrix[0, 5] * q
-            e1 = m.matrix[1, 4] * p + m.matrix[1, 5] * q
-            e2 = m.matrix[2, 4] * p + m.matrix[2, 5] * q
-            if last:
-                d0, d1, d2 = d0 - e0, d1 - e1, d2 - e2
-            else:
-                t[0, k, 0], t[0, k, 1], t[0, k, 2] = t[0, k, 0] - e0, t[0, k, 1] - e1, t[0, k, 2] - e2
-    reference = dot(cross(row3(t[0], 0), row3(t[0], 1)), row3(t[0], 2))
-    for k in range(s.touching):
-        sides = cross(row3(t[0], k), row3(t[0], (k + 1) % s.touching))
-        n = _note(m, n, WATCH_NORMAL, m.touch[k], dot(sides, (d0, d1, d2)) / reference)
-    return n
-
-
-@jit
-def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector, n: int) -> int:
+def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector, n: int, ok: bool) -> int:
     if s.mode == FLAT_REST:
         px, py, v, h = thrust(s, m, rows, g)
         for k in range(s.touching):
@@ -119,7 +66,7 @@ def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, g: Vector, n: int) -> 
     else:
         for k in range(s.touching):
             n = _note(m, n, WATCH_SPEED, m.touch[k], heading_speed(m, y, rows, m.touch[k]))
-    return _flat_edges(s, m, rows, n)
+    return _note(m, n, WATCH_NORMAL, -1, flat_margin(s, m, ok))
 
 
 @jit
@@ -133,9 +80,9 @@ def watch(s: Run, m: Memory, y: Floats, t: float) -> int:
     if s.mode == FLIGHT:
         return n
     g = field(s, m, t)
-    contact_forces(s, m, y, rows, g)
+    ok = contact_forces(s, m, y, rows, g)
     if touches_flat(s.mode):
-        return _watch_flat(s, m, y, rows, g, n)
+        return _watch_flat(s, m, y, rows, g, n, ok)
     a, b = s.a, s.b
     two = s.mode != VERTEX_STICK and s.mode != VERTEX_SLIDE
     n = _note(m, n, WATCH_NORMAL, a, normal(m, rows, a))

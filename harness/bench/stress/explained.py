@@ -10,7 +10,7 @@ from harness.engines.base import Settings
 from harness.records.stress import Cell
 
 ITERATIONS: Final = 3000
-"""Sweeps a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
+"""Solver iterations a step: ten times those of the finest levels, which leaves a bench scene's error to the step alone."""
 IMPACT_ITERATIONS: Final = 9000
 RESIDUAL: Final = 1e-16
 """Squared change of velocity, (m/s)², at which a solver that watches it may end before."""

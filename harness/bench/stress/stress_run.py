@@ -9,8 +9,7 @@ from typing import Final
 
 from harness import engines
 from harness.bench.stress import hard_scenes as scenes
-from harness.bench.stress import invariance_checks as more
-from harness.bench.stress import mutated_files, stability
+from harness.bench.stress import invariance_checks, mutated_files, stability
 from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
@@ -52,7 +51,7 @@ def all_parts(quick: bool) -> list[Part]:
     return [
         Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
-        Part("questions", more.tasks(quick), more.compute, scenes.died),
+        Part("questions", invariance_checks.tasks(quick), invariance_checks.compute, scenes.died),
         Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
 

@@ -21,7 +21,7 @@ INSTANTS: Final = 1001
 """Equally spaced instants that stand for the rotation's distribution: a thousandth in probability."""
 
 
-def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: float) -> AfterHorizon | None:
+def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s: float) -> AfterHorizon | None:
     """Distributions of the excursions' peaks and of the rotation after `until_s`; None when it is not passed.
 
     `peaks` holds the distances of the peaks' distributions, with their interval and what chance alone would give from 8
@@ -30,7 +30,7 @@ def after_horizon(found: tuple[Excursions, Excursions], both: Pair, until_s: flo
     if until_s >= both.end_s:
         return None
     begin_s = max(until_s, both.start_s)
-    peaks = [np.abs(each.peak_rad[each.uplift_s > begin_s]) for each in found]
+    peaks = [np.abs(each.peak_rad[each.uplift_s > begin_s]) for each in excursions]
     rotation = _rotation(both, begin_s)
     largest = [
         max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)

@@ -31,24 +31,24 @@ class RockingInertia:
         return np.where(side > 0, self.right_kg_m2, self.left_kg_m2)
 
 
-def share_lost(found: Excursions, inertia: RockingInertia | None) -> Array:
+def share_lost(excursions: Excursions, inertia: RockingInertia | None) -> Array:
     """Share of the rocking energy lost in each impact, shape (k,); NaN where the history ends before it.
 
     At θ = 0 both corners touch and the potential energy is the same, so the share is 1 − J_new θ̇⁺²/(J_old θ̇⁻²). Without
     inertias J_new = J_old is taken (a symmetric body). When the statue falls back on the corner that it came from, or
     rests, the new corner is the side of θ̇⁺.
     """
-    before, after = found.rate_before_rad_s, found.rate_after_rad_s
+    before, after = excursions.rate_before_rad_s, excursions.rate_after_rad_s
     ratio = np.ones_like(before)
     if inertia is not None:
-        ratio = inertia.about(np.sign(after)) / inertia.about(found.side)
+        ratio = inertia.about(np.sign(after)) / inertia.about(excursions.side)
     energy = before * before
     lost: Array = 1.0 - np.divide(ratio * after * after, energy, out=np.full_like(energy, np.nan), where=energy > 0.0)
     return lost
 
 
-def lost_j(found: Excursions, inertia: RockingInertia) -> Array:
+def lost_j(excursions: Excursions, inertia: RockingInertia) -> Array:
     """Energy in J that each impact takes from the rocking motion, shape (k,)."""
-    before = 0.5 * inertia.about(found.side) * found.rate_before_rad_s**2
-    taken: Array = share_lost(found, inertia) * before
+    before = 0.5 * inertia.about(excursions.side) * excursions.rate_before_rad_s**2
+    taken: Array = share_lost(excursions, inertia) * before
     return taken

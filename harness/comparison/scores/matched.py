@@ -47,7 +47,7 @@ def event_scores(
 def numerical_uncertainty(
     sides: tuple[Side, Side],
     peak_b_rad: float,
-    found: tuple[events.Excursions, events.Excursions],
+    excursions: tuple[events.Excursions, events.Excursions],
     until_s: float = math.inf,
 ) -> dict[str, float | None]:
     """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
@@ -58,7 +58,7 @@ def numerical_uncertainty(
     u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
     joint = None if u_a is None or u_b is None else u_a + u_b
     slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
-    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in found]
+    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in excursions]
     slowest = [float(each.min()) if each.size else None for each in rates]
     times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
     return {

@@ -43,8 +43,8 @@ def kolmogorov_smirnov(a: ArrayLike, b: ArrayLike) -> tuple[float, float]:
     """The distance and the probability of one at least as large when both samples have the same distribution."""
     from scipy.stats import ks_2samp
 
-    found = ks_2samp(_sample(a, "a"), _sample(b, "b"))
-    return float(found.statistic), float(found.pvalue)
+    test = ks_2samp(_sample(a, "a"), _sample(b, "b"))
+    return float(test.statistic), float(test.pvalue)
 
 
 def area_metric(a: ArrayLike, b: ArrayLike) -> float:
@@ -88,12 +88,12 @@ def bootstrap(
         return None
     value = score(np.arange(size))
     rng = np.random.default_rng(seed)
-    found = np.array([score(rng.integers(0, size, size)) for _ in range(resamples)])
-    found = found[np.isfinite(found)]
-    if not np.isfinite(value) or found.size == 0:
+    scores = np.array([score(rng.integers(0, size, size)) for _ in range(resamples)])
+    scores = scores[np.isfinite(scores)]
+    if not np.isfinite(value) or scores.size == 0:
         return None
     tail = 0.5 * (1.0 - confidence)
-    low, high = np.quantile(found, (tail, 1.0 - tail))
+    low, high = np.quantile(scores, (tail, 1.0 - tail))
     return Interval(float(value), float(low), float(high), confidence)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact import forces, support
+from harness.engines.contact.coulomb import check_friction, friction_is_known, friction_used
 from harness.engines.contact.falling import Fall, fall
 from harness.engines.contact.rocking import patterns, rocking
 from harness.engines.contact.trajectory import Trajectory
@@ -28,7 +29,8 @@ class Report:
     """What the adapter knows of its own run: settings, counts, sentences.
 
     `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
-    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it.
+    `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `coulomb` says that
+    its friction is Coulomb's, and may be held to that; `repeats` that a step in which the pedestal breaks loose is solved again.
     """
 
     engine: str
@@ -45,13 +47,15 @@ class Report:
     warnings: Sequence[str] = ()
     labels: Sequence[str] = ()
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
+    coulomb: bool = True
+    repeats: bool = True
 
 
 def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> Run:
     """The whole record of a run; a trajectory that is not finite is `diverged`, without a history.
 
     The run ends at the overturning rotation, the same in every model, unless it begins from a pose in space; the time is
-    interpolated between two samples.
+    interpolated between two samples. Raises `EngineFailure` where the floor's friction was not Coulomb's.
     """
     finite = (
         np.isfinite(trajectory.theta_rad) & np.isfinite(trajectory.theta_rate_rad_s) & np.isfinite(trajectory.slip_m)
@@ -66,6 +70,9 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report) -> R
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
     derived = _derive(scene, motion)
+    if report.coulomb and friction_is_known(scene, motion):
+        used = friction_used(scene, motion, derived.impulses, derived.plain["plain_from_s"], report.stuck_below_m_s)
+        check_friction(scene, used, report.interventions if report.repeats else None)
     fallen = fall(scene, motion, overturn_s)
     outcome = _outcome(scene, motion, fallen, wall, derived.slip_m)
     if not outcome.overturned and overturn_s is None:

@@ -17,6 +17,9 @@ from harness.model.interventions import Intervention
 MOST_EXPLAINED: Final = 1.0
 """Sum of a kind's changes of velocity over what the steps explain, at most: corrections are over half a step on average; measured
 on 27 scenes at 4, 1 and 0.25 ms: 0.53 at most."""
+WORSE: Final = 1.1
+"""What stands may move more for a correction by this factor, where both are a solver's remainder; on scenes that turn 0.5 was
+measured at 4, 1 and 0.25 ms, and 1.5 with the sense reversed."""
 REMAINDER: Final = 1e-3
 """Share of ω R by which a vertex that counts as standing may move all the same (`SupportVertex.stands_on`)."""
 
@@ -25,13 +28,14 @@ class Account:
     """The sums of one kind of writes while a run goes on; `explained_m_s` is what its steps explain of `velocity_m_s`."""
 
     __slots__ = (
-        "count", "explained_m_s", "given_j", "moved_m", "rate_rad_s", "steps_again", "taken_j", "turned_rad", "velocity_m_s"
+        "count", "explained_m_s", "given_j", "left_m_s", "moved_m", "owed_m_s", "rate_rad_s", "steps_again", "taken_j",
+        "turned_rad", "velocity_m_s",
     )  # fmt: skip
 
     def __init__(self) -> None:
         self.count = self.steps_again = 0
         self.moved_m = self.turned_rad = self.velocity_m_s = self.rate_rad_s = 0.0
-        self.given_j = self.taken_j = self.explained_m_s = 0.0
+        self.given_j = self.taken_j = self.explained_m_s = self.owed_m_s = self.left_m_s = 0.0
 
     def energy(self, change_j: float) -> None:
         """Count a change of energy."""
@@ -59,6 +63,12 @@ class Ledger:
         rate = abs(rate_rad_s)
         self.of(kind).explained_m_s += rate * arm_m * (rate * step_s + REMAINDER)
 
+    def compare(self, kind: str, owed_m_s: float, left_m_s: float) -> None:
+        """Count how fast a point that stands would move at the instant corrected for, without the correction and with it."""
+        account = self.of(kind)
+        account.owed_m_s += owed_m_s
+        account.left_m_s += left_m_s
+
     def record(self) -> Mapping[str, Intervention]:
         """What was written by kind. Raises `EngineFailure` where the steps do not explain it."""
         for kind, sums in self.kinds.items():
@@ -67,6 +77,11 @@ class Ledger:
                 raise EngineFailure(
                     f"the corrections {kind!r} changed velocities by {sums.velocity_m_s:.3g} m/s in all, where the steps explain "
                     f"{most:.3g} m/s: their formula, or what it assumes, does not hold here"
+                )
+            if sums.left_m_s > WORSE * sums.owed_m_s:
+                raise EngineFailure(
+                    f"the corrections {kind!r} leave what stands moving at {sums.left_m_s:.3g} m/s in all, where without them it "
+                    f"would at {sums.owed_m_s:.3g} m/s: they have the wrong sense"
                 )
         return {
             kind: Intervention(**{name: getattr(sums, name) for name in Intervention.__dataclass_fields__})

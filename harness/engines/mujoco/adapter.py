@@ -43,10 +43,9 @@ RESOLUTION_STEPS: Final = 8.0
 
 @dataclass(frozen=True)
 class MujocoSettings(Settings):
-    """Step and stiffness: `stiff_steps` is the contact's time constant in steps, `impedance_ratio` friction's over normal."""
+    """Step and stiffness: `stiff_steps` is the contact's time constant in steps."""
 
     stiff_steps: float = STIFF_STEPS
-    impedance_ratio: float = 100.0
 
 
 @final
@@ -116,7 +115,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
     refuse(name, asked, "pymunk", "pybullet")
     begin = time.perf_counter()
     try:
-        model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps, own.impedance_ratio))
+        model = mujoco.MjModel.from_xml_string(model_xml(scene, own.dt_s, own.stiff_steps))
     except ValueError as error:
         raise EngineFailure(f"mujoco refused the scene: {error}") from error
     edges: Array = np.arange(frame.step_count(scene.duration_s, own.dt_s) + 1, dtype=np.float64) * own.dt_s
@@ -136,6 +135,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
         stuck_below_m_s=1e-4,
         with_history=options.history or not options.allows("no_history"),
         interventions={"friction_release": Intervention(steps_again=again)} if again else {},
+        coulomb=False,
     )
     return replace(reduce_trajectory(scene, seen, report), wall_s=time.perf_counter() - begin)
 

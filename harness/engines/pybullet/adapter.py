@@ -70,7 +70,10 @@ class Bullet3D(Engine):
         try:
             import pybullet  # noqa: F401
         except ImportError as error:
-            return f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only"
+            return (
+                f"pybullet cannot be imported ({error}): it has wheels for CPython up to 3.11 on Linux x86-64 only; "
+                "elsewhere it is built from source, or mujoco or spatial takes its place"
+            )
         return None
 
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from harness.engines.pybullet.pose import advanced
 from harness.engines.pybullet.step_state import SHORTEST, TOGETHER, StepState
 from harness.engines.pybullet.touch import ContactGaps
 
@@ -58,7 +59,11 @@ def locate_event(
     state.kick(SHORT * room, instant)
     if touch.stands(state.row, floor.table_place[2], floor.table_rate[2]):
         # The velocities stand square to the arm of the standing foot at the places before that step: both turn on together.
+        before, there = state.row, advanced(state.row, room)
         state.turn(room)
+        at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
+        owed, left = touch.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
+        floor.writer.ledger.compare("turn_on", owed, left)
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.

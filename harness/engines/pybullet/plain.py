@@ -118,6 +118,7 @@ class PlainBullet3D(Engine):
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
             with_history=options.history or not options.allows("no_history"),
+            repeats=False,
             validity={
                 "out_of_plane_rad": float(np.max(np.abs(path.extra["out_of_plane_rad"]))),
                 "yaw_rad": float(np.max(np.abs(path.extra["yaw_rad"] - path.extra["yaw_rad"][0]))),

@@ -64,6 +64,7 @@ class StepState:
         length = t_s - self.t_s
         self._set(length)
         gravity = self.schedule.between(self.kick_s, kick_s, length)
+        self._foresee(kick_s, length)
         self.row = self.stepper.step(gravity, self.t_s, length, self.row)
         self.t_s, self.kick_s, self.even, self.jolted = t_s, kick_s, False, False
         self.record.keep(t_s, kick_s, self.row)
@@ -73,6 +74,7 @@ class StepState:
         """Velocities to `kick_s` by a step of the places over `length_s` that is no sample: their clock goes on by `length_s`."""
         self._set(length_s)
         gravity = self.schedule.between(self.kick_s, kick_s, length_s)
+        self._foresee(kick_s, length_s)
         self.row = self.stepper.step(gravity, self.t_s, length_s, self.row)
         self.t_s, self.kick_s, self.even = self.t_s + length_s, kick_s, False
 
@@ -96,6 +98,7 @@ class StepState:
         """An impact here and now: everything that touches meets at once, and nothing else moves."""
         length = TOGETHER * self.step_s
         self._set(length)
+        self._foresee(self.kick_s, length)
         after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
         before = self.row
         # Only the velocities are kept.
@@ -135,16 +138,32 @@ class StepState:
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         else:
             for number, gravity in zip(numbers, pulls, strict=True):
+                self._foresee((number - 0.5) * step_s, step_s)
                 row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
                 if stepper.just_slipped:
                     row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
-                self.row = row
-                record.keep(number * step_s, (number - 0.5) * step_s, row)
+                self.row, self.kick_s = row, (number - 0.5) * step_s
+                record.keep(number * step_s, self.kick_s, row)
         self.number += len(pulls)
         if self.number >= self.look_from:
             self.look_from = self.number + LOOK_STEPS
             stepper.look(pulls, before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
+
+    def _foresee(self, kick_s: float, length_s: float) -> None:
+        """What Bullet's gyroscopic torque misses in a step that takes the velocities to `kick_s`; after an impact their change
+        is not known yet.
+        """
+        stepper, record = self.stepper, self.record
+        if stepper.gyroscope.moments is None:
+            return
+        change = NO_PULL
+        if not self.jolted and len(record.t_s) > 1:
+            before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
+            if last_s > SHORTEST * self.step_s:
+                x, y, z = before
+                change = ((self.row[10] - x) / last_s, (self.row[11] - y) / last_s, (self.row[12] - z) / last_s)
+        stepper.gyroscope.foresee(self.row, change, kick_s - self.kick_s, length_s, stepper.writer.ledger)
 
     def stick_onset(self, stick_onset_s: float) -> None:
         """Velocities to the instant at which the pedestal sticks."""

@@ -14,7 +14,9 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.pybullet.gyroscopic import Gyroscope
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -35,8 +37,8 @@ WIDER: Final = 4.0
 """How many times as wide it is made as that, when it is too narrow, and"""
 NARROWER: Final = 256.0
 """how many times too wide it may be."""
-SLIP_ONSET: Final = "friction_release"
-"""Kind of what is written where static friction gives way."""
+REVERSAL: Final = "friction_reversal"
+"""Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
 STICKS_BELOW: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
@@ -77,6 +79,12 @@ class StepLog:
         return tuple(self.flat[end - self.width : end])
 
     @property
+    def rate_before(self) -> Row:
+        """The statue's angular velocity in the row before the last."""
+        end = len(self.flat) - 2 * self.width
+        return tuple(self.flat[end + 10 : end + 13])
+
+    @property
     def last(self) -> Row:
         """The last row."""
         return self.row(-1)
@@ -102,12 +110,13 @@ def reader(world: World) -> Callable[[], Row]:
     return alone if pedestal is None else both
 
 
-def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
+def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
     """Bullet's own step under a gravity, and the row after it."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
     def advance(gravity: Vector) -> Row:
         set_gravity(*gravity, client)
+        gyroscope.act()
         step(client)
         return read()
 
@@ -115,7 +124,7 @@ def _advancer(world: World, read: Callable[[], Row]) -> Callable[[Vector], Row]:
 
 
 def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
-    """The same for several steps: their rows are kept in the record, the last is returned. At least one step."""
+    """The same for several steps of a body that needs no gyroscopic torque: rows are kept, the last is returned."""
     set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
 
     def run(pulls: Sequence[Vector], record: StepLog) -> Row:
@@ -138,13 +147,14 @@ class Stepper:
         self.world, self.schedule = world, schedule
         self.writer = RowWriter(world, scene)
         self.read = reader(world)
-        self.advance = _advancer(world, self.read)
+        self.gyroscope = Gyroscope(world)
+        self.advance = _advancer(world, self.read, self.gyroscope)
         self.run = _runner(world, self.read)
         contact, pedestal = scene.contact, scene.pedestal
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
-        self.plain = not (schedule.moving or self.switches)
+        self.plain = not (schedule.moving or self.switches or self.gyroscope.moments)
         self.stuck = True
         self.grip_limit, self.grips = contact.statue, False
         self._anchor(held=world.feet_over)
@@ -174,7 +184,7 @@ class Stepper:
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
             self._hold(self.static)
-            self._again(before)
+            self._again(before, REVERSAL)
             row = self._slip_onset(gravity, pull, before, self.advance(gravity))
         return row
 
@@ -187,10 +197,10 @@ class Stepper:
         self._again(before)
         return self.advance(gravity)
 
-    def _again(self, before: Row) -> None:
+    def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
         """Back to where the step began, which is to be solved again."""
         self.writer.restore(before)
-        self.writer.ledger.of(SLIP_ONSET).steps_again += 1
+        self.writer.ledger.of(kind).steps_again += 1
 
     def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """After whole steps under `pulls`: what the bodies' contacts need next."""

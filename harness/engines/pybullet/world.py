@@ -58,6 +58,7 @@ class World:
         self.statue = -1
         self.radius_m = settings.foot_radius_m
         self.edges, self.feet_over, self.reach = False, True, settings.reach
+        self.moments = STILL
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
@@ -221,6 +222,7 @@ class World:
         beside: NDArray[np.bool_] | None,
     ) -> None:
         mass, moments, feet_m, convex_m, state = statue
+        self.moments = (float(moments[0]), float(moments[1]), float(moments[2]))
         radius = self.radius_m
         if convex_m is not None:
             there = np.zeros(len(feet_m), dtype=bool) if beside is None else beside

@@ -26,6 +26,11 @@ def place(body: int, state: Body, client: int) -> None:
     pybullet.resetBaseVelocity(body, state.velocity_m_s, state.rate_rad_s, physicsClientId=client)
 
 
+def twist(body: int, torque_n_m: tuple[float, float, float], client: int) -> None:
+    """Add a torque, world axes, to the step that follows: Bullet forgets it with that."""
+    pybullet.applyExternalTorque(body, -1, torque_n_m, pybullet.WORLD_FRAME, client)
+
+
 def bodies(row: Row) -> tuple[Body, Body | None]:
     """States of statue and pedestal in a row."""
     statue = Body(row[0:3], row[3:7], row[7:10], row[10:13])  # type: ignore[arg-type]

@@ -11,12 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
+from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.contact.friction import FloorFriction, floor_friction
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pymunk import native, writing
@@ -27,9 +27,6 @@ from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
-
-SLIP_ONSET: Final = "friction_release"
-"""Kind of what is written where static friction gives way."""
 
 
 @dataclass(eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
+from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping import locating
 from harness.engines.pymunk import drive as driving
 from harness.engines.pymunk import native, uplift, writing
@@ -273,7 +274,7 @@ def _switch(drive: RunState, support: SupportVertex, grid: Grid, k: int, rate: f
         native.set_iterations(space, many)
         native.step(space, drive.settings.dt_s)
         native.set_iterations(space, drive.settings.iterations)
-        drive.ledger.of(driving.SLIP_ONSET).steps_again += 1
+        drive.ledger.of(SLIP_ONSET).steps_again += 1
         if stuck and not driving.broke_loose(drive, before, grid.gravity[k]):
             return driving.slip_rate(drive)
     # The steps that follow slide throughout.

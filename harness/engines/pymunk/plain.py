@@ -106,6 +106,7 @@ class PlainMunk2D(Engine):
             resolution_rad=resolution,
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
             with_history=options.history or not options.allows("no_history"),
+            repeats=False,
         )
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 

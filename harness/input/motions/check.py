@@ -33,12 +33,12 @@ _END_SHARE, _FLAT_SAMPLES, _STRONG = 0.01, 10, (0.05, 0.95)
 
 def check(record: RecordFile) -> tuple[str, ...]:
     """Warnings of every channel; InputError for a record that cannot be one in the unit it is said to have."""
-    found: list[str] = []
+    doubts: list[str] = []
     for channel in record.channels:
-        found += [f"{channel.name}: {said}" for said in _channel(channel, record)]
+        doubts += [f"{channel.name}: {said}" for said in _channel(channel, record)]
     if not record.tested:
-        found.append(f"the {record.format} reader is untested on originals: compare the peaks with the network's")
-    return tuple(found)
+        doubts.append(f"the {record.format} reader is untested on originals: compare the peaks with the network's")
+    return tuple(doubts)
 
 
 def _channel(channel: Channel, record: RecordFile) -> list[str]:
@@ -56,39 +56,39 @@ def _channel(channel: Channel, record: RecordFile) -> list[str]:
         raise mistake(
             record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
         )
-    found = _of_clock_and_sense(channel)
+    doubts = _of_clock_and_sense(channel)
     if peak_g < SMALLEST_PEAK_G:
         claimed = channel.stated_peak_m_s2 is not None and not _against_header(channel)
         why = "its header says so too" if claimed else _likely_units(peak_g, record.unit)
-        found.append(f"a peak of {peak_g:.2g} g is very small: {why}")
-    found += [*_against_header(channel), *_drift(channel)]
+        doubts.append(f"a peak of {peak_g:.2g} g is very small: {why}")
+    doubts += [*_against_header(channel), *_drift(channel)]
     edge = max(1, int(_END_SHARE * accel.size))
     for name, part in (("begins", accel[:edge]), ("ends", accel[-edge:])):
         share = float(np.abs(part).max() / np.abs(accel).max())
         if share > ABRUPT:
-            found.append(f"{name} while shaking ({share:.0%} of the peak): triggered late or cut off")
+            doubts.append(f"{name} while shaking ({share:.0%} of the peak): triggered late or cut off")
     run = _longest_flat(accel)
     if run > _FLAT_SAMPLES:
-        found.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
-    return found
+        doubts.append(f"constant over {run * channel.dt_s:.3g} s of its strong part: a gap that was filled?")
+    return doubts
 
 
 def _of_clock_and_sense(channel: Channel) -> list[str]:
     """What is doubtful in the step, and what was taken for granted of the direction."""
-    found: list[str] = []
+    doubts: list[str] = []
     least_s, most_s = USUAL_STEPS_S
     if not least_s <= channel.dt_s <= most_s:
         lasts = channel.dt_s * (channel.accel_m_s2.size - 1)
-        found.append(
+        doubts.append(
             f"a step of {channel.dt_s:g} s is no accelerograph's; the record would last {lasts:.4g} s: see its header"
         )
     if channel.orientation.sense_assumed:
-        found.append(
+        doubts.append(
             "its name says a line, not which way along it: taken as positive to the north, east or up, as networks do"
         )
     if channel.orientation.sign < 0:
-        found.append("counted downwards in the file: turned in sign, so that up is positive")
-    return found
+        doubts.append("counted downwards in the file: turned in sign, so that up is positive")
+    return doubts
 
 
 def _drift(channel: Channel) -> list[str]:
@@ -110,17 +110,17 @@ def _against_header(channel: Channel) -> list[str]:
     accel, stated = channel.accel_m_s2, channel.stated_peak_m_s2
     if stated is None:
         return []
-    found: list[str] = []
+    doubts: list[str] = []
     at = int(np.argmax(np.abs(accel)))
     if abs(abs(accel[at]) - abs(stated)) > STATED_PEAK_TOLERANCE * abs(stated):
-        found.append(f"largest value {accel[at]:.5g} m/s² where the header says {stated:.5g} m/s²")
+        doubts.append(f"largest value {accel[at]:.5g} m/s² where the header says {stated:.5g} m/s²")
     if channel.stated_peak_s is not None and abs(at * channel.dt_s - channel.stated_peak_s) > 2.0 * channel.dt_s:
         later = at * channel.dt_s - channel.stated_peak_s
-        found.append(
+        doubts.append(
             f"the peak is the sample at {at * channel.dt_s:.2f} s, the header says {channel.stated_peak_s:.2f} s: "
             f"the samples' time is kept (header's clock {later:+.2f} s off)"
         )
-    return found
+    return doubts
 
 
 def _likely_units(peak_g: float, unit: str) -> str:

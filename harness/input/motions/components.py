@@ -59,11 +59,11 @@ def channel_named(record: RecordFile, column: str | None, *, where: str, key: st
     exact = [channel for channel in record.channels if channel.name.casefold() == column.casefold()]
     meant = parse_orientation(column)
     same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
-    found = exact or same
-    if len(found) != 1:
-        got = f"{column!r}, which fits {len(found)} of them" if found else repr(column)
+    matches = exact or same
+    if len(matches) != 1:
+        got = f"{column!r}, which fits {len(matches)} of them" if matches else repr(column)
         raise mistake(where, f"{key}.column", f"one of {available}", got, f"these are the columns of {record.path}")
-    return found[0]
+    return matches[0]
 
 
 def _same(channel: Channel, azimuth_deg: float | None, vertical: bool) -> bool:

@@ -52,7 +52,7 @@ class Header:
     def peak(self, pattern: str) -> tuple[float | None, float | None]:
         """The peak that `pattern` catches and, by its second group, its time; None for what is no number, or before the start."""
         seek = re.compile(pattern, re.IGNORECASE)
-        match = next((found for line in self.lines if (found := seek.search(line))), None)
+        match = next((hit for line in self.lines if (hit := seek.search(line))), None)
         peak, at_s = (_number(text) for text in (*(match.groups() if match else ()), None, None)[:2])
         return peak, None if at_s is None or at_s < 0.0 else at_s
 

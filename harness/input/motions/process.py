@@ -73,10 +73,10 @@ def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
     filtered = sosfiltfilt(
         butter(FILTER_ORDER, (low_hz, high_hz), "bandpass", fs=1.0 / series.dt_s, output="sos"), padded
     )
-    kept = np.asarray(filtered[pad : pad + series.accel_m_s2.size], dtype=np.float64)
-    lost = 1.0 - float((kept**2).sum() / (series.accel_m_s2**2).sum())
+    passed = np.asarray(filtered[pad : pad + series.accel_m_s2.size], dtype=np.float64)
+    lost = 1.0 - float((passed**2).sum() / (series.accel_m_s2**2).sum())
     said = f"band-pass {low_hz:g} to {high_hz:g} Hz (Butterworth {FILTER_ORDER}, both ways): {lost:.2%} of the energy removed"
-    return series.changed(kept, said)
+    return series.changed(passed, said)
 
 
 def resample(series: Series, dt_s: float) -> Series:

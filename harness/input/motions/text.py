@@ -14,6 +14,8 @@ from harness.model.errors import InputError, Mistake
 
 WIDEST: Final = 64
 """Characters of a number: no format of a network is wider, and a damaged one would ask for lines without end."""
+DOS_END: Final = b"\x1a"
+"""Programs of DOS ended a text with this byte, and files of the 1980s and 1990s still do."""
 _NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{1,3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
 _WHOLE = re.compile(r"[+-]?[0-9]+")
@@ -27,8 +29,8 @@ def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> In
 
 
 def text_of(raw: bytes, where: str) -> str:
-    """The text of a file's bytes (UTF-8, UTF-16 by its mark, else Latin-1); InputError where they are none."""
-    return decoded(raw, where, "an accelerogram", latin=True)
+    """The text of a file's bytes (UTF-8, UTF-16 by its mark, else Latin-1), without DOS's end mark; InputError for none."""
+    return decoded(raw.rstrip(DOS_END), where, "an accelerogram", latin=True)
 
 
 def header_number(text: str, where: str, place: str, what: str) -> float:
@@ -95,10 +97,10 @@ def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) ->
             try:
                 fortran(part)
             except ValueError:
-                place = f"line {first_line + offset}, column {start + 1}"
-                return mistake(
-                    where, place, f"a number {width} characters wide", repr(part.strip()), "the file is damaged"
-                )
+                place, advice = f"line {first_line + offset}, column {start + 1}", "the file is damaged"
+                if "\t" in line:
+                    advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
+                return mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice)
     return mistake(
         where, f"line {first_line}", f"numbers {width} characters wide", "something else", "the file is damaged"
     )
@@ -140,12 +142,11 @@ def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) ->
 def _touching(line: str, where: str, number: int) -> list[float]:
     values: list[float] = []
     for word in line.split():
-        found = _NUMBERS.findall(word)
-        if "".join(found) != word or any(part[0] not in "+-" for part in found[1:]):
+        numbers = _NUMBERS.findall(word)
+        if "".join(numbers) != word or any(part[0] not in "+-" for part in numbers[1:]):
             if not _WHOLE.fullmatch(word):
-                raise mistake(
-                    where, f"line {number}", "numbers", repr(word), "the file is damaged, or not of this format"
-                )
-            found = [word]
-        values += [fortran(part) for part in found]
+                advice = "the file is damaged, not of this format, or has notes after its numbers: take these out"
+                raise mistake(where, f"line {number}", "numbers", repr(word), advice)
+            numbers = [word]
+        values += [fortran(part) for part in numbers]
     return values

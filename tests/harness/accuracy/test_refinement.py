@@ -8,7 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
+from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import SAFETY, Error, spread, target_of
 from harness.bench.coverage import FIRST_SEED, coverage
 from harness.bench.seeded_scenes import random_scene, wide_scene
@@ -325,3 +327,23 @@ def test_wide_scenes_are_reproducible_and_reach_what_the_others_do_not() -> None
     assert max(friction) > 0.9
     tall = [s for s in scenes if s.pedestal is not None and s.pedestal.height_m > s.pedestal.width_m]
     assert len(tall) > 10
+
+
+@pytest.mark.parametrize("name", ["analytic", "pymunk"])
+def test_a_draw_is_one_run_that_states_no_error(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is only counted is run once, to the same outcome; a run that states its error takes two or more."""
+    import analytic.solver
+
+    scene = paestum(0.334, 1.5, duration_s=3.0)
+    engine, made = engines.load(name), []
+    owner, method = (analytic.solver, "solve") if name == "analytic" else (type(engine), "simulate")
+    whole = getattr(owner, method)
+    monkeypatch.setattr(owner, method, lambda *given, **named: made.append(1) or whole(*given, **named))
+    stated = simulate(scene, name, options=RunOptions(history=False))
+    several = len(made)
+    single = simulate(scene, name, options=RunOptions(history=False, stated=False))
+    assert len(made) - several == 1
+    assert several >= 2
+    assert single.outcome == stated.outcome
+    assert single.numerical_uncertainty_rad is None
+    assert stated.numerical_uncertainty_rad is not None

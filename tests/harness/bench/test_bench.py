@@ -13,9 +13,7 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench import other_integrators as others
-from harness.bench import precision, scaling, sentences, skips
-from harness.bench import skip_savings as alone
+from harness.bench import other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.bench.timing import children_cpu_s, cost, costs, largest_child_mb
@@ -139,7 +137,7 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     (row,) = skips.compute("analytic: block, elcentro1940")
     assert "elcentro1940" in row["failed"]
     assert skips.together([SkipRow(**row)])[0].failed == row["failed"]
-    assert "elcentro1940" in alone.compute("no_history: analytic")[0]["failed"]
+    assert "elcentro1940" in skip_savings.compute("no_history: analytic")[0]["failed"]
     assert precision.of(True, next(iter(absent)))[0]["absent"] == absent[next(iter(absent))]
 
 
@@ -170,8 +168,8 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
 
 def test_every_skip_of_every_engine_is_measured_alone() -> None:
     declared = {(skip, name) for name in engines.REGISTRY for skip in engines.load(name).capabilities.skips}
-    assert {(skip, name) for skip, named in alone.CASES.items() for name in named} == declared
-    measured = {task.partition(": ")[0] for task in alone.tasks(False)}
+    assert {(skip, name) for skip, named in skip_savings.CASES.items() for name in named} == declared
+    measured = {task.partition(": ")[0] for task in skip_savings.tasks(False)}
     assert measured == set(SKIPS), "what no engine declares is measured too"
 
 
@@ -181,13 +179,13 @@ def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
         plain, replace(plain, skip="no_history", off_s=1.01), replace(plain, skip="mirror", apart_rad=2e-3),
         replace(plain, skip="cached", changed=("computed again",)), SkipRow("planar", "*", failed="no record"),
     ]  # fmt: skip
-    told = alone.sentences(rows)
+    told = skip_savings.sentences(rows)
     assert told == [
         "Alone 3 of 4 skips gain a twentieth or more of the time where they were measured; not no_history (pymunk, 1).",
         "cached (pymunk): computed again.",
         "mirror (pymunk) parts rotations by 2.0e-03 rad, finer settings without it by 1.0e-03 rad.",
     ]
-    assert alone.sentences([]) == []
+    assert skip_savings.sentences([]) == []
 
 
 def test_the_rows_of_a_study_are_summed_by_engine() -> None:
@@ -204,10 +202,10 @@ def test_the_rows_of_a_study_are_summed_by_engine() -> None:
 
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     engine, scene = engines.load("pymunk"), FREE.scene()
-    run = skips.simulate(engine, scene, skips.NONE, alone.RESOLVED_RAD)
-    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, alone.RESOLVED_RAD))
+    run = skips.simulate(engine, scene, skips.NONE, skip_savings.RESOLVED_RAD)
+    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, skip_savings.RESOLVED_RAD))
     finer = engine.simulate(scene, verification, skips.NONE)
-    assert alone.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
+    assert skip_savings.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
 
 
 def test_how_time_grows_is_told_from_the_largest_two() -> None:
@@ -241,8 +239,8 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
         *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5, {}))},
         {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
     ]  # fmt: skip
-    assert others.sentences(others.collected([])) == []
-    assert others.sentences(others.collected(rows)) == [
+    assert other_integrators.sentences(other_integrators.collected([])) == []
+    assert other_integrators.sentences(other_integrators.collected(rows)) == [
         "block: at 1e-06 rad analytic is 200 times as fast as scipy DOP853.",
         "block: no setting of scipy DOP853 reached 1e-09 rad; at its smallest error, 1e-07, analytic is 200 times as fast as "
         "scipy DOP853.",
@@ -251,8 +249,8 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
         "A 200 × 200 overturning map on a pedestal takes 4 s on 2 cores.",
         "Importing analytic takes 1.20 times importing numpy and numba.",
         "Its first call from the cache takes 2.50 times that of a trivial cached kernel.",
-        "A pymunk run (no pedestal) takes 0.50 times a bare loop.",
-        "A pymunk run (pedestal) takes 1.20 times a bare loop.",
+        "A pymunk run (no pedestal) takes 0.50 times a baseline loop.",
+        "A pymunk run (pedestal) takes 1.20 times a baseline loop.",
     ]
 
 
@@ -266,7 +264,7 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
 def test_an_error_that_is_not_reached_is_told_with_the_smallest_one(theirs_rad: float, told: str) -> None:
     ours = {"case": "block", "solver": "analytic", "tolerance": 1e-4, "error_rad": 1e-4, "seconds": 1.0}
     theirs = ours | {"solver": "scipy DOP853", "error_rad": theirs_rad, "seconds": 0.2}
-    found = others.sentences(others.collected([ours, theirs]))
+    found = other_integrators.sentences(other_integrators.collected([ours, theirs]))
     assert found[0] == f"block: no setting of analytic reached 1e-06 rad{told}"
 
 
@@ -318,7 +316,7 @@ def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyP
         failed: int = 0
 
     monkeypatch.setattr(study, "run_study", lambda *args: Summary())
-    assert alone.compute("cached: analytic")[0]["changed"] == ()
+    assert skip_savings.compute("cached: analytic")[0]["changed"] == ()
     monkeypatch.setattr(study, "run_study", lambda *args: Summary(failed=16))
-    (row,) = alone.compute("cached: analytic")
+    (row,) = skip_savings.compute("cached: analytic")
     assert row["changed"] == ("16 of the runs failed",)

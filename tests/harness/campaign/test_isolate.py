@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 
+from harness.accuracy.simulation import RunTarget
 from harness.campaign.isolate import call, simulate_isolated
 from harness.campaign.runner import Crash, Hung
 from harness.engines.pymunk import Munk2D
@@ -68,7 +69,7 @@ def test_an_exception_is_the_callers() -> None:
 
 def test_a_run_is_the_same_bit_for_bit_in_a_process_of_its_own() -> None:
     on = paestum(duration_s=0.5)
-    other = simulate_isolated(on, "pymunk", dt_s=1e-3)
+    other = simulate_isolated(on, "pymunk", RunTarget(dt_s=1e-3))
     here = Munk2D()
     own = here.simulate(on, here.settings_for_dt(on, 1e-3), RunOptions())
     assert other.history is not None
@@ -77,7 +78,7 @@ def test_a_run_is_the_same_bit_for_bit_in_a_process_of_its_own() -> None:
 
 
 def test_a_run_that_takes_too_long_is_recorded() -> None:
-    run = simulate_isolated(paestum(duration_s=600.0), "pymunk", dt_s=1e-5, timeout_s=HANG_S)
+    run = simulate_isolated(paestum(duration_s=600.0), "pymunk", RunTarget(dt_s=1e-5), timeout_s=HANG_S)
     assert run.outcome is Outcome.TIMED_OUT
     assert run.history is None
     assert "no answer" in run.message

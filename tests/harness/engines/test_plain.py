@@ -64,6 +64,15 @@ def test_nothing_is_written_to_a_body_after_the_start(name: str, monkeypatch: py
     assert set(writes(ready(name), paestum(0.429, 3.0, mu=0.15), monkeypatch).values()) == {0}
 
 
+@pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
+def test_two_coefficients_write_to_the_floor_s_surface_alone(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    engine, scene = ready(name), paestum(0.429, 3.0, mu=(0.20, 0.15))
+    written = writes(engine, scene, monkeypatch)
+    surfaces = written.pop("changeDynamics", 0)
+    assert set(written.values()) == {0}
+    assert (surfaces > 0) is (name == "pybullet:plain")
+
+
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
 def test_the_count_of_writes_sees_those_of_the_other_engines(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(writes(ready(name), paestum(0.429, 3.0, mu=0.15), monkeypatch).values()) > 0

@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.assess.assessment import assess
 from harness.assess.by_model import assess_model
 from harness.engines.base import Engine
@@ -44,7 +44,7 @@ def run(name: str, on: Scene, dt_s: float) -> Run:
     engine = engines.load(name)
     if engine.missing() is not None:
         pytest.skip(str(engine.missing()))
-    return simulate_with(engine, on, None, dt_s, RunOptions())
+    return simulate_with(engine, on, RunTarget(dt_s=dt_s))
 
 
 def turned(found: Run) -> Rotation:
@@ -188,3 +188,14 @@ def test_the_exact_body_thrown_follows_the_reference(root: Path, friction: float
     on = cube.but(contact=contact, initial=Initial(pose=pose), duration_s=LANDED_S, output_dt_s=0.01)
     found = turned(run("spatial", on, 0.01))
     assert np.max((found * exact(on).inv()).magnitude()) < budget.TWO_SOLVERS_RAD
+
+
+def test_a_thrown_body_runs_by_default_with_engines_that_take_it(root: Path) -> None:
+    cube = load_scene(root / "scenes" / "cube_toss.toml")
+    bouncing = cube.but(contact=replace(cube.contact, restitution=0.1))
+    for on in (cube, bouncing):
+        for name in engines.default_engines(on):
+            engine = engines.load(name)
+            short = on.but(duration_s=0.05)
+            assert engine.missing() or engine.simulate(short, engine.settings_for_dt(short, 1e-3), RunOptions()).history
+    assert engines.default_engines(cube.but(initial=Initial())) == engines.DEFAULT_ENGINES

@@ -12,13 +12,12 @@ import pytest
 
 from analytic.excitation import Harmonic
 from harness import engines
-from harness.accuracy.simulation import check_target, simulate
+from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.campaign import isolate
 from harness.cli import summary
 from harness.engines.base import Engine
 from harness.model.errors import InputError
 from harness.model.history import Outcome
-from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.scores import Verdict
@@ -28,8 +27,12 @@ from harness.scene_run.scene_run import run_scene, write_result
 from tests import doubles
 from tests.scenes_for_tests import paestum
 
+needs_pybullet = pytest.mark.skipif(
+    engines.load("pybullet").missing() is not None, reason="pybullet is not installed here"
+)
 
-@pytest.mark.skipif(engines.load("pybullet").missing() is not None, reason="pybullet is not installed here")
+
+@needs_pybullet
 def test_a_process_of_its_own_changes_no_result() -> None:
     scene = paestum(0.3, 2.0, pedestal=False)
     alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3)
@@ -48,12 +51,14 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     shaken = scene.but(base_excitation=replace(scene.base_excitation, y=Harmonic(2.0, 3.0))) if across else scene
     result = run_scene(shaken, ["analytic", "pymunk", "pybullet"], dt_s=1e-3)
     given = {name: tuple(run.motion_axes or ()) for name, run in result.runs.items() if not run.outcome.failed}
-    assert given.pop("pybullet", ("x", "y")) == (("x", "y") if across else ("x",))
+    expected = ("x", "y") if across else ("x",)
+    assert given.pop("pybullet", expected) == expected
     assert given == {"analytic": ("x",), "pymunk": ("x",)}
     assert result.record().runs["analytic"].motion_axes == ("x",)
-    assert ("given unlike motions" in summary(result)) is (across and "pybullet" in result.runs)
+    assert ("given unlike motions" in summary(result)) is (across and not result.runs["pybullet"].outcome.failed)
 
 
+@needs_pybullet
 def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     awaited, said = Event(), []
 
@@ -67,7 +72,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.M
             awaited.set()
 
     scene = paestum(0.3, 2.0, pedestal=False)
-    monkeypatch.setattr(run, "_apart", slow)
+    monkeypatch.setattr(run, "_isolated", slow)
     run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, on_progress=told)
     assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
 
@@ -108,11 +113,9 @@ def test_a_difference_of_models_is_confirmed_by_a_finer_run(
     history = doubles.rocking()
     asked: list[tuple[str, float | None]] = []
 
-    def answer(
-        engine: Engine, scene: Scene, accuracy_rad: float | None, dt_s: float | None, options: RunOptions
-    ) -> Run:
-        asked.append((engine.name, accuracy_rad))
-        wrong = engine.name == "pymunk" and accuracy_rad is None
+    def answer(engine: Engine, scene: Scene, target: RunTarget) -> Run:
+        asked.append((engine.name, target.accuracy_rad))
+        wrong = engine.name == "pymunk" and target.accuracy_rad is None
         path = doubles.raised(history, off) if wrong else history
         known = {"numerical_uncertainty_rad": 1e-4, "slip_uncertainty_m": 1e-4, "reliable_until_s": 10.0}
         return doubles.run_of(path, engine.name, **known)
@@ -134,10 +137,10 @@ def _slow(told: Path) -> None:
     told.touch()
 
 
-@pytest.mark.skipif(engines.load("pybullet").missing() is not None, reason="pybullet is not installed here")
+@needs_pybullet
 def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a process of its own that is long, or stopped, is not waited for."""
-    monkeypatch.setattr(run, "_apart", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
+    monkeypatch.setattr(run, "_isolated", lambda *_: isolate.call(_slow, (tmp_path / "ended",)))
 
     def interrupt(text: str) -> None:
         if text.endswith("still"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,22 +11,19 @@ from harness.model.history import History, Outcome
 from harness.model.run import to_plain
 from harness.records.run import EngineRunRecord
 from harness.records.scores import Verdict
+from harness.records.study import CaseRun
 from harness.studies.ensembles import score_sets
+from harness.studies.rows import KeyedRow
 from tests import doubles
 
 CASES = 12
 
 
-def row(number: int, engine: str, history: History, **fields: Any) -> dict[str, Any]:
+def row(number: int, engine: str, history: History, **fields: Any) -> KeyedRow:
     known = {"numerical_uncertainty_rad": 1e-4, "reliable_until_s": 10.0}
-    run = to_plain(EngineRunRecord.of(doubles.run_of(history, engine, **known | fields)))
-    return {
-        "number": number,
-        "engine": engine,
-        "key": f"{engine}{number}",
-        "varied": {"variant": ""},
-        "run": run,
-    }
+    run = CaseRun.stored(to_plain(EngineRunRecord.of(doubles.run_of(history, engine, **known | fields))))
+    key = f"{engine}{number}"
+    return KeyedRow(number=number, engine=engine, reason="", varied={"variant": ""}, run=run, key=key)
 
 
 def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
@@ -60,6 +58,24 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
     assert found.peaks is not None
     assert found.outcomes.accuracy.value == pytest.approx(10 / 11)
     assert found.peaks.area.value > 0.0
+    assert "12 cases; fallen or standing as analytic in 91 %" in found.sentence
+    assert "the distributions of the peak rotation cannot be told apart" in found.sentence
+
+
+def test_a_model_whose_maxima_are_larger_over_a_suite_of_motions_is_told_apart() -> None:
+    """Thirty motions of unlike strength; twice the rotation in each differs by more than chance, the same by nothing."""
+    rows = []
+    for number in range(30):
+        reference = doubles.rocking(amplitude_rad=0.02 + 0.001 * number)
+        rows += [row(number, "analytic", reference), row(number, "pymunk", doubles.scaled(reference, 2.0))]
+        rows.append(row(number, "pybullet", reference))
+    found = score_sets(rows)
+    assert found["pymunk"].peaks is not None
+    assert found["pymunk"].peaks.differ
+    assert "differ by more than chance: area between them" in found["pymunk"].sentence
+    assert found["pybullet"].peaks is not None
+    assert found["pybullet"].peaks.ks == found["pybullet"].peaks.area.value == 0.0
+    assert "cannot be told apart" in found["pybullet"].sentence
 
 
 def test_without_histories_peaks_and_outcomes_decide() -> None:
@@ -74,7 +90,7 @@ def test_failed_runs_and_runs_not_sent_are_left_out() -> None:
     history = doubles.rocking()
     rows = [row(k, "analytic", history) for k in range(3)]
     rows += [row(0, "pymunk", history), row(1, "pymunk", history, outcome=Outcome.CRASHED)]
-    rows.append(row(2, "pymunk", history) | {"run": None, "key": None})
+    rows.append(replace(row(2, "pymunk", history), run=None, key=None))
     assert score_sets(rows)["pymunk"].cases == 1
 
 

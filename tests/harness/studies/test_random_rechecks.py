@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
 
 import pytest
 
+from harness.model.history import Outcome
+from harness.records.study import StudyRow, Value
 from harness.studies import case_selection as selection
 from harness.studies.file import StudyFile
 from harness.studies.random_rechecks import recheck
+from tests import doubles
 
 SIZE = 17
 KEYS = ("motion.x.frequency_hz", "motion.x.amplitude_g")
@@ -26,7 +29,7 @@ def outcome(x: int, y: int, island: bool) -> str:
     return "overturned_right" if (y > 8) != inside else "stands"
 
 
-def rows(island: bool) -> list[dict[str, Any]]:
+def rows(island: bool) -> list[StudyRow]:
     """A map refined for pymunk, with an audit that hits every place off the coarse grid's cells' corners at x = 3."""
     places: list[selection.Place] = [(x, y) for x in range(SIZE) for y in range(SIZE)]
     known: dict[selection.Place, selection.Answer] = {}
@@ -34,13 +37,12 @@ def rows(island: bool) -> list[dict[str, Any]]:
         known |= {place: selection.Answer(outcome(place[0], place[1], island), 0.0) for place in new}
     found = []
     for number, (x, y) in enumerate(places):
-        varied = {"variant": "own", KEYS[0]: 1.0 + x, KEYS[1]: 1.0 + y}
-        run = {"outcome": outcome(x, y, island)}
+        varied: dict[str, Value] = {"variant": "own", KEYS[0]: 1.0 + x, KEYS[1]: 1.0 + y}
+        run = doubles.case_run(outcome=Outcome(outcome(x, y, island)))
         asked = (x, y) in known or x == 3
         reason = selection.COARSE if (x, y) in known else selection.RECHECK if x == 3 else selection.SAME_CELL
-        found.append({"number": number, "engine": "analytic", "reason": selection.EVERY, "varied": varied, "run": run})
-        run_or_none = run if asked else None
-        found.append({"number": number, "engine": "pymunk", "reason": reason, "varied": varied, "run": run_or_none})
+        for engine, why, answer in (("analytic", selection.EVERY, run), ("pymunk", reason, run if asked else None)):
+            found.append(StudyRow(number=number, engine=engine, reason=why, varied=varied, run=answer))
     return found
 
 
@@ -53,12 +55,12 @@ def test_an_audit_of_a_map_finds_what_its_cells_hide(island: bool, differ: int) 
 
 
 def test_near_a_boundary_the_audit_is_held_against_the_analytic_outcome() -> None:
-    other = [row | {"run": {"outcome": "stands"}} if row["engine"] == "pymunk" else row for row in rows(False)]
-    audited = [row for row in other if row["reason"] == selection.RECHECK]
+    other = [replace(row, run=doubles.case_run()) if row.engine == "pymunk" else row for row in rows(False)]
+    audited = [row for row in other if row.reason == selection.RECHECK]
     found = recheck(study("boundary"), other)
     assert found is not None
     assert found.audited == len(audited)
-    assert found.differ == sum(outcome(2, int(row["varied"][KEYS[1]]) - 1, False) != "stands" for row in audited)
+    assert found.differ == sum(outcome(2, int(row.varied[KEYS[1]]) - 1, False) != "stands" for row in audited)
 
 
 def test_where_every_case_is_asked_there_is_no_audit() -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from harness.accuracy.simulation import simulate
 from harness.campaign.runner import Done, InlinePool, LocalPool, Work
-from harness.campaign.store import Packed, Store
+from harness.campaign.serialization import Packed
+from harness.campaign.store import Store
 from harness.model.errors import InputError
 from harness.model.run import impacts, to_plain
 from harness.model.scene import Scene
@@ -20,6 +21,7 @@ from harness.studies import estimate
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import load_study
 from harness.studies.random_rechecks import recheck
+from harness.studies.rows import study_rows
 from harness.studies.study_run import Summary, run_study, study_name
 from tests.harness.studies.small_study import STUDY, contents, written
 
@@ -52,16 +54,16 @@ def test_only_cases_near_the_boundary_and_an_audit_are_sent(tmp_path: Path) -> N
     summary = compute(path, tmp_path / "s.sqlite", jobs=2)
     study = load_study(path)
     with Store(tmp_path / "s.sqlite") as store:
-        rows = list(store.rows(study_name(study)))
-    sent = [row for row in rows if row["engine"] == "pymunk" and row["run"] is not None]
-    left = [row for row in rows if row["engine"] == "pymunk" and row["run"] is None]
+        rows = study_rows(store, study_name(study))
+    sent = [row for row in rows if row.engine == "pymunk" and row.run is not None]
+    left = [row for row in rows if row.engine == "pymunk" and row.run is None]
     assert summary.not_sent == len(left) > 0
-    assert {row["reason"] for row in left} == {selection.NOT_SENT}
-    assert {row["reason"] for row in sent} <= {selection.NEAR, selection.MARGIN, selection.RECHECK}
-    assert selection.NEAR in {row["reason"] for row in sent}
+    assert {row.reason for row in left} == {selection.NOT_SENT}
+    assert {row.reason for row in sent} <= {selection.NEAR, selection.MARGIN, selection.RECHECK}
+    assert selection.NEAR in {row.reason for row in sent}
     found = recheck(study, rows)
     assert found is not None
-    assert found.audited == sum(row["reason"] == selection.RECHECK for row in sent)
+    assert found.audited == sum(row.reason == selection.RECHECK for row in sent)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +121,7 @@ def test_the_work_around_a_run_is_counted(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(resolved) == cases + runs
     assert written_ == [64, 36]
     assert pool.tasks == 2
-    usage = done.usage.as_dict()
+    usage = vars(done.usage.record())
     assert usage["runs"] == runs
     assert 0.0 < usage["busy_s"] <= usage["wall_s"]
     assert 0.0 < usage["utilisation"] <= 1.0
@@ -130,11 +132,12 @@ def test_an_outcome_in_a_study_is_that_of_a_run_alone(tmp_path: Path) -> None:
     study = load_study(path)
     with Store(tmp_path / "s.sqlite") as store:
         run_study(study, path, store, Inline())
-        rows = {row["number"]: row["run"] for row in store.rows(study_name(study))}
+        rows = {row.number: row.run for row in store.rows(study_name(study))}
     base = base_of(study, path)
     for case in list(expand(study, base))[::7]:
         alone = to_plain(EngineRunRecord.of(simulate(base.scene(case.setting), "analytic")))
         outcome = rows[case.number]
+        assert outcome is not None
         # Only the list of events, the history and the check of the error differ.
         for name in ("outcome", "overturn_time_s", "no_return_time_s", "peak_slip_m"):
             assert outcome[name] == alone[name], (case.number, name)

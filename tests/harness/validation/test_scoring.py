@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import pytest
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
+from harness.records.study import CaseRun
 from harness.validation.fit import Choice, choose
 from harness.validation.motions import Intensity
 from harness.validation.scenes import GRAVITY_M_S2, Variant
@@ -22,9 +22,10 @@ from harness.validation.scoring import (
     score_model,
 )
 from harness.validation.table import Trial, read_table
+from tests import doubles
 from tests.harness.validation.experiments import write_experiments
 
-STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT.value
+STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT
 
 
 def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, frictions: int = 1) -> Trial:
@@ -38,15 +39,8 @@ def trial(name: str, fell: bool, *, body: str = "a", azimuths: int = 1, friction
     )
 
 
-def answer(fell: bool, **fields: Any) -> Mapping[str, Any]:
-    known: dict[str, Any] = {
-        "outcome": FALLS if fell else STANDS,
-        "numerical_uncertainty_rad": None,
-        "reliable_until_s": None,
-        "no_return_time_s": None,
-        "peak_theta_rad": 0.0,
-    }
-    return known | fields
+def answer(fell: bool, **fields: Any) -> CaseRun:
+    return doubles.case_run(**{"outcome": FALLS if fell else Outcome.STANDS} | fields)
 
 
 def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
@@ -72,14 +66,14 @@ def test_each_body_s_azimuth_and_the_common_friction_are_fitted() -> None:
 
 def test_probability_is_the_share_of_runs_that_fall_and_failures_do_not_count() -> None:
     one = trial("t", True)
-    outcomes = [answer(True), answer(False), answer(True), answer(True), {**answer(True), "outcome": "crashed"}]
+    outcomes = [answer(True), answer(False), answer(True), answer(True), answer(True, outcome=Outcome.CRASHED)]
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
     choice = Choice(0, {}, 0, None)
     assert probability(one, choice, answers, 4) == 0.75
-    outcomes[1] = {**answer(True), "outcome": "undecided"}
+    outcomes[1] = answer(True, outcome=Outcome.UNDECIDED)
     answers = {(one.name, Variant(sample=k)): outcome for k, outcome in enumerate(outcomes)}
     assert probability(one, choice, answers, 4) == 1.0
-    crashed = {(one.name, Variant()): {**answer(True), "outcome": "crashed"}}
+    crashed = {(one.name, Variant()): answer(True, outcome=Outcome.CRASHED)}
     assert probability(one, choice, crashed, 0) is None
 
 
@@ -124,7 +118,7 @@ def test_a_model_is_scored_whole() -> None:
     trials = [trial(f"t{k}", k >= 6) for k in range(12)]
     # One wrong of twelve: the strongest that stood is said to fall, in half of its runs.
     shaking = {each.name: Intensity(0.1 * (k + 1), 0.01 * (k + 1) * GRAVITY_M_S2) for k, each in enumerate(trials)}
-    answers: dict[tuple[str, Variant], Mapping[str, Any]] = {}
+    answers: dict[tuple[str, Variant], CaseRun] = {}
     for k, each in enumerate(trials):
         answers[each.name, Variant()] = answer(k >= 5)
         answers[each.name, Variant(sample=1)] = answer(k >= 6)
@@ -192,7 +186,7 @@ def test_no_test_helps_to_predict_itself() -> None:
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:
-    undecided = {**answer(True), "outcome": "undecided"}
+    undecided = answer(True, outcome=Outcome.UNDECIDED)
     trials = [trial("stood", False, azimuths=2), trial("fell", True, azimuths=2)]
     answers = {(each.name, Variant(0)): undecided for each in trials}
     answers |= {(each.name, Variant(1)): answer(each.name == "fell") for each in trials}

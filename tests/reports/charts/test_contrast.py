@@ -30,7 +30,8 @@ WEAK_TEXT = """
   };
   const ground = (item, x, y) => {
     const under = document.elementsFromPoint(x, y).filter((at) => at !== item && !at.closest('header, text'));
-    return under.map(layer).filter(Boolean).reverse().reduce((colour, top) => over(top, colour), [255, 255, 255]);
+    const paper = parts(getComputedStyle(document.body).backgroundColor);
+    return under.map(layer).filter(Boolean).reverse().reduce((colour, top) => over(top, colour), paper);
   };
   const weak = [];
   const walker = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT);
@@ -62,10 +63,11 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return found | {f"plain {name}": path.with_name(CONSERVATOR_NAME) for name, path in found.items()}
 
 
-@pytest.fixture(scope="module")
-def page(browser: Any) -> Iterator[Any]:
-    """A page at a desk with its scripts off, so that the stills stay."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900}, java_script_enabled=False)
+@pytest.fixture(scope="module", params=["light", "dark"])
+def page(request: pytest.FixtureRequest, browser: Any) -> Iterator[Any]:
+    """A page at a desk with its scripts off, so that the stills stay, on a light and on a dark screen."""
+    sight = {"viewport": {"width": 1280, "height": 900}, "color_scheme": request.param}
+    context = browser.new_context(**sight, java_script_enabled=False)
     yield context.new_page()
     context.close()
 
@@ -79,7 +81,7 @@ def test_text_stands_out_from_what_lies_under_it(page: Any, pages: dict[str, Pat
 @pytest.mark.parametrize("name", ["run", "plain run"])
 def test_the_check_sees_pale_words_and_pale_grounds(page: Any, pages: dict[str, Path], name: str) -> None:
     page.goto(pages[name].as_uri())
-    page.evaluate("document.querySelector('main h1').style.color = '#aaa'")
-    page.evaluate("document.querySelector('main svg text').style.fill = '#aaa'")
+    page.evaluate("document.querySelector('main h1').style.color = '#777'")
+    page.evaluate("document.querySelector('main svg text').style.fill = '#777'")
     seen = page.evaluate(WEAK_TEXT, CONTRAST)
     assert sorted(kind for kind, _, _ in seen) == ["drawn", "written"]

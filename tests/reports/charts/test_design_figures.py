@@ -37,8 +37,9 @@ def test_where_no_design_holds_that_is_said() -> None:
 
 
 def test_the_map_marks_the_places_that_tip() -> None:
-    ((_, figure),) = design_figures([MODEL], DESIGNS, AXES)
-    heat, marks = figure["data"]
+    (_, peak), (_, slip) = design_figures([MODEL], DESIGNS, AXES)
+    assert peak["data"][0]["z"] == [[None, 0.1], [0.1, 0.1]], "of a statue that falls no rotation is told"
+    heat, marks = slip["data"]
     assert heat["z"] == [[10.0, 20.0], [1.0, 30.0]]
     assert (marks["x"], marks["y"]) == ([0.4], [0.5])
 
@@ -46,4 +47,5 @@ def test_the_map_marks_the_places_that_tip() -> None:
 def test_nothing_that_slides_makes_no_design_map() -> None:
     still = [condition(0.4, 0.2, slip_m=0.0), condition(0.8, 0.2, slip_m=0.0)]
     assert best_designs([MODEL], still, AXES) == []
-    assert design_figures([MODEL], still, AXES) == []
+    ((words, _),) = design_figures([MODEL], still, AXES)
+    assert "largest rotation" in words

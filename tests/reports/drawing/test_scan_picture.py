@@ -76,6 +76,11 @@ def test_the_command_writes_it_and_overwrites_nothing(tmp_path: Path, capsys: py
         done = CliRunner().invoke(app, [*line, str(tmp_path / "box.png")])
         assert done.exit_code == 0, done.output
     assert (tmp_path / "box.png").stat().st_size > 1000
+    assert CliRunner().invoke(app, [*line, str(tmp_path / "box.html")]).exit_code == 0
+    page = (tmp_path / "box.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")
+    assert 'aria-label="weakest towards' in page
+    assert "<script" not in page
     (tmp_path / "mine.png").write_bytes(b"mine")
     for name, said in (("box.bmp", r".png, .svg, .pdf"), ("mine.png", "a picture of rockcheck's")):
         code = guarded(lambda name=name: app([*line, str(tmp_path / name)], standalone_mode=False))

@@ -13,7 +13,7 @@ from harness.records.assess import Assessment, ProbabilityDifference
 from harness.records.base import as_file
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
-from reports.text.chance import first_line, tone_of_probability
+from reports.text.chance import tone_of_probability, worse_tone
 from tests.scenes_for_tests import paestum
 
 
@@ -39,10 +39,10 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     half = replace(answer(0.0, 0.0, 0.01), undecided=0.5)
     assert half.sentence.endswith("(0 to 1 %), and in 50 % the model comes to no end")
     assert tone_of_probability(half) == "differ"
-    headline, tone = first_line({"analytic": replace(half, undecided=1.0)}, "The statue stands", "agree")
-    assert tone == "differ"
-    assert "0 %" not in headline
-    assert "comes to no end in anything that may be true" in headline
+    none = replace(half, undecided=1.0)
+    assert worse_tone({"analytic": none}, "agree") == "differ"
+    assert "0 %" not in none.sentence
+    assert "comes to no end in anything that may be true" in none.sentence
 
 
 def test_the_most_probable_fall_decides_the_colour() -> None:
@@ -68,10 +68,6 @@ def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("p", "high", "colour"), [(0.01, 0.02, "agree"), (0.3, 0.32, "differ"), (0.9, 0.95, "failed")])
 def test_a_runs_colour_follows_the_probability(p: float, high: float, colour: str) -> None:
-    record = {"analytic": answer(p, 0.0, high)}
-    headline, tone_of_page = first_line(record, "All three models agree on the outcome: the statue stands", "agree")
-    assert tone_of_page == colour
-    assert headline.startswith("The statue falls in ")
-    assert headline.endswith("As given, once: all three models agree on the outcome: the statue stands")
-    assert first_line(record, "The models disagree", "failed")[1] == "failed"
-    assert first_line(None, "The statue stands", "agree") == ("The statue stands", "agree")
+    item = answer(p, 0.0, high)
+    assert worse_tone({"analytic": item}, "agree") == colour
+    assert worse_tone({"analytic": item}, "failed") == "failed"

@@ -88,6 +88,7 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(record: EffectsRe
     verdict = effects_verdict(record)
     assert "too safe at 1 of 4 directions; asked at the base's sides, it is right within" in verdict.headline
     text = " ".join(verdict.points)
+    assert "The plane is 100 % unsafe towards 60°." in text
     assert "At 60° it overturns from 1.00\u00a0g, in three dimensions (pybullet) from 0.500\u00a0g" in text
     assert "within 5 % at 3 of them" in text
     assert "−3.0 % to −3.0 %" in text
@@ -100,12 +101,12 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(record: EffectsRe
 
 
 def test_the_rose_holds_every_direction_of_every_curve(record: EffectsRecord) -> None:
-    picture = str(rose(record))
+    picture = str(rose(record).svg())
     curves = re.findall(r'<path d="M([^"]*)Z" fill="none" stroke="#(?!6d6353)', picture)
     assert [len(points.split("L")) for points in curves] == [4, 4, 4]
     assert "pybullet, 270°: stands" in picture
     assert "analytic, 60°: 1.000 g" in picture
-    dots = str(changes(record, {}))
+    dots = str(changes(record).svg())
     assert dots.count("<circle") == 3
     assert "pybullet, 0°: -3.0 %" in dots
 

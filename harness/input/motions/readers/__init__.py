@@ -135,7 +135,7 @@ def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], lis
 
 def _sisters(path: Path, endings: str | None) -> list[Path]:
     """Files beside this one, sorted, whose names differ in their middle only, or in one of their network's `endings`."""
-    found: list[Path] = []
+    sisters: list[Path] = []
     try:
         beside = sorted(path.parent.iterdir())
     except OSError:  # a folder that may be entered but not listed: the file itself was read
@@ -145,13 +145,13 @@ def _sisters(path: Path, endings: str | None) -> list[Path]:
             continue
         if endings and re.fullmatch(endings, other.suffix, re.IGNORECASE):
             if other.stem == path.stem:
-                found.append(other)
+                sisters.append(other)
         elif other.suffix == path.suffix:
             same = _alike(path.stem, other.stem)
             same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
             if same >= _ALIKE * max(len(path.stem), len(other.stem)):
-                found.append(other)
-    return found
+                sisters.append(other)
+    return sisters
 
 
 def _alike(one: str, other: str) -> int:

@@ -131,10 +131,10 @@ def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
 def proposal(text: str, where: str) -> str:
     """What to type so that the text is read as the table of numbers that it seems to be; "" where it seems to be none."""
     lines = text.splitlines()
-    found = _block(lines)
-    if found is None:
+    block = _block(lines)
+    if block is None:
         return ""
-    skip, rows = found
+    skip, rows = block
     width = rows[0].size
     even = [row for row in rows if row.size == width]
     table, head = np.array(even), "\n".join(lines[:skip])
@@ -163,14 +163,14 @@ def _rough(values: Floats) -> float:
 
 def _block(lines: Sequence[str]) -> tuple[int, list[Floats]] | None:
     """The last block of lines that hold numbers only, and the lines above it; None where such lines stand above it, too."""
-    found = [_or_none(line) if line.strip() else np.empty(0) for line in lines]
-    first = next((i + 1 for i in range(len(lines) - 1, -1, -1) if found[i] is None), 0)
-    rows = [row for row in found[first:] if row is not None and row.size]
+    read = [_or_none(line) if line.strip() else np.empty(0) for line in lines]
+    first = next((i + 1 for i in range(len(lines) - 1, -1, -1) if read[i] is None), 0)
+    rows = [row for row in read[first:] if row is not None and row.size]
     wide = max((row.size for row in rows), default=0)
     while rows and rows[0].size < wide:  # a header's last line may be a number
         first += 1
-        rows = [row for row in found[first:] if row is not None and row.size]
-    above = sum(row is not None and row.size == wide for row in found[:first])
+        rows = [row for row in read[first:] if row is not None and row.size]
+    above = sum(row is not None and row.size == wide for row in read[:first])
     few = sum(row.size for row in rows) < _LEAST_NUMBERS
     return None if few or above > _HEADER_ROWS else (first, rows)
 

@@ -43,16 +43,18 @@ def read(text: str, where: str) -> RecordFile:
     """All channels of a volume 1 file; InputError where a header or values are missing."""
     lines = text.splitlines()
     starts = [i for i, line in enumerate(lines) if _FIRST.match(line)]
-    found = [_channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)]
+    channels = [
+        _channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
+    ]
     first, head = lines[starts[0]].upper(), Header(lines[: starts[0] + _TEXT_LINES], where)
     network = "BHRC" if "VOL1DS" in first else "USC" if "FILE" in first else "CSMIP"
     name = "RENADIC V1" if head.words("(RENADIC)") else f"{network} V1"
     event, station = (2, 7) if network == "BHRC" else (1, 5)
     facts = {"event": lines[event].strip(), "station": re.split(r"\s{2,}", lines[station].strip())[0]}
     raw = "uncorrected accelerogram: baseline and instrument as recorded"
-    warnings = (raw, *(said for _, more in found for said in more))
+    warnings = (raw, *(said for _, more in channels for said in more))
     group = "|".join((*facts.values(), lines[4].strip())) if network == "USC" else ""
-    return RecordFile(where, name, False, "g", tuple(channel for channel, _ in found), facts, group, warnings)
+    return RecordFile(where, name, False, "g", tuple(channel for channel, _ in channels), facts, group, warnings)
 
 
 def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[str, ...]]:

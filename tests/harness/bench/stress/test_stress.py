@@ -13,7 +13,7 @@ from harness import engines
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks, explained, stability
 from harness.bench.stress import hard_scenes as scenes
-from harness.bench.stress import invariance_checks as more
+from harness.bench.stress import invariance_checks as invariance
 from harness.bench.stress.catalogue import catalogue, leaning
 from harness.bench.stress.explained import converged
 from harness.bench.stress.stress_run import sentences
@@ -251,7 +251,15 @@ def test_a_hull_is_explained_by_what_is_stable_only() -> None:
     assert stability._hull_avoided(bare, bare, []) == ""
 
 
-ASKED = (more._repeated, more._mirrored, more._permuted, more._perturbed, more._refined, more._touched, more._no_motion)
+ASKED = (
+    invariance._repeated,
+    invariance._mirrored,
+    invariance._permuted,
+    invariance._perturbed,
+    invariance._refined,
+    invariance._touched,
+    invariance._no_motion,
+)
 
 
 @pytest.mark.parametrize("question", ASKED)
@@ -267,8 +275,8 @@ def offset(run: Run, off_rad: float) -> Run:
 
 
 SPOILT = (
-    (more._repeated, 1e-12, 0.0), (more._mirrored, 0.0, 1e-4), (more._perturbed, 1e-3, 0.0), (more._refined, 0.0, 1e-6),
-    (more._touched, 0.0, 2e-3),
+    (invariance._repeated, 1e-12, 0.0), (invariance._mirrored, 0.0, 1e-4), (invariance._perturbed, 1e-3, 0.0),
+    (invariance._refined, 0.0, 1e-6), (invariance._touched, 0.0, 2e-3),
 )  # fmt: skip
 """Questions, and the least rotation, rad, growing from run to run or the same in all, with which they must not hold."""
 
@@ -277,41 +285,41 @@ SPOILT = (
 def test_a_question_sees_what_it_asks_for(
     monkeypatch: pytest.MonkeyPatch, question: Any, growing_rad: float, same_rad: float
 ) -> None:
-    whole, count = more._run, itertools.count()
-    monkeypatch.setattr(more, "_run", lambda *given: offset(whole(*given), next(count) * growing_rad + same_rad))
+    whole, count = invariance._run, itertools.count()
+    monkeypatch.setattr(invariance, "_run", lambda *given: offset(whole(*given), next(count) * growing_rad + same_rad))
     assert not question().holds
 
 
 def test_a_start_that_is_not_heard_is_no_small_growth(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = more._run
+    whole = invariance._run
     start = scene_of("start", leaning(COLUMN, 0.5, 2.0))
-    monkeypatch.setattr(more, "_run", lambda engine, *given: whole(engine, start))
-    assert not more._perturbed().holds
+    monkeypatch.setattr(invariance, "_run", lambda engine, *given: whole(engine, start))
+    assert not invariance._perturbed().holds
 
 
 def test_two_sides_of_a_touch_must_differ_by_one_impact(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(more, "TOUCH_EARLY_S", 0.0)
-    found = more._touched()
+    monkeypatch.setattr(invariance, "TOUCH_EARLY_S", 0.0)
+    found = invariance._touched()
     assert not found.holds
     assert "does not" in found.got["analytic"]
 
 
 def test_other_bodies_orders_and_distances_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(more, "PERMUTED_RAD", 1e-12)
-    assert not more._permuted().holds, "an order that changes no bit was not another order"
-    monkeypatch.setattr(more, "HULLS", (8, 200))
-    monkeypatch.setattr(more, "HULL_RAD", 1e-12)
-    assert not more._hulls().holds
-    monkeypatch.setattr(more, "FAR_S", 2.0)
-    assert more._far().holds
-    whole = more._run
-    monkeypatch.setattr(more, "_run", lambda *given: offset(whole(*given), 2e-3))
-    assert not more._far().holds
+    monkeypatch.setattr(invariance, "PERMUTED_RAD", 1e-12)
+    assert not invariance._permuted().holds, "an order that changes no bit was not another order"
+    monkeypatch.setattr(invariance, "HULLS", (8, 200))
+    monkeypatch.setattr(invariance, "HULL_RAD", 1e-12)
+    assert not invariance._hulls().holds
+    monkeypatch.setattr(invariance, "FAR_S", 2.0)
+    assert invariance._far().holds
+    whole = invariance._run
+    monkeypatch.setattr(invariance, "_run", lambda *given: offset(whole(*given), 2e-3))
+    assert not invariance._far().holds
 
 
 def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(more, "scene_of", lambda *given: None)
-    assert not more._no_motion().holds
+    monkeypatch.setattr(invariance, "scene_of", lambda *given: None)
+    assert not invariance._no_motion().holds
 
 
 def test_what_does_not_hold_is_told_and_fails() -> None:

@@ -63,6 +63,7 @@ def test_a_network_s_layout_is_read_in_every_wrapping(tmp_path: Path, name: str)
         "crlf": text.replace("\n", "\r\n").encode(), "utf-16": text.encode("utf-16"), "mark": text.encode("utf-8-sig"),
         "latin": text.encode("latin-1", "replace"), "blanks": text.replace("\n", "     \n").encode(),
         "gz": gzip.compress(plain), "zip": (tmp_path / "in.zip").read_bytes(),
+        "DOS": text.replace("\n", "\r\n").encode() + b"\x1a", "old Mac": text.replace("\n", "\r").encode(),
     }  # fmt: skip
     for wrapping, content in wrappings.items():
         path.write_bytes(content)

@@ -43,7 +43,7 @@ def test_touching_numbers() -> None:
 
 @pytest.mark.parametrize("bad", ["1.0 2.0 x", "1.0--2.0", "0.1 ****** 0.2", "1.2.3"])
 def test_what_is_no_number_is_refused_with_its_line(bad: str) -> None:
-    with pytest.raises(InputError, match="line 8"):
+    with pytest.raises(InputError, match=r"line 8: .* or has notes after its numbers: take these out"):
         free_format(["1.0 2.0", bad], where="f", first_line=7)
 
 
@@ -52,6 +52,10 @@ def test_fixed_width_reads_what_touches_and_names_a_bad_field() -> None:
     np.testing.assert_array_equal(found, [-11024.7, 12.5, 1.0])
     with pytest.raises(InputError, match="line 5, column 9"):
         fixed_width(["     1.0********"], 8, 2, where="f", first_line=5)
+    with pytest.raises(
+        InputError, match="tabs stand where the network writes blanks: take the file as it was downloaded"
+    ):
+        fixed_width(["1.0\t2.0"], 8, 2, where="f", first_line=5)
 
 
 @pytest.mark.parametrize("old", [False, True])

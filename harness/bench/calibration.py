@@ -1,0 +1,137 @@
+"""Are probabilities true? Random scenes, inputs drawn as stated, observed by an engine as it comes: the reliability diagram.
+
+`python -m harness.bench.calibration [COUNT FIRST] [--engine NAME] [--out FILE]` computes COUNT scenes on one core, keeps a line
+of JSON for each (a call that was interrupted goes on where it stopped) and renews the table of docs/probability.md.
+
+A random scene falls surely or surely not; so each is shaken at the strength at which the model's nominal run begins to fall,
+times a factor of its own. Neither knows anything of the engine that observes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness.assess.engine_runs import DrawnRun, overturns
+from harness.assess.inputs import draw, row, uncertain_inputs
+from harness.assess.model_draws import model_draws
+from harness.assess.variation import varied
+from harness.bench.pages import renew, table
+from harness.bench.seeded_scenes import random_scene
+from harness.campaign.parts import source
+from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics.probabilities import brier, reliability
+from harness.model.scene import Scene
+from harness.records.sets import ReliabilityBin
+
+SCENES: Final = 300
+FIRST_SEED: Final = 770_000
+"""Seeds from here on were used for nothing else."""
+DRAWS: Final = 4000
+"""Draws of the model behind each probability: ± 1.3 % at a half."""
+FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 8.0, 101))
+"""Strengths among which the one is sought at which the nominal run begins to fall: 3.5 % apart."""
+SPREAD: Final = 0.2
+"""Logarithmic spread of the factor on that strength: twice the assumed uncertainty of a strength, so that all bins are filled."""
+OBSERVER: Final = "pymunk:plain"
+MODULE: Final = "harness.bench.calibration"
+
+
+@dataclass(frozen=True)
+class CalibrationRow:
+    """One scene: the model's probability, and whether the engine's statue fell; by the code whose digest is `source`."""
+
+    seed: int
+    engine: str
+    probability: float
+    fell: bool | None
+    source: str = ""
+
+
+def shaken(seed: int) -> Scene:
+    """A random scene at a strength near which its fall is doubtful; one that nothing overturns keeps the strongest."""
+    scene = random_scene(seed)
+    falls = np.flatnonzero(model_draws(scene, {"motion.scale": np.array(FACTORS)}).overturned)
+    strength = FACTORS[int(falls[0])] if falls.size else FACTORS[-1]
+    own = math.exp(SPREAD * float(np.random.default_rng([seed, 1]).standard_normal()))
+    return varied(scene, {"motion.scale": strength * own})
+
+
+def row_of(seed: int, engine: str) -> CalibrationRow:
+    """One scene: what the model says of its draws, what the engine does in one more."""
+    scene = shaken(seed)
+    inputs = uncertain_inputs(scene)
+    probability = model_draws(scene, draw(inputs, DRAWS, seed)).probability
+    # A draw of its own: another seed than those behind the probability.
+    true = varied(scene, row(draw(inputs, 1, seed + FIRST_SEED), 0))
+    overturned = overturns(DrawnRun(engine, true)).record["overturned"]
+    return CalibrationRow(seed, engine, probability, None if overturned is None else bool(overturned))
+
+
+def measured(path: Path, seeds: Sequence[int], engine: str) -> list[CalibrationRow]:
+    """The rows of `path` that the code of now computed, and those that are not there yet."""
+    code = source()
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    rows = [CalibrationRow(**json.loads(line)) for line in lines]
+    rows = [item for item in rows if (item.source, item.engine) == (code, engine) and item.seed in seeds]
+    done = {item.seed for item in rows}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as stream:
+        for seed in seeds:
+            if seed not in done:
+                rows.append(CalibrationRow(**{**asdict(row_of(seed, engine)), "source": code}))
+                stream.write(json.dumps(asdict(rows[-1])) + "\n")
+                stream.flush()
+    return rows
+
+
+def diagram(rows: Sequence[CalibrationRow]) -> list[ReliabilityBin]:
+    """The reliability diagram of the scenes that the engine decided."""
+    known = [item for item in rows if item.fell is not None]
+    return reliability([item.probability for item in known], [bool(item.fell) for item in known])
+
+
+def text(rows: Sequence[CalibrationRow]) -> str:
+    """The table in Markdown, and a sentence on every bin together."""
+    known = [item for item in rows if item.fell is not None]
+    bins = diagram(rows)
+    heads = ["P said", "scenes", "mean P", f"share that {FELL}", "band of true ones, 95 %", "within"]
+    lines = [
+        [
+            f"{item.low:.1f} to {item.high:.1f}",
+            str(item.cases),
+            f"{item.mean:.3f}",
+            f"{item.fell.value:.3f}",
+            f"{item.band_low:.3f} to {item.band_high:.3f}",
+            "yes" if item.holds else "no",
+        ]
+        for item in bins
+    ]
+    seeds = [item.seed for item in rows]
+    score = brier([item.probability for item in known], [bool(item.fell) for item in known])
+    first = f"Seeds {min(seeds)} to {max(seeds)}, observed by `{rows[0].engine}`, which decided {len(known)} of {len(rows)}:"
+    last = f"{sum(item.holds for item in bins)} of {len(bins)} bins lie within their band. Brier's score {score:.3f}."
+    return f"{first}\n\n{table(heads, lines)}\n\n{last}"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print the table and write it into the page."""
+    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
+    words.add_argument("count", nargs="?", type=int, default=SCENES, help="scenes")
+    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="seed of the first of them")
+    words.add_argument("--engine", default=OBSERVER, help="whose outcomes are taken for observed")
+    words.add_argument("--out", type=Path, default=Path("out") / "calibration.jsonl", help="rows that are kept")
+    given = words.parse_args(arguments)
+    seeds = range(given.first, given.first + given.count)
+    renew("probability.md", MODULE, text(measured(given.out, seeds, given.engine)))
+
+
+if __name__ == "__main__":
+    main()

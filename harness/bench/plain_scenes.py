@@ -1,0 +1,197 @@
+"""Unseen wide scenes by engines as they come beside those that locate events: do they agree, does each know its own error?
+
+`python -m harness.bench.plain_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of the generator `wide` on one core, keeps
+a line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from harness import engines
+from harness.accuracy.horizon import horizon_of
+from harness.accuracy.simulation import simulate
+from harness.bench.coverage import statement, truth_of
+from harness.bench.differences import error_rad
+from harness.bench.pages import renew, table
+from harness.bench.random_scenes import FINEST_S, counted
+from harness.bench.seeded_scenes import wide_scene
+from harness.campaign.parts import source
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.bench import Statement
+from harness.records.witness import LEAST_S, PLAIN
+from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
+from harness.scene_run.witness import convention
+
+NAMES: Final = ("pymunk", "pybullet")
+SCENES: Final = 200
+FIRST_SEED: Final = 770_000
+"""Seeds from here on were used for nothing else."""
+SHARE: Final = 0.5
+"""Of the joint uncertainty that is asked, for each of both engines."""
+PERTURBED: Final = 1e-3
+"""A start or motion that is known no better than this is predictable until the horizon: plain engines err by about as much."""
+MODULE: Final = "harness.bench.plain_scenes"
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A plain engine beside the event-located one, while both are bounded: how far apart, and the sum of their uncertainties.
+
+    `known_s`: the horizon, at most until there is no return from a fall. `limits_rad`: how far much finer runs of both are apart
+    while both are bounded, where the plain one's was made. `convention`: the choice between conventions that came before.
+    """
+
+    until_s: float
+    known_s: float
+    apart_rad: float
+    joint_rad: float
+    limits_rad: float | None = None
+    convention: str = ""
+
+    @property
+    def agree(self) -> bool:
+        """Whether they are within their joint uncertainty."""
+        return self.apart_rad <= self.joint_rad
+
+    @property
+    def whole(self) -> bool:
+        """Whether the joint uncertainty that is asked holds as long as anybody could predict."""
+        return self.joint_rad <= JOINT_RAD * (1.0 + 1e-9) and self.until_s >= self.known_s - LEAST_S
+
+
+@dataclass(frozen=True)
+class PlainRow:
+    """One scene, by the code whose digest is `source`: each engine's statement, each pair of engines."""
+
+    seed: int
+    engines: dict[str, Statement]
+    pairs: dict[str, Beside]
+    source: str = ""
+
+    @classmethod
+    def read(cls, line: str) -> PlainRow:
+        """A row from its line of JSON."""
+        plain = json.loads(line)
+        statements = {name: Statement(**item) for name, item in plain.pop("engines").items()}
+        pairs = {name: Beside(**item) for name, item in plain.pop("pairs").items()}
+        return cls(engines=statements, pairs=pairs, **plain)
+
+
+def row_of(seed: int) -> PlainRow:
+    """One scene: what each engine stated and was off by, and how far each plain one is from its event-located one."""
+    scene = wide_scene(seed)
+    statements: dict[str, Statement] = {}
+    pairs: dict[str, Beside] = {}
+    for name in NAMES:
+        if engines.load(name).missing() is None:
+            both, pairs[name] = _beside(scene, name)
+            statements |= both
+    return PlainRow(seed, statements, pairs)
+
+
+def _beside(scene: Scene, name: str) -> tuple[dict[str, Statement], Beside]:
+    located, plain = (simulate(scene, each, accuracy_rad=SHARE * JOINT_RAD) for each in (name, name + PLAIN))
+    until_s = min(located.bounded_until_s, plain.bounded_until_s)
+    engine = engines.load(name)
+    truth = truth_of(engine, scene, located, max(located.bounded_until_s, plain.bounded_until_s), FINEST_S)
+    # A plain engine's own finer run takes minutes; the event-located one's stands for it where it lies within the statement.
+    stated, limits = statement(plain, truth), None
+    if not (stated.rotation_holds and stated.slip_holds and truth.end_s >= plain.bounded_until_s):
+        finer = truth_of(engines.load(plain.engine), scene, plain, plain.bounded_until_s, FINEST_S)
+        stated, limits = statement(plain, finer), error_rad(truth, finer, until_s)
+    joint = (located.numerical_uncertainty_rad or 0.0) + (plain.numerical_uncertainty_rad or 0.0)
+    choice = convention(scene, located, until_s)[0]
+    apart = error_rad(located, plain, until_s)
+    beside = Beside(until_s, _known_s(scene, located, until_s), apart, joint, limits, choice)
+    return {name: statement(located, truth), plain.engine: stated}, beside
+
+
+def _known_s(scene: Scene, located: Run, until_s: float) -> float:
+    """Until when the scene can be predicted at all; not looked for where it is bounded to the end, or past all return."""
+    last_s = min(located.end_s, located.no_return_time_s or located.end_s)
+    if until_s >= last_s - LEAST_S:
+        return last_s
+    engine = engines.load(located.engine)
+    settings = engine.settings_for_dt(scene, min(float(located.settings["dt_s"]), PERTURBED))
+    return min(last_s, horizon_of(engine, scene, settings, perturbations=(PERTURBED,)).intrinsic_s)
+
+
+def measured(path: Path, seeds: Sequence[int]) -> list[PlainRow]:
+    """The rows of these seeds: those of `path` that the code of now computed, and those that are not there yet."""
+    code = source()
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    rows = [PlainRow.read(line) for line in lines if json.loads(line).get("source") == code]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as stream:
+        for seed in [each for each in seeds if each not in {row.seed for row in rows}]:
+            rows.append(replace(row_of(seed), source=code))
+            stream.write(json.dumps(asdict(rows[-1])) + "\n")
+            stream.flush()
+    return [row for row in rows if row.seed in seeds]
+
+
+def tables(rows: Sequence[PlainRow]) -> str:
+    """Statements by engine; agreement by pair; every scene on which a statement failed or a pair disagreed."""
+    names = [name + kind for name in NAMES for kind in ("", PLAIN)]
+    heads = [
+        "engine",
+        "scenes counted",
+        "rotation held",
+        "slip held",
+        "held for, of the run's length",
+        "runs for a scene",
+    ]
+    items = {name: [row.engines[name] for row in rows if name in row.engines] for name in names}
+    by_engine = [[f"`{name}`", *counted(each)] for name, each in items.items() if each]
+    beside = ["engine", "scenes", "within their joint uncertainty", f"that at most {JOINT_RAD:g} rad until the horizon"]
+    by_pair = []
+    for name in NAMES:
+        pairs = [row.pairs[name] for row in rows if name in row.pairs]
+        agree, whole = sum(pair.agree for pair in pairs), sum(pair.whole for pair in pairs)
+        shares = [f"{count} ({100.0 * count / max(len(pairs), 1):.3g} %)" for count in (agree, whole)]
+        by_pair.append([f"`{name}` and `{name}{PLAIN}`", str(len(pairs)), *shares])
+    exceptions = [text for row in rows for text in _exceptions(row)]
+    lines = "\n".join(f"- {text}" for text in exceptions) or "No exception."
+    return f"{table(heads, by_engine)}\n\n{table(beside, by_pair)}\n\n{lines}"
+
+
+def _exceptions(row: PlainRow) -> list[str]:
+    texts = []
+    for name, item in row.engines.items():
+        for word, error, stated, held in (
+            ("rotation", item.error_rad, item.stated_rad, item.rotation_holds),
+            ("slip", item.error_m, item.stated_m, item.slip_holds),
+        ):
+            if not held:
+                off = "no history" if error is None else f"off by {error:.2g}, stated {stated:.2g}"
+                texts.append(f"seed {row.seed}, `{name}`: {word} {off}")
+    for name, pair in row.pairs.items():
+        if not pair.agree:
+            limits = "" if pair.limits_rad is None else f"; much finer runs of both: {pair.limits_rad:.2g}"
+            why = f"; by convention: {pair.convention}" if pair.convention else ""
+            apart = f"{pair.apart_rad:.2g} rad apart until {pair.until_s:.3g} s, joint uncertainty {pair.joint_rad:.2g}"
+            texts.append(f"seed {row.seed}, `{name}` and `{name}{PLAIN}`: {apart}{limits}{why}")
+    return texts
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print the tables and write them into the page."""
+    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
+    words.add_argument("count", nargs="?", type=int, default=SCENES, help="seeds")
+    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="the first of them")
+    words.add_argument("--out", type=Path, default=Path("out") / "plain_scenes.jsonl", help="rows that are kept")
+    given = words.parse_args(arguments)
+    seeds = range(given.first, given.first + given.count)
+    sentence = f"Wide scenes, seeds {seeds[0]} to {seeds[-1]}, target {SHARE * JOINT_RAD:g} rad for each engine:"
+    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(measured(given.out, seeds))}")
+
+
+if __name__ == "__main__":
+    main()

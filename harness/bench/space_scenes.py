@@ -1,0 +1,171 @@
+"""Contact engines held to the exact rigid body on random scenes in three dimensions (`seeded_scenes.space_scene`).
+
+`python -m harness.bench.space_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds on one core, keeps a line of JSON for each
+scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from harness import engines
+from harness.accuracy.simulation import simulate
+from harness.bench.coverage import statement
+from harness.bench.pages import renew, table
+from harness.bench.seeded_scenes import space_scene
+from harness.campaign.parts import source
+from harness.campaign.runner import Crash, Hung, LocalPool
+from harness.model.history import Outcome
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.bench import Statement
+from harness.validation.toss_scores import poses
+
+NAMES: Final = ("pybullet", "mujoco")
+EXACT: Final = "spatial"
+SCENES: Final = 200
+FIRST_SEED: Final = 770_000
+MOST_S: Final = 60.0
+"""Wall time after which a scene is given up: in some the exact model slides at the edge of sticking for very long."""
+STEP_S: Final = 2.5e-4
+IMPACTS: Final = 3
+"""Attitudes are compared at that step until after so many impacts, up to the fourth."""
+SLID: Final = 1e-6
+"""A vertex has slid where it took more than this share of m g h."""
+MODULE: Final = "harness.bench.space_scenes"
+
+
+@dataclass(frozen=True)
+class SpaceRow:
+    """One scene: the exact run's outcome, until when it holds, whether a vertex slid, the engines' statements against it.
+
+    `attitude_rad` by engine is the largest angle between its rotation at `STEP_S` and the exact one over the first impacts, of
+    which there were `impacts`.
+    """
+
+    seed: int
+    outcome: str
+    end_s: float = 0.0
+    slid: bool = False
+    impacts: int = 0
+    engines: dict[str, Statement] | None = None
+    attitude_rad: dict[str, float] | None = None
+    source: str = ""
+
+    @classmethod
+    def read(cls, line: str) -> SpaceRow:
+        """A row from its line of JSON."""
+        plain = json.loads(line)
+        stated = plain.pop("engines")
+        return cls(engines=stated and {name: Statement(**item) for name, item in stated.items()}, **plain)
+
+
+def row_of(seed: int) -> SpaceRow:
+    """One scene computed by all."""
+    scene = space_scene(seed)
+    exact = simulate(scene, EXACT)
+    if exact.history is None:
+        return SpaceRow(seed, exact.outcome.value)
+    lost_j = float(exact.validity["energy_lost_by_sliding_j"] or 0.0)
+    height_m = scene.statue.centroid_height_m
+    slid = lost_j > SLID * scene.statue.mass_kg * scene.gravity_m_s2 * height_m
+    stated, apart = {}, {}
+    for name in NAMES:
+        engine = engines.load(name)
+        if engine.missing() is not None:
+            continue
+        run = simulate(scene, name)
+        both_s = min(run.bounded_until_s, exact.bounded_until_s)
+        stated[name] = statement(replace(run, reliable_until_s=both_s), exact)
+        fixed = engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
+        apart[name] = attitude_rad(scene, fixed, exact)
+    return SpaceRow(seed, exact.outcome.value, exact.bounded_until_s, slid, len(exact.impact_times_s), stated, apart)
+
+
+def attitude_rad(scene: Scene, run: Run, exact: Run) -> float:
+    """Largest angle between two runs' rotations while the exact one holds, up to its fourth impact; infinite without them."""
+    if run.history is None or exact.history is None:
+        return math.inf
+    times = exact.history.t_s
+    until_s = min(exact.bounded_until_s, run.end_s, *exact.impact_times_s[IMPACTS : IMPACTS + 1])
+    turns, seen = (poses(scene.statue, item)[0].reshape(-1, 9) for item in (run.history, exact.history))
+    between = np.column_stack([np.interp(times, run.history.t_s, column) for column in turns.T])
+    # |A − B| of two rotations an angle φ apart is √8 sin(φ/2).
+    chord = np.linalg.norm(between - seen, axis=1)[times <= until_s] / math.sqrt(8.0)
+    return float(2.0 * np.arcsin(np.minimum(np.max(chord, initial=0.0), 1.0)))
+
+
+def measured(path: Path, seeds: Sequence[int]) -> list[SpaceRow]:
+    """The rows of `path` that the code of now computed, and those that are not there yet."""
+    code = source()
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    rows = [SpaceRow.read(line) for line in lines if json.loads(line).get("source") == code]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    left = sorted(set(seeds) - {row.seed for row in rows})
+    with path.open("a", encoding="utf-8") as stream, closing(LocalPool(1, MOST_S, tries=1)) as pool:
+
+        def keep(seed: int, answer: object) -> None:
+            if isinstance(answer, Crash):
+                answer = SpaceRow(seed, (Outcome.TIMED_OUT if isinstance(answer, Hung) else Outcome.CRASHED).value)
+            if not isinstance(answer, SpaceRow):
+                raise TypeError(f"seed {seed}: {answer!r}")
+            rows.append(replace(answer, source=code))
+            stream.write(json.dumps(asdict(rows[-1])) + "\n")
+            stream.flush()
+
+        pool.run(row_of, left, keep)
+    return sorted((row for row in rows if row.seed in seeds), key=lambda row: row.seed)
+
+
+def tables(rows: Sequence[SpaceRow]) -> str:
+    """What was held to the exact model, then how often statements hold and how far attitudes are apart."""
+    known = [row for row in rows if row.engines]
+    ended = {name: sum(row.outcome == name for row in rows) for name in sorted({row.outcome for row in rows})}
+    said = ", ".join(f"{count} `{name}`" for name, count in ended.items())
+    lines = []
+    for name in NAMES:
+        for slid, what in ((False, "every vertex sticks"), (True, "a vertex slides")):
+            mine = [row for row in known if row.slid == slid and row.engines and name in row.engines]
+            if not mine:
+                continue
+            stated = [row.engines[name] for row in mine if row.engines]
+            held = sum(item.rotation_holds for item in stated)
+            three = [row.attitude_rad[name] for row in mine if row.attitude_rad and row.impacts >= IMPACTS]
+            share = f"{held} ({100.0 * held / len(mine):.3g} %)"
+            lines.append([f"`{name}`", what, str(len(mine)), share, *_spread(three), str(len(three))])
+    heads = ["engine", "scenes in which", "scenes", "rotation held", "attitude, median", "9 of 10 below", "largest"]
+    return f"The exact runs end as {said}.\n\n{table([*heads, 'of scenes with three impacts'], lines)}"
+
+
+def _spread(values: Sequence[float]) -> list[str]:
+    if not values:
+        return ["", "", ""]
+    return [f"{value:.1e}" for value in np.quantile(values, [0.5, 0.9, 1.0])]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print the table and write it into the page."""
+    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
+    words.add_argument("count", nargs="?", type=int, default=SCENES, help="seeds")
+    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="the first of them")
+    words.add_argument("--out", type=Path, default=Path("out") / "space_scenes.jsonl", help="rows that are kept")
+    given = words.parse_args(arguments)
+    seeds = range(given.first, given.first + given.count)
+    sentence = (
+        f"Seeds {seeds[0]} to {seeds[-1]} of `space_scene`, target 1e-3 rad; attitudes at {1e3 * STEP_S:g} ms, rad."
+    )
+    renew("coverage.md", MODULE, f"{sentence} {tables(measured(given.out, seeds))}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+"""Whether the floor's friction kept Coulomb's law: from the balance of momentum of both bodies, hence as it acted.
+
+What the loop believes of friction is not asked. Sliding, friction is μ_k N; else it is at most μ_s N; the step in which the
+pedestal breaks loose acts with what lies between. A limit that is wrong in the loop, or a release in which the static coefficient
+goes on acting, shows here however small its effect on the motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.base import EngineFailure
+from harness.engines.contact.forces import Impulses
+from harness.engines.contact.trajectory import Trajectory
+from harness.model.interventions import Intervention
+from harness.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+SLIDES: Final = 10.0
+"""A velocity above so many times the one that counts as rest is sliding: what a solver leaves is below a tenth of it."""
+MOST_OVER: Final = 0.04
+"""Share by which friction may exceed its limit, over all steps of a state: 0.024 at most in 650 runs at 4 to 0.25 ms."""
+COARSE_S: Final = 4e-3
+"""Longer steps are allowed more in proportion, as what corrections at events leave grows with them."""
+LEAST_STEPS: Final = 8
+"""Fewer sliding steps are no sliding to judge: corrections at an impact among them would count for too much."""
+HARD: Final = 2.0
+"""A normal force above so many weights is an impact's, and"""
+BESIDE: Final = 2
+"""so many steps beside it do not tell forces: velocities of the middles of steps are taken over to their ends."""
+SMOOTH: Final = 1e-2
+"""A coefficient below this is held to as much: of none at all no share can be taken."""
+AT_LIMIT: Final = 1e-3
+"""A release acted with the static coefficient when its friction is so near to it, as a share of μ_s − μ_k."""
+AS_STATIC: Final = 3
+"""So many releases with the static coefficient, and none without, are no chance: where in its step it comes is anywhere."""
+SLIP_ONSET: Final = "friction_release"
+"""Kind of what is written where static friction gives way: steps that are solved again."""
+
+
+@dataclass(frozen=True)
+class FrictionUsed:
+    """What acted: shares by which friction exceeded its limit `sliding` and `held`; releases, those `as_static`; the step."""
+
+    sliding: float
+    held: float
+    releases: int
+    as_static: int
+    step_s: float
+
+
+def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
+    """Whether the balance of momentum in the plane tells the floor's friction: on a pedestal that moves in the plane alone.
+
+    Where a ratio is prescribed at impacts, velocities are written there by the harness.
+    """
+    flat = scene.planar or "yaw_rad" not in motion.extra
+    return scene.pedestal is not None and scene.contact.restitution is None and flat
+
+
+def friction_used(
+    scene: Scene, motion: Trajectory, impulses: Impulses, plain_from_s: float | None, still_m_s: float
+) -> FrictionUsed:
+    """The floor's friction over a trajectory until its contact is another one, if ever; `still_m_s` counts as rest."""
+    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
+    normal, friction = np.diff(impulses.floor_z), np.abs(np.diff(impulses.floor_x))
+    before, after = np.abs(motion.slip_rate_m_s[:-1]), np.abs(motion.slip_rate_m_s[1:])
+    weight = (scene.statue.mass_kg + (0.0 if scene.pedestal is None else scene.pedestal.mass_kg)) * scene.gravity_m_s2
+    hard = np.convolve(normal > HARD * weight * np.diff(motion.t_s), np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0
+    counted = (motion.t_s[1:] < (np.inf if plain_from_s is None else plain_from_s)) & (normal > 0.0)
+    # A pedestal that begins to tip moves at its centroid, though its edge stands.
+    tipping = _tilting_m_s(scene, motion)
+    one_way = motion.slip_rate_m_s[:-1] * motion.slip_rate_m_s[1:] > 0.0
+    sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s + tipping)
+    held = counted & ~hard & (np.maximum(before, after) <= still_m_s)
+    loose = counted & (before <= still_m_s) & (after > still_m_s + tipping)
+    # Less than μ_k N: what moved the pedestal by more than counts as rest was a solver's remainder, or a part of the step.
+    released = loose & (friction > (kinetic - 0.5 * (static - kinetic)) * normal)
+    least = static - AT_LIMIT * (static - kinetic)
+    return FrictionUsed(
+        _over(friction, kinetic, normal, sliding),
+        _over(friction, static, normal, held),
+        int(released.sum()),
+        int((released & (friction >= least * normal)).sum()),
+        float(np.median(np.diff(motion.t_s))),
+    )
+
+
+def _tilting_m_s(scene: Scene, motion: Trajectory) -> Array:
+    """Velocity of a pedestal's top as it turns about its edge, m/s, in each step: more than its centroid's."""
+    tilt = motion.extra.get("pedestal_tilt_rad", np.zeros(motion.t_s.size))
+    height_m = 0.0 if scene.pedestal is None else scene.pedestal.height_m
+    speed: Array = height_m * np.abs(np.diff(tilt)) / np.diff(motion.t_s)
+    return speed
+
+
+def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_]) -> float:
+    """Share by which friction exceeds its limit over the steps in question, 0 for too few of them."""
+    if which.sum() < LEAST_STEPS:
+        return 0.0
+    excess = np.maximum(friction[which] - coefficient * normal[which], 0.0).sum()
+    return float(excess / (max(coefficient, SMOOTH) * normal[which].sum()))
+
+
+def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str, Intervention] | None) -> None:
+    """Raise `EngineFailure` where friction was not Coulomb's, or a release not solved again (without an account: not asked)."""
+    where = {"sliding": used.sliding, "held": used.held}
+    for name, over in where.items():
+        if over > MOST_OVER * max(1.0, used.step_s / COARSE_S):
+            raise EngineFailure(
+                f"the floor's friction on the {name} pedestal was {100.0 * over:.3g} % above its limit: it is not Coulomb's"
+            )
+    if interventions is None or scene.contact.floor_static == scene.contact.floor_kinetic:
+        return
+    again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
+    if again < used.releases or used.as_static == used.releases >= AS_STATIC:
+        raise EngineFailure(
+            f"the pedestal broke loose {used.releases} times, {used.as_static} of them with the static coefficient, and {again} "
+            "steps were solved again: the release is not the kinetic one"
+        )

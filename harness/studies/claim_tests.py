@@ -1,0 +1,284 @@
+"""What each claim asks of one model's answers: how many cases held, of how many, and the evidence in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from harness.model.history import Outcome
+from harness.records.study import CaseRun, Value
+
+LOW_HZ: Final = 3.0
+"""The paper's bound between the frequencies at which the pedestal helps and those at which it does not."""
+FEW_CENTIMETRES_M: Final = 0.05
+"""What "a few centimetres" of pedestal displacement is taken to mean."""
+WALL_RAD: Final = 0.50
+WALL_M: Final = 0.70
+WALL_SLACK: Final = 0.05
+"""The paper rounds its distance to the wall to a decimetre."""
+AT_REST_M: Final = 1e-3
+"""A pedestal that moves less than this is at rest: the paper's figures would not show it."""
+ROCKS_RAD: Final = 1e-3
+"""A statue that turns less than this does not rock: a millimetre at the top of one of a metre."""
+LASTING: Final = 0.9
+"""A statue that still strikes in the last tenth of the run goes on rocking."""
+
+FREQUENCY: Final = "motion.x.frequency_hz"
+RATIO: Final = "contact.restitution"
+AZIMUTH: Final = "statue.mesh.azimuth_deg"
+SUPPORT: Final = "pedestal"
+Condition = tuple[tuple[str, Value], ...]
+Test = Callable[[Sequence["Answer"]], tuple[int, int, str]]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One run of the table: what was set and what came out."""
+
+    varied: Mapping[str, Value]
+    peak_rad: float
+    overturned: bool
+    stands: bool
+    no_return_s: float
+    slip_m: float
+    end_s: float
+    last_impact_s: float | None
+    impact_loss_j: float | None
+
+    @property
+    def frequency_hz(self) -> float:
+        """Of the motion."""
+        return float(self.varied[FREQUENCY])
+
+    @property
+    def pedestal(self) -> bool:
+        """Whether it stands on one."""
+        return bool(self.varied.get(SUPPORT, "none") != "none")
+
+    def but(self, *keys: str) -> Condition:
+        """What was set apart from these keys: the same for answers that are compared over them."""
+        return tuple(sorted((key, value) for key, value in self.varied.items() if key not in keys))
+
+    @property
+    def condition(self) -> Condition:
+        """What both settings share."""
+        return self.but(SUPPORT)
+
+
+def answer(run: CaseRun, varied: Mapping[str, Value]) -> Answer:
+    """A row of a study as the tests of claims read it."""
+    no_return_s = run.no_return_time_s if run.outcome.overturned else None
+    return Answer(
+        varied={key: value for key, value in varied.items() if key != "variant"},
+        peak_rad=abs(run.peak_theta_rad),
+        overturned=run.outcome.overturned,
+        stands=run.outcome is Outcome.STANDS,
+        no_return_s=math.inf if no_return_s is None else no_return_s,
+        slip_m=run.peak_slip_m,
+        end_s=run.end_s or 0.0,
+        last_impact_s=run.last_impact_s,
+        impact_loss_j=run.impact_loss_j,
+    )
+
+
+def _pairs(answers: Sequence[Answer]) -> list[tuple[Answer, Answer]]:
+    """(without, with) pedestal of the same condition."""
+    floor = {item.condition: item for item in answers if not item.pedestal}
+    return [(floor[item.condition], item) for item in answers if item.pedestal and item.condition in floor]
+
+
+def rotates_more(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    low = [(f, p) for f, p in _pairs(answers) if f.frequency_hz <= LOW_HZ]
+    held = sum(
+        f.no_return_s <= p.no_return_s if f.overturned or p.overturned else f.peak_rad > p.peak_rad for f, p in low
+    )
+    both = sum(f.overturned and p.overturned for f, p in low)
+    return held, len(low), f"{held} of {len(low)} conditions up to {LOW_HZ:g} Hz; in {both} both overturn"
+
+
+def prevents(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    pairs = _pairs(answers)
+    saved = [f.condition for f, p in pairs if f.overturned and not p.overturned]
+    lost = sum(p.overturned and not f.overturned for f, p in pairs)
+    falling = sum(f.overturned for f, _ in pairs)
+    text = f"prevented in {len(saved)} of {falling} conditions that overturn without; caused in {lost}"
+    # One case is enough for "in some cases".
+    return min(len(saved), 1), 1 if pairs else 0, text
+
+
+def fades(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    held = cases = 0
+    gains: dict[bool, list[float]] = {True: [], False: []}
+    for series in dict.fromkeys(item.but(SUPPORT, FREQUENCY) for item in answers):
+        mean: dict[bool, float] = {}
+        for low in (True, False):
+            advantages = [
+                f.peak_rad - p.peak_rad
+                for f, p in _pairs(answers)
+                if f.but(SUPPORT, FREQUENCY) == series and (f.frequency_hz <= LOW_HZ) is low
+            ]
+            gains[low] += advantages
+            mean[low] = float(np.mean(advantages)) if advantages else float("nan")
+        if np.isfinite(mean[True]) and np.isfinite(mean[False]):
+            cases += 1
+            held += mean[True] > mean[False]
+    if not cases:
+        return 0, 0, "no pairs"
+    low_text, high_text = (f"{np.mean(gains[low]):+.3f} rad" for low in (True, False))
+    text = f"mean advantage {low_text} up to {LOW_HZ:g} Hz, {high_text} above (an overturned statue counts with the rotation "
+    return held, cases, f"{text}at which its run ends); in {held} of {cases} series"
+
+
+def falls_with_frequency(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    series: dict[tuple[Any, ...], list[Answer]] = {}
+    for item in answers:
+        series.setdefault(item.but(FREQUENCY), []).append(item)
+    falls = steps = fallen = 0
+    for members in series.values():
+        ordered = sorted(members, key=lambda item: item.frequency_hz)
+        steps += len(ordered) - 1
+        falls += sum(after.peak_rad <= before.peak_rad for before, after in pairwise(ordered))
+        fallen += sum(after.overturned and before.overturned for before, after in pairwise(ordered))
+    text = f"the peak does not rise in {falls} of {steps} steps to the next frequency; in {fallen} both overturn"
+    return falls, steps, text
+
+
+def small_displacement(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    slips = [item.slip_m for item in answers if item.pedestal]
+    if not slips:
+        return 0, 0, "no pedestal"
+    held = sum(slip <= FEW_CENTIMETRES_M for slip in slips)
+    worst = 1000.0 * max(slips)
+    return held, len(slips), f"largest {worst:.0f} mm; {held} of {len(slips)} within {1000 * FEW_CENTIMETRES_M:.0f} mm"
+
+
+def wall_limit(answers: Sequence[Answer], top_displacement_m: Callable[[float], float]) -> tuple[int, int, str]:
+    """Two parts: the geometry, and that no statue which comes back leans further than the limit."""
+    top = top_displacement_m(WALL_RAD)
+    geometry = abs(top / WALL_M - 1.0) <= WALL_SLACK
+    back = [item.peak_rad for item in answers if item.stands]
+    within = all(peak <= WALL_RAD for peak in back)
+    largest = f"largest rotation of a statue that comes back {max(back):.3f} rad" if back else "none comes back"
+    return int(geometry) + int(within), 2, f"top displaced {top:.3f} m at {WALL_RAD:g} rad; {largest}"
+
+
+def only_rocks(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(vii): on a pedestal above 3 Hz the statue rocks and the pedestal does not slide."""
+    high = [item for item in answers if item.pedestal and item.frequency_hz > LOW_HZ]
+    if not high:
+        return 0, 0, "no pedestal above 3 Hz"
+    held = sum(item.slip_m < AT_REST_M and item.peak_rad >= ROCKS_RAD for item in high)
+    slides = sum(item.slip_m >= AT_REST_M for item in high)
+    worst = 1000.0 * max(item.slip_m for item in high)
+    return (
+        held,
+        len(high),
+        f"the pedestal slides in {slides} of {len(high)} conditions above {LOW_HZ:g} Hz, by at most {worst:.2g} mm",
+    )
+
+
+def goes_on_rocking(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(viii): above 3 Hz the statue still strikes its support at the end of the run, and stands."""
+    high = [item for item in answers if item.frequency_hz > LOW_HZ and item.last_impact_s is not None]
+    if not high:
+        return 0, 0, "no history above 3 Hz was kept"
+    held = sum(item.stands and (item.last_impact_s or 0.0) >= LASTING * item.end_s for item in high)
+    fallen, end_s = sum(item.overturned for item in high), max(item.end_s for item in high)
+    return (
+        held,
+        len(high),
+        f"above {LOW_HZ:g} Hz {held} of {len(high)} go on rocking to the end of {end_s:.3g} s, {fallen} overturn",
+    )
+
+
+def reduces(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(ix): where neither overturns, the statue on its pedestal turns less; one case is enough for "in some cases"."""
+    stand = [(f.peak_rad, p.peak_rad) for f, p in _pairs(answers) if f.stands and p.stands and f.peak_rad >= ROCKS_RAD]
+    if not stand:
+        return 0, 0, "no condition in which it rocks and stands with and without pedestal"
+    less = sum(p < f for f, p in stand)
+    share = 100.0 * float(np.median([p / f for f, p in stand]))
+    return (
+        min(less, 1),
+        1,
+        f"less in {less} of {len(stand)} conditions in which neither overturns; in the median {share:.0f} % of it",
+    )
+
+
+def weakest_plane(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(x): in no other plane does the same motion turn the statue more, or overturn it sooner."""
+    lateral = {item.but(AZIMUTH): item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) == 0.0}
+    others = [item for item in answers if float(item.varied.get(AZIMUTH, 0.0)) != 0.0 and item.but(AZIMUTH) in lateral]
+    pairs = [(lateral[item.but(AZIMUTH)], item) for item in others]
+    held = sum(_is_worse(first, other) for first, other in pairs)
+    falls = sum(item.overturned for item in lateral.values())
+    text = f"overturns in {falls} of {len(lateral)} motions in the lateral plane, in {sum(item.overturned for item in others)} of"
+    return held, len(pairs), f"{text} {len(others)} in others; lateral worse in {held} of {len(pairs)} comparisons"
+
+
+def _is_worse(first: Answer, other: Answer) -> bool:
+    if first.overturned or other.overturned:
+        return first.no_return_s <= other.no_return_s
+    return first.peak_rad >= other.peak_rad
+
+
+def reaches_the_wall(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(xi): each kind of motion that occurs (the paper's figure 3) turns the statue as far as the wall under some condition.
+
+    The paper's figures show the size of a rotation and not which way the wall is: either side counts.
+    """
+    kinds: dict[str, list[Answer]] = {}
+    for item in answers:
+        rocks, slides = item.overturned or item.peak_rad >= ROCKS_RAD, item.slip_m >= AT_REST_M
+        if rocks or slides:
+            name = "(c) rocking and sliding" if rocks and slides else ("(a) rocking" if rocks else "(b) sliding")
+            kinds.setdefault(name, []).append(item)
+    counts = {
+        name: sum(item.overturned or item.peak_rad >= WALL_RAD for item in some) for name, some in sorted(kinds.items())
+    }
+    each = [f"{name}: {count} of {len(kinds[name])} conditions" for name, count in counts.items()]
+    return sum(count > 0 for count in counts.values()), len(counts), f"{WALL_RAD:g} rad reached by " + ", ".join(each)
+
+
+def loses_less(answers: Sequence[Answer]) -> tuple[int, int, str]:
+    """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
+    series: dict[tuple[Any, ...], list[Answer]] = {}
+    for item in answers:
+        if item.impact_loss_j is not None and RATIO in item.varied:
+            series.setdefault(item.but(RATIO), []).append(item)
+    held = steps = 0
+    means: dict[float, list[float]] = {}
+    for members in series.values():
+        ordered = sorted(members, key=lambda item: float(item.varied[RATIO]))
+        losses = [float(item.impact_loss_j or 0.0) for item in ordered]
+        # The same runs under each ratio: it is not used.
+        if len(set(losses)) > 1:
+            steps += len(losses) - 1
+            held += sum(after <= before for before, after in pairwise(losses))
+            for item, loss in zip(ordered, losses, strict=True):
+                means.setdefault(float(item.varied[RATIO]), []).append(loss)
+    if not steps:
+        return 0, 0, "the impact is the model's own: no ratio is used"
+    by_ratio = ", ".join(f"{np.mean(losses):.3g} J at {ratio:g}" for ratio, losses in sorted(means.items()))
+    return held, steps, f"not more in {held} of {steps} steps to the next ratio; in the mean {by_ratio}"
+
+
+TESTS: Final[Mapping[str, Test]] = {
+    "i": rotates_more,
+    "ii": prevents,
+    "iii": fades,
+    "iv": falls_with_frequency,
+    "v": small_displacement,
+    "vii": only_rocks,
+    "viii": goes_on_rocking,
+    "ix": reduces,
+    "x": weakest_plane,
+    "xi": reaches_the_wall,
+    "xii": loses_less,
+}
+"""By claim; (vi) asks for the statue's geometry as well."""

@@ -1,0 +1,247 @@
+"""A rocking spectrum: blocks of every size and slenderness in a set of motions, by one compiled sweep for each motion.
+
+Peak rotation over the balance angle against size and slenderness, after Makris and Konstantinidis (Earthquake Engineering and
+Structural Dynamics 32, 2003), and beside it the share of the motions that overturn.
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from analytic import Block, Outcome, ensemble
+from analytic.constants import GRAVITY_M_S2
+from analytic.excitation import Excitation
+from harness.comparison.statistics.distributions import wilson
+from harness.input.mistakes import Contradiction
+from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.spec import RecordSpec, Source
+from harness.input.tables import Table, kind_of, read_model
+from harness.model.errors import InputError, Mistake
+from harness.model.history import Array
+from harness.model.run import machine, versions
+from harness.records.result_folder import replacing
+from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
+
+KIND: Final = "rocking_spectrum"
+MAP_NAME: Final = "spectrum.csv"
+RING_DOWN_S: Final = 5.0
+"""Time after a motion's end in which rocking may still decide."""
+HIGH: Final = 0.84
+"""The quantile of the peak beside the median: one standard deviation of a lognormal."""
+DIGITS: Final = 5
+"""Significant digits of a peak in the record: the sweep aims at 1e-6 rad."""
+
+
+class Range(Table):
+    """`count` values from `start` to `stop`."""
+
+    start: Annotated[float, Field(gt=0.0, le=1e3)]
+    stop: Annotated[float, Field(gt=0.0, le=1e3)]
+    count: Annotated[int, Field(ge=2, le=1000)]
+    spacing: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _rises(self) -> Range:
+        if self.stop <= self.start:
+            raise Contradiction("stop", f"more than start = {self.start:g}", f"{self.stop:g}")
+        return self
+
+    def values(self) -> Array:
+        """The values, shape (count,)."""
+        grid = np.geomspace if self.spacing == "log" else np.linspace
+        return np.asarray(grid(self.start, self.stop, self.count))
+
+
+class SpectrumFile(Table):
+    """A whole file of `kind = "rocking_spectrum"`: motions, half diagonals R in m, slendernesses h/b.
+
+    `draws` strengths of each motion are drawn from a lognormal of median 1 and `strength_cov`. A motion turned round shakes a
+    symmetric block to the mirrored history, and need not be run.
+    """
+
+    kind: Literal["rocking_spectrum"]
+    title: Annotated[str, Field(min_length=1)]
+    motion: Annotated[list[Source], Field(min_length=1, max_length=1000)]
+    size_m: Range
+    slenderness: Range
+    restitution: Literal["momentum"] | Annotated[float, Field(ge=0.0, le=1.0)] = "momentum"
+    strength_cov: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
+    draws: Annotated[int, Field(ge=1, le=10_000)] = 1
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @model_validator(mode="after")
+    def _whole(self) -> SpectrumFile:
+        if (self.draws > 1) != (self.strength_cov > 0.0):
+            raise Contradiction("draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}")
+        if self.slenderness.start <= 1.0:
+            raise Contradiction("slenderness", "blocks higher than wide: start above 1", f"{self.slenderness.start:g}")
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Over all cases by size and slenderness: share that overturns, median and 84 % of the peak over α (inf: overturns)."""
+
+    probability: Array
+    median: Array
+    high: Array
+    undecided: float
+    cases: int
+
+
+def asked(path: Path) -> bool:
+    """Whether a study file is one of this kind."""
+    return kind_of(path) == KIND
+
+
+def load_spectrum(path: Path) -> SpectrumFile:
+    """Read and validate a file. Raises `InputError` with every mistake."""
+    return read_model(SpectrumFile, path)
+
+
+def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
+    """The excitations of all motions. Raises `InputError` that names what is wrong of each."""
+    excitations: list[Excitation] = []
+    mistakes: list[Mistake] = []
+    for number, source in enumerate(spectrum.motion):
+        component = RecordSpec(kind="record", **source.model_dump())
+        try:
+            excitations.append(prepare(SceneMotion(component, path.parent, str(path), f"motion.{number}")).excitation)
+        except InputError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise InputError(mistakes)
+    return excitations
+
+
+def cases_of(spectrum: SpectrumFile, excitations: list[Excitation]) -> Iterator[tuple[Excitation, float]]:
+    """Every motion with the factor on it, one for each draw of its strength."""
+    spread = np.sqrt(np.log1p(spectrum.strength_cov**2))
+    factors = np.exp(spread * np.random.default_rng(spectrum.seed).standard_normal(spectrum.draws))
+    for excitation in excitations:
+        for factor in factors.tolist():
+            yield excitation, factor
+
+
+def compute(
+    spectrum: SpectrumFile,
+    excitations: list[Excitation],
+    *,
+    threads: int | None = None,
+    on_progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Spectrum:
+    """Run every block of the grid in every case: one sweep for each case."""
+    size, slenderness = np.meshgrid(spectrum.size_m.values(), spectrum.slenderness.values(), indexing="ij")
+    alpha = np.arctan(1.0 / slenderness)
+    half = size * np.sin(alpha)
+    sweep = {
+        "centroid_height_m": size * np.cos(alpha),
+        "corner_left_m": half,
+        "corner_right_m": half,
+        # A homogeneous rectangle about its centroid: m (w² + h²)/12 = m R²/3, of one kilogramme.
+        "inertia_kg_m2": size**2 / 3.0,
+    }
+    law = {} if spectrum.restitution == "momentum" else {"restitution": float(spectrum.restitution)}
+    block, peaks, open_ends = Block.rectangle(width_m=1.0, height_m=2.0), [], 0
+    cases = list(cases_of(spectrum, excitations))
+    for number, (excitation, factor) in enumerate(cases):
+        on_progress(number, len(cases))
+        answers = ensemble(
+            block,
+            excitation,
+            sweep={**sweep, "scale": np.full_like(size, factor)},
+            threads=threads,
+            duration_s=excitation.end_s + RING_DOWN_S,
+            **law,  # type: ignore[arg-type]
+        )
+        peaks.append(np.where(answers.overturned, np.inf, answers.peak_theta_rad / alpha).astype(np.float32))
+        open_ends += int(np.sum(~answers.overturned & (answers.outcomes != Outcome.STANDS)))
+    on_progress(len(cases), len(cases))
+    every = np.stack(peaks)
+    # Of an even number of cases the lower of the two middle ones: a mean with an overturning one would be none.
+    quantiles = (np.quantile(every, share, axis=0, method="inverted_cdf") for share in (0.5, HIGH))
+    median, high = (np.asarray(item, dtype=np.float64) for item in quantiles)
+    return Spectrum(np.isinf(every).mean(axis=0), median, high, open_ends / every.size, len(cases))
+
+
+def run_spectrum(
+    path: Path, folder: Path, threads: int | None, on_progress: Callable[[int, int], None]
+) -> RockingSpectrumRecord:
+    """The spectrum of a file: its record and its map (CSV) into `folder`."""
+    begin = time.process_time()
+    spectrum = load_spectrum(path)
+    excitations = motions_of(spectrum, path)
+    answer = compute(spectrum, excitations, threads=threads, on_progress=on_progress)
+    motions = [
+        SpectrumMotion(
+            Path(source.file).name, item.peak_m_s2 / GRAVITY_M_S2, float(np.max(np.abs(_velocity(item)))), item.end_s
+        )
+        for source, item in zip(spectrum.motion, excitations, strict=True)
+    ]
+    sizes, slendernesses = spectrum.size_m.values(), spectrum.slenderness.values()
+    record = RockingSpectrumRecord(
+        title=spectrum.title,
+        restitution=spectrum.restitution,
+        motions=motions,
+        strength_cov=spectrum.strength_cov,
+        draws=spectrum.draws,
+        seed=spectrum.seed,
+        cases=answer.cases,
+        size_m=sizes.tolist(),
+        slenderness=slendernesses.tolist(),
+        probability_overturned=answer.probability.tolist(),
+        peak_median=_plain(answer.median),
+        peak_high=_plain(answer.high),
+        undecided=answer.undecided,
+        summary=SpectrumSummary(answer.cases * answer.probability.size, time.process_time() - begin),
+        versions=versions(),
+        machine=machine(),
+    )
+    written: list[RockingSpectrumRecord] = []
+
+    def recorded(files: Mapping[str, str | None]) -> RockingSpectrumRecord:
+        written.append(replace(record, files=files))
+        return written[-1]
+
+    with replacing(folder, recorded, KIND) as fresh:
+        _write_map(record, fresh / MAP_NAME)
+    return written[-1]
+
+
+def _velocity(excitation: Excitation) -> Array:
+    return np.asarray(excitation.velocity_m_s(np.linspace(0.0, excitation.end_s, 20_001)))
+
+
+def _plain(peaks: Array) -> list[list[float | None]]:
+    """Peaks rounded to what is known of them; None where the block overturns."""
+    return [[float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in line] for line in peaks]
+
+
+def _write_map(record: RockingSpectrumRecord, path: Path) -> None:
+    """A row for each block: probability with Wilson's interval at 95 %, peaks over α (empty where they overturn)."""
+    names = (
+        "size_m",
+        "slenderness",
+        "probability_overturned",
+        "low",
+        "high",
+        "peak_median_over_alpha",
+        "peak_84_over_alpha",
+    )
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        rows = csv.writer(stream)
+        rows.writerow(names)
+        for i, size in enumerate(record.size_m):
+            for j, slenderness in enumerate(record.slenderness):
+                p = record.probability_overturned[i][j]
+                share = wilson(round(p * record.cases), record.cases)
+                bounds = (share.low, share.high) if share else (0.0, 1.0)
+                rows.writerow([size, slenderness, p, *bounds, record.peak_median[i][j], record.peak_high[i][j]])

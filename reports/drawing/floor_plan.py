@@ -1,0 +1,86 @@
+"""The statue on a floor plan: its outline at rest, every position that it takes while it rocks, the room that this needs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from harness.model.history import History
+from reports.charts.decimate import kept_samples
+from reports.drawing.display_mesh import read_mesh
+from reports.drawing.kinematics import SOLID_COLUMNS, Array, posed_in_space_m, section
+from reports.source import RunSource
+
+POSES: Final = 240
+"""Most poses of one column of a history: its extremes are among them."""
+SIDES: Final[Mapping[str, tuple[float, float]]] = {
+    "left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, -1.0), "back": (0.0, 1.0)
+}  # fmt: skip
+"""Sides of the room as directions seen from above."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Outlines (k, 2) seen from above at rest and over every position, and the room needed beyond the first, m, by side."""
+
+    rest_m: Array
+    moved_m: Array
+    room_m: Mapping[str, float]
+
+
+def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
+    """The plan over the histories of these models; a model of a plane alone tells nothing of the front and the back."""
+    body = _body(source)
+    rest = _hull(body[:, :2])
+    points, in_space = [rest], False
+    for name in names:
+        history = source.histories[name]
+        solid = all(column in history.extra for column in SOLID_COLUMNS)
+        in_space = in_space or solid
+        points.append(_in_space(source, body, history) if solid else _in_plane(source, body, history))
+    moved = _hull(np.vstack(points))
+    sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
+    room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items()}
+    return Plan(rest, moved, room)
+
+
+def _body(source: RunSource) -> Array:
+    """The corners (n, 3) of the body's convex hull: no other point ever reaches farther."""
+    if source.mesh is None:
+        outline, half = section(source.scene).outline_m, 0.5 * source.scene.statue.depth_m
+        return np.vstack([np.insert(outline, 1, y, axis=1) for y in (-half, half)])
+    from scipy.spatial import ConvexHull
+
+    vertices, _ = read_mesh(source.mesh)
+    return np.asarray(vertices[ConvexHull(vertices).vertices])
+
+
+def _in_plane(source: RunSource, body: Array, history: History) -> Array:
+    chosen = _chosen([history.theta_rad, history.slip_m])
+    x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], history.slip_m[chosen])[:, :, 0]
+    return np.column_stack([x.ravel(), np.tile(body[:, 1], len(chosen))])
+
+
+def _in_space(source: RunSource, body: Array, history: History) -> Array:
+    columns = {name: history.extra[name] for name in SOLID_COLUMNS}
+    corner = source.scene.statue.corner_right_m
+    return np.vstack(
+        [
+            _hull(posed_in_space_m(body, corner, {name: float(values[k]) for name, values in columns.items()})[:, :2])
+            for k in _chosen([history.theta_rad, *columns.values()])
+        ]
+    )
+
+
+def _chosen(columns: Sequence[Array]) -> Any:
+    return np.unique(np.concatenate([kept_samples(values, POSES) for values in columns]))
+
+
+def _hull(points: Array) -> Array:
+    """The corners of the convex hull of points (n, 2), counter-clockwise."""
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(points[ConvexHull(points).vertices])

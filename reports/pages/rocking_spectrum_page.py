@@ -1,0 +1,86 @@
+"""The page of a rocking spectrum: which blocks fall, and how far the others rock, by size and slenderness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from harness.records.rocking_spectrum import RockingSpectrumRecord
+from reports.text.numbers import count_word, digits, percent, unit
+from reports.text.wording import Verdict
+
+MOST_CELLS: Final = 80
+"""Sizes and slendernesses that a picture shows at most: a page grows with their product."""
+Map = Sequence[Sequence[float | None]]
+
+
+def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
+    """Everything that the template shows."""
+    strengths = f"{record.draws} of each motion, uncertain by {percent(record.strength_cov)}"
+    sizes, shapes = len(record.size_m), len(record.slenderness)
+    law = "of the momentum balance" if record.restitution == "momentum" else digits(float(record.restitution))
+    return {
+        "title": record.title,
+        "verdict": verdict(record),
+        "falls": _map(record, record.probability_overturned, "P", 1.0),
+        "peaks": _map(record, record.peak_median, "peak/α", 1.0),
+        "settings": [
+            ("strengths", strengths if record.draws > 1 else "as given"),
+            ("restitution", law),
+            ("blocks", f"{sizes} sizes, {shapes} slendernesses; {record.cases} cases of each"),
+            ("still leaning at the end", percent(record.undecided)),
+        ],
+        "motions": [
+            (item.name, [unit(item.pga_g, "g"), unit(item.pgv_m_s, "m/s"), unit(item.duration_s, "s")])
+            for item in record.motions
+        ],
+        "summary": str(record.summary),
+        "versions": record.versions,
+        "machine": record.machine,
+    }
+
+
+def verdict(record: RockingSpectrumRecord) -> Verdict:
+    """Which share of the blocks falls in half of the cases, and from which size on none of a slenderness does."""
+    cells = [p for line in record.probability_overturned for p in line]
+    half = sum(p >= 0.5 for p in cells) / len(cells)
+    cases = "the motion" if record.cases == 1 else f"at least half of {count_word(record.cases)} cases"
+    headline = f"{percent(half)} of these blocks fall in {cases}"
+    points = []
+    for k in (0, len(record.slenderness) // 2, len(record.slenderness) - 1):
+        falling = [
+            size for size, line in zip(record.size_m, record.probability_overturned, strict=True) if line[k] >= 0.5
+        ]
+        who = f"Of slenderness {digits(record.slenderness[k])}"
+        if not falling:
+            points.append(f"{who} none does.")
+        elif falling[-1] == record.size_m[-1]:
+            points.append(
+                f"{who} blocks of every size up to the largest tried, R = {unit(falling[-1], 'm')}, still do."
+            )
+        else:
+            points.append(f"{who} none above R = {unit(falling[-1], 'm')} does.")
+    return Verdict(headline, "differ" if half > 0.0 else "agree", points)
+
+
+def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> dict[str, object]:
+    """A map of at most `MOST_CELLS` a side; white where half of the cases overturn and there is no median."""
+    rows, columns = (_picked(len(axis)) for axis in (record.size_m, record.slenderness))
+    trace = {
+        "type": "heatmap", "x": [record.slenderness[j] for j in columns], "y": [record.size_m[i] for i in rows],
+        "z": [[values[i][j] for j in columns] for i in rows], "zmin": 0.0, "zmax": most, "colorscale": "Cividis",
+        "reversescale": True, "colorbar": {"title": {"text": name}, "thickness": 12},
+        "hovertemplate": f"h/b %{{x:.3g}}<br>R %{{y:.3g}} m<br>{name} %{{z:.3g}}<extra></extra>",
+    }  # fmt: skip
+    layout = {
+        "height": 420, "xaxis": {"title": {"text": "slenderness h/b"}}, "yaxis": {"title": {"text": "size R  [m]"}},
+        "showlegend": False, "margin_top": 12,
+    }  # fmt: skip
+    return {"data": [trace], "layout": layout}
+
+
+def _picked(count: int) -> list[int]:
+    """Even places along an axis, its ends among them."""
+    size = min(count, MOST_CELLS)
+    return [round(k * (count - 1) / (size - 1)) for k in range(size)]

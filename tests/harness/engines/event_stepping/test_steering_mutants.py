@@ -1,0 +1,43 @@
+"""Each wrong formula of what locates events fails the run: by the account of what is written, or by the friction that acted."""
+
+from __future__ import annotations
+
+import pytest
+
+from harness import engines
+from harness.engines.base import Engine, EngineFailure
+from harness.model.options import RunOptions
+from harness.model.scene import Scene
+from tests.measures.mechanisms import changed
+from tests.measures.steering_mutants import MUTANTS, STEP_S
+from tests.scenes_for_tests import paestum
+
+CASES = [(name, mutant) for name, mutants in MUTANTS.items() for mutant in mutants]
+
+
+def ready(name: str) -> Engine:
+    engine = engines.load(name)
+    reason = engine.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    return engine
+
+
+@pytest.fixture(params=[(0.429, 3.0), (0.334, 2.0)], ids=["0.429 g", "0.334 g"])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    """The paper's pedestal with two coefficients: it breaks loose, slides and sticks again, at impacts and between them."""
+    return paestum(*request.param, mu=(0.20, 0.15), duration_s=2.0)
+
+
+@pytest.mark.parametrize(("name", "mutant"), CASES)
+def test_a_wrong_formula_fails_the_run(name: str, mutant: str, scene: Scene) -> None:
+    engine = ready(name)
+    with changed(MUTANTS[name][mutant]), pytest.raises(EngineFailure):
+        engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
+
+
+@pytest.mark.parametrize("name", [*MUTANTS, "pymunk:plain", "pybullet:plain", "mujoco"])
+@pytest.mark.parametrize("step_s", [4e-3, STEP_S])
+def test_a_right_run_fails_no_check(name: str, step_s: float, scene: Scene) -> None:
+    engine = ready(name)
+    assert engine.simulate(scene, engine.settings_for_dt(scene, step_s), RunOptions()).history is not None

@@ -1,0 +1,225 @@
+"""Every wrong formula of what locates events, on many scenes: does the account of writes, or of the floor's friction, see it?
+
+`python -m tests.measures.steering_mutants ENGINE [COUNT FIRST]` runs COUNT random scenes under each mutant at 1 ms and prints, by
+mutant: scenes on which it acts at all, on how many of these the run fails (the steps do not explain what was written, or the
+floor's friction is not Coulomb's), on how many it does not though the result moved, and the largest such movement.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from harness import engines
+from harness.bench.differences import error_rad
+from harness.bench.seeded_scenes import random_scene
+from harness.engines.base import EngineFailure
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from tests.measures.mechanisms import Change, changed
+
+STEP_S: Final = 1e-3
+COUNT, FIRST_SEED = 60, 780_000
+LIMIT: Final = 1.1
+ARM: Final = 0.01
+BESIDE_M: Final = 0.04
+"""Distance of a wrong pivot from the vertex that stands."""
+State = tuple[float, ...]
+
+
+def _turned(change: Callable[[State, State], State]) -> Callable[[Any], Any]:
+    """A writer whose `turn_on` is another: `change(before, after)` gives the state that is written."""
+
+    def make(own: Any) -> Any:
+        def write(self: Any, kind: str, before: State, after: State) -> None:
+            own(self, kind, before, change(before, after) if kind == "turn_on" else after)
+
+        return write
+
+    return make
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Where a state has the statue's velocity along x and z, its rate of turning in the plane, and the support's velocity."""
+
+    x: int
+    z: int
+    spin: int
+    base_x: int | None = None
+
+
+def _scaled(at: Columns, share: float) -> Callable[[State, State], State]:
+    """The velocity times `share`: −1 is the other sign, 1.01 an arm that is too long."""
+
+    def change(before: State, after: State) -> State:
+        new = list(after)
+        base = after[at.base_x] if at.base_x is not None and at.base_x < len(after) else 0.0
+        new[at.x], new[at.z] = base + share * (after[at.x] - base), share * after[at.z]
+        return tuple(new)
+
+    return change
+
+
+def _beside(at: Columns) -> Callable[[State, State], State]:
+    """About a point beside the vertex that stands."""
+
+    def change(before: State, after: State) -> State:
+        new = list(after)
+        new[at.z] += BESIDE_M * before[at.spin]
+        return tuple(new)
+
+    return change
+
+
+def _turns(writer: str, at: Columns) -> dict[str, Change]:
+    return {
+        "pivot": {writer: _turned(_beside(at))},
+        "sign": {writer: _turned(_scaled(at, -1.0))},
+        "arm + 1 %": {writer: _turned(_scaled(at, 1.0 + ARM))},
+        "arm − 1 %": {writer: _turned(_scaled(at, 1.0 - ARM))},
+    }
+
+
+def _munk_limits(own: Any) -> Any:
+    """Both coefficients larger, wherever the layer asks for them."""
+
+    def limits(scene: Scene, dt_s: float) -> Any:
+        friction = own(scene, dt_s)
+        return replace(friction, static=LIMIT * friction.static, kinetic=LIMIT * friction.kinetic)
+
+    return limits
+
+
+def _munk_test(own: Any) -> Any:
+    def at_limit(self: Any, friction_n_s: float, normal_n_s: float, *, stuck: bool) -> bool:
+        return bool(own(self, friction_n_s, LIMIT * normal_n_s, stuck=stuck))
+
+    return at_limit
+
+
+def _munk_static(own: Any) -> Any:
+    """The step in which the pedestal breaks loose is not solved again."""
+
+    def switch(drive: Any, support: Any, grid: Any, k: int, rate: float) -> float:
+        from harness.engines.pymunk import drive as driving
+
+        if not drive.stuck:
+            return float(own(drive, support, grid, k, rate))
+        before = driving.less(driving.recorded_velocities(drive), support.owed_m_s)
+        if driving.broke_loose(drive, before, grid.gravity[k]):
+            driving.set_stuck(drive, stuck=False)
+        return rate
+
+    return switch
+
+
+def _munk_static_part(own: Any) -> Any:
+    """The same for the parts of a step around an event."""
+
+    def step(drive: Any, gravity: Any) -> None:
+        from harness.engines.pymunk import drive as driving
+        from harness.engines.pymunk import native
+
+        if drive.world.pedestal is None or not drive.friction.switches or not drive.stuck:
+            own(drive, gravity)
+            return
+        before = [native.state_of(body)[3:5] for body in drive.world.movers]
+        native.step(native.space_of(drive.world.space), drive.settings.dt_s)
+        if driving.broke_loose(drive, before, gravity):
+            driving.set_stuck(drive, stuck=False)
+
+    return step
+
+
+def _bullet_limits(own: Any) -> Any:
+    def start(self: Any, *values: Any) -> None:
+        own(self, *values)
+        self.static, self.kinetic = LIMIT * self.static, LIMIT * self.kinetic
+
+    return start
+
+
+def _bullet_static(own: Any) -> Any:
+    """The step in which the pedestal breaks loose is not solved again."""
+
+    def slip_onset(self: Any, gravity: Any, pull: Any, before: Any, row: Any) -> Any:
+        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
+        if gaining and self._saturated(self.static, pull, before, row):
+            self._hold(self.kinetic)
+        return row
+
+    return slip_onset
+
+
+_M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
+MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = {
+    "pymunk": {
+        **_turns(_M + "writing:BodyWriter.write", Columns(3, 4, 5)),
+        "limits of friction × 1.1": {_M + "drive:floor_friction": _munk_limits},
+        "limit × 1.1 in the test alone": {"harness.engines.contact.friction:FloorFriction.at_limit": _munk_test},
+        "release as static": {_M + "loop:_switch": _munk_static, _M + "drive:step_with_friction": _munk_static_part},
+    },
+    "pybullet": {
+        **_turns(_B + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
+        "turned the other way": {
+            _B + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)
+        },
+        "limits of friction × 1.1": {_B + "stepper:Stepper.__init__": _bullet_limits},
+        "limit × 1.1 in the test alone": {_B + "stepper:SATURATED": lambda own: LIMIT * own},
+        "release as static": {
+            _B + "stepper:Stepper._slip_onset": _bullet_static,
+            _B + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.read(),
+        },
+    },
+}
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What became of one scene under a mutant: `failed`: the run said that it was wrong; `moved_rad`: by how much it was."""
+
+    failed: bool
+    moved_rad: float
+
+
+def seen(name: str, change: Change, scene: Scene, right: Run) -> Seen:
+    """Run a scene under a mutant, beside the right run."""
+    engine = engines.load(name)
+    with changed(change):
+        try:
+            run = engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
+        except EngineFailure:
+            return Seen(True, 0.0)
+    return Seen(False, error_rad(run, right))
+
+
+def scenes(name: str, count: int, first: int) -> Iterator[tuple[Scene, Run]]:
+    """Random scenes with the engine's right runs."""
+    engine = engines.load(name)
+    for seed in range(first, first + count):
+        scene = random_scene(seed)
+        yield scene, engine.simulate(scene, engine.settings_for_dt(scene, STEP_S), RunOptions())
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print the table."""
+    name, *numbers = arguments
+    count, first = (int(item) for item in numbers) if numbers else (COUNT, FIRST_SEED)
+    pairs, say = list(scenes(name, count, first)), sys.stdout.write
+    heads = "engine | mutant | scenes on which it acts | caught | not caught | rotation moved there, at most, rad"
+    say(f"| {heads} |\n|---|---|---|---|---|---|\n")
+    for mutant, change in MUTANTS[name].items():
+        each = [seen(name, change, scene, right) for scene, right in pairs]
+        acts = [item for item in each if item.failed or item.moved_rad > 0.0]
+        missed = [item.moved_rad for item in acts if not item.failed]
+        row = (name, mutant, len(acts), len(acts) - len(missed), len(missed), f"{max(missed, default=0.0):.1e}")
+        say(f"| {' | '.join(map(str, row))} |\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,40 @@
+"""Where one axis of numbers varies, its curves hold each model's outcome, rotation and slip; two axes make a map instead."""
+
+from __future__ import annotations
+
+from reports.charts.axis_curves import curve_figures
+from reports.charts.map_figures import map_axes
+from reports.text.study_rows import Condition
+from tests.reports.invented_study import case_row, case_run
+
+MODEL, KEY, OTHER = "analytic (own)", "motion.x.amplitude_g", "motion.x.frequency_hz"
+
+
+def condition(value: float, other: float = 1.0) -> Condition:
+    falls = value > 0.35
+    run = case_run("overturned_left" if falls else "stands", 1.5 if falls else value, peak_slip_m=0.01 * value)
+    return Condition({KEY: value, OTHER: other}, {MODEL: case_row("analytic", run)})
+
+
+def test_one_axis_has_outcome_rotation_and_slip() -> None:
+    cases = [condition(value) for value in (0.4, 0.2, 0.3)]
+    ((words, figure),) = curve_figures([MODEL], cases, [KEY])
+    assert words == "By amplitude [g]"
+    outcome, peak, slip = figure["data"]
+    assert outcome["x"] == [0.2, 0.3, 0.4]
+    assert outcome["y"] == ["stands", "stands", "overturns left"]
+    assert peak["y"] == [0.2, 0.3, None], "of a statue that falls no rotation is told"
+    assert slip["y"] == [2.0, 3.0, None]
+
+
+def test_two_axes_make_a_map_and_no_curve() -> None:
+    cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0, 3.0)]
+    assert map_axes(cases, [KEY, OTHER]) == (OTHER, KEY)
+    assert curve_figures([MODEL], cases, [KEY, OTHER]) == []
+
+
+def test_two_values_beside_an_axis_are_a_chart_each() -> None:
+    cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0)]
+    assert [words for words, _ in curve_figures([MODEL], cases, [KEY, OTHER])] == [
+        "By amplitude [g] · frequency [Hz] 1.0", "By amplitude [g] · frequency [Hz] 2.0",
+    ]  # fmt: skip

@@ -1,0 +1,99 @@
+"""No page breaks the rules of the web content guidelines (WCAG 2.1, AA) that a program can check; dark screens and print."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.pages.page import CONSERVATOR_NAME, write_report
+from tests.reports import invented_records, invented_study
+from tests.reports.invented_run import write_invented
+
+pytestmark = pytest.mark.browser
+
+BROKEN = Path(__file__).with_name("broken_rules.js").read_text(encoding="utf-8")
+WRITERS = {
+    "run": lambda folder: write_invented(folder, disagree=True, mesh=True),
+    "table": invented_study.write_table_study,
+    "map": invented_study.write_map_study,
+    "rose": invented_study.write_rose_study,
+    "validation": invented_records.write_validation,
+    "bench": invented_records.write_bench,
+    "stress": invented_records.write_stress,
+}
+PLAIN = ("run", "table", "map")
+"""Records with a conservator's page."""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    base = tmp_path_factory.mktemp("pages")
+    found = {name: write_report(write(base / name)) for name, write in WRITERS.items()}
+    return found | {f"plain {name}": found[name].with_name(CONSERVATOR_NAME) for name in PLAIN}
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str], Any]]:
+    """Opens a page on a screen of one scheme."""
+    contexts = {scheme: browser.new_context(color_scheme=scheme) for scheme in ("light", "dark")}
+
+    def visit(name: str, scheme: str) -> Any:
+        page = contexts[scheme].new_page()
+        page.goto(pages[name].as_uri())
+        if not name.startswith("plain"):
+            page.wait_for_selector("html[data-ready=yes]", timeout=60_000)
+        return page
+
+    yield visit
+    for context in contexts.values():
+        context.close()
+
+
+@pytest.mark.parametrize("name", [*WRITERS, *(f"plain {name}" for name in PLAIN)])
+def test_no_rule_is_broken(opened: Callable[[str, str], Any], name: str) -> None:
+    page = opened(name, "light")
+    assert page.evaluate(BROKEN) == []
+    page.close()
+
+
+def test_what_has_the_focus_is_seen_to_have_it(opened: Callable[[str, str], Any]) -> None:
+    page = opened("run", "dark")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    assert page.evaluate("document.activeElement.getBoundingClientRect().left") > 0.0
+    for _ in range(3):
+        page.keyboard.press("Tab")
+        assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
+    page.close()
+
+
+def test_charts_take_the_dark_colours_and_are_printed_as_light_stills(opened: Callable[[str, str], Any]) -> None:
+    page = opened("run", "dark")
+    ink = "getComputedStyle(document.querySelector('#chart-histories .xtitle')).fill"
+    assert page.evaluate(ink) == "rgb(228, 232, 238)"
+    page.emulate_media(media="print")
+    assert page.locator("#chart-histories > svg.still").is_visible()
+    assert not page.locator("#chart-histories > .live").is_visible()
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(28, 36, 48)"
+    assert page.evaluate("getComputedStyle(document.querySelector('.key')).printColorAdjust") == "exact"
+    page.close()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "rule"),
+    [
+        ("document.documentElement.removeAttribute('lang')", "the page has a language"),
+        ("document.querySelector('nav a').textContent = ''", "a control has a name"),
+        ("document.querySelector('h2').outerHTML = '<h4>x</h4>'", "no level of heading is skipped"),
+        ("document.querySelector('svg.plain').removeAttribute('aria-label')", "a picture or group has a name"),
+        ("document.querySelector('main').id = document.querySelector('section').id", "an id stands once"),
+    ],
+)
+def test_the_rules_see_what_breaks_them(opened: Callable[[str, str], Any], spoil: str, rule: str) -> None:
+    page = opened("plain run", "light")
+    page.evaluate(spoil)
+    assert any(text.startswith(rule) for text in page.evaluate(BROKEN))
+    page.close()

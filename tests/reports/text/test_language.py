@@ -1,0 +1,146 @@
+"""The conservator's page speaks each language from one file, wholly, in short sentences, and explains what it names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from html import unescape
+from pathlib import Path
+from string import Formatter
+
+import pytest
+
+from harness.model.errors import InputError
+from harness.records.kinds import read_result
+from reports.pages.page import CONSERVATOR_NAME, write_report
+from reports.text import language as languages
+from reports.text.language import ENGLISH, LANGUAGES, Language, language
+from tests.budgets_reports import SENTENCE_WORDS_MEAN, SENTENCE_WORDS_MOST
+from tests.reports import invented_run, invented_study
+
+BARE = ("decimal", "numbers", "and")
+"""Strings that are put together with others."""
+SHARED = {"order.case", "study.more"}
+"""Strings that hold nothing but signs around braces."""
+JARGON = {
+    "en": (
+        "rad", "radian", "kHz", "μ", "horizon", "integrat", "slenderness", "restitution", "theta", "θ", "centroid", "inertia",
+        "amplitude", "frequency", "numerical", "analytic", "pymunk", "pybullet", "mujoco", "spatial", "contact engine", "Housner",
+        "coefficient", "probability", "simulation", "solver", "PGA", "quantile",
+    ),
+    "it": (
+        "rad", "radiant", "orizzonte", "integra", "snellezza", "restituzione", "theta", "θ", "inerzia", "ampiezza", "frequenza",
+        "numeric", "analytic", "pymunk", "pybullet", "mujoco", "spatial", "coefficient", "probabilità", "simulazion", "PGA",
+        "quantil",
+    ),
+}  # fmt: skip
+"""Terms of the field that no conservator's page may use."""
+EXPLAINED = {
+    "en": {
+        "friction": "how hard it is to make one thing slide on another",
+        "possible case": "drawn many times by chance",
+    },
+    "it": {
+        "attrito": "quanto è difficile far scorrere una cosa su un'altra",
+        "casi possibili": "estratto a sorte molte volte",
+    },
+}
+"""Terms that a page may use where it says what they mean."""
+WRITERS = {
+    "run": lambda folder: invented_run.write_invented(folder, disagree=True),
+    "agreed": lambda folder: invented_run.write_invented(folder, mesh=True),
+    "bare": lambda folder: invented_run.write_invented(folder, pedestal=False),
+    "table": invented_study.write_table_study,
+    "map": invented_study.write_map_study,
+    "rose": invented_study.write_rose_study,
+}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    base = tmp_path_factory.mktemp("languages")
+    return {name: write(base / name) for name, write in WRITERS.items()}
+
+
+def braces(text: str) -> set[str]:
+    return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+
+
+def page(folder: Path, code: str) -> str:
+    write_report(folder, code)
+    return (folder / CONSERVATOR_NAME).read_text(encoding="utf-8")
+
+
+def pieces(html: str) -> Iterator[str]:
+    """Every piece of text that a page shows or a screen reader reads, its title and its style aside."""
+    body = re.sub(r"<(style|title|noscript)\b.*?</\1>", "", html[html.index("<body") :], flags=re.S)
+    yield from (unescape(text) for text in re.findall(r'aria-label="([^"]*)"', body))
+    yield from (text.strip() for text in unescape(re.sub(r"<[^>]+>", "\n", body)).split("\n") if text.strip())
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_every_language_has_the_same_strings_with_the_same_braces(code: str) -> None:
+    own = language(code).strings
+    assert own.keys() == ENGLISH.strings.keys()
+    assert {key: braces(text) for key, text in own.items()} == {
+        key: braces(text) for key, text in ENGLISH.strings.items()
+    }
+    if code != "en":
+        same = {key for key, text in own.items() if text == ENGLISH.strings[key]}
+        assert same <= SHARED, "a string was left in English"
+
+
+def test_no_string_of_the_page_stands_outside_the_file(
+    folders: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With marks around every string of the file, nothing but numbers, units and the user's own words is left outside."""
+    marked = {key: text if key in BARE else f"⟦{text}⟧" for key, text in ENGLISH.strings.items()}
+    monkeypatch.setattr("reports.pages.page.language", lambda _: Language("en", marked))
+    for name, folder in folders.items():
+        record = read_result(folder)
+        own = {str(record.title), "rockcheck"}
+        for text in pieces(page(folder, "en")):
+            left = text
+            while (inner := re.sub(r"⟦[^⟦⟧]*⟧", "", left)) != left:
+                left = inner
+            for word in own:
+                left = left.replace(word, "")
+            left = re.sub(r"\b(?:cm|mm|m|and|no|one|two|three|four|five|One|Two|Three)\b", "", left)
+            assert not re.search(r"[^\W\d_]", left), (name, text)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_sentences_are_short_and_terms_explained(folders: dict[str, Path], code: str) -> None:
+    for name, folder in folders.items():
+        html = page(folder, code)
+        assert f'<html lang="{code}">' in html
+        shown = re.findall(r"<(li|p|h2)\b[^>]*>(.*?)</\1>", html[html.index("<main") :], re.S)
+        text = [unescape(re.sub(r"<[^>]+>", "", part)).replace("\u00a0", "") for _, part in shown]
+        lengths = [len(words) for part in text for each in re.split(r"(?<=[.?!])\s+", part) if (words := each.split())]
+        assert max(lengths) <= SENTENCE_WORDS_MOST, (name, max(text, key=len))
+        assert sum(lengths) / len(lengths) <= SENTENCE_WORDS_MEAN, name
+        whole = " ".join(text)
+        assert [word for word in JARGON[code] if re.search(rf"(?<!\w){re.escape(word)}", whole)] == [], name
+        for term, words in EXPLAINED[code].items():
+            assert words in whole or term not in whole.lower(), (name, term)
+
+
+def test_the_check_sees_a_long_sentence_and_a_string_outside() -> None:
+    assert list(pieces('<body><p>one</p><svg aria-label="two"></svg></body>')) == ["two", "one"]
+    long = replace(ENGLISH, strings={**ENGLISH.strings, "run.put": "word " * (SENTENCE_WORDS_MOST + 1)})
+    assert len(long("run.put").split()) > SENTENCE_WORDS_MOST
+
+
+def test_numbers_are_written_as_the_language_does() -> None:
+    italian = language("it")
+    assert italian.length(0.0667) == "6,7\u00a0cm"
+    assert italian.percent(0.088) == "8,8 %"
+    assert italian.listed(["a", "b", "c"]) == "a, b e c"
+    assert italian.count(3) == "tre"
+    assert ENGLISH.count(12) == "12"
+
+
+def test_an_unknown_language_is_refused() -> None:
+    with pytest.raises(InputError, match="--language"):
+        languages.language("xx")
