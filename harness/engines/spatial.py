@@ -179,7 +179,9 @@ def _warnings(certified: Certified) -> Sequence[str]:
             f"At {solution.end_s:.6g} s no mode of motion is consistent with its own forces: the run ends there."
         )
     if solution.gave_up:
-        messages.append(f"The run made no more progress at {solution.end_s:.6g} s and was given up.")
+        messages.append(
+            f"The run was given up at {solution.end_s:.6g} s: it made no progress worth its {solution.work.steps} steps."
+        )
     if not certified.outcome_is_sure:
         messages.append("The outcome changes with the integrator's steps: it is not to be trusted.")
     if certified.reliable_until_s < solution.end_s:

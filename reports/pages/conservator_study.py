@@ -246,7 +246,8 @@ def of_effects(folder: Path, record: EffectsRecord, say: Language = ENGLISH) -> 
     strongest = say.percent(borne[strong])
     return {
         "headline": say("study.effects", push=say.percent(borne[weak])),
-        "tone": "agree",
+        # What shaking is borne says nothing of how probable a fall is: never green.
+        "tone": "differ",
         "points": [
             say("study.effects_least", weak=compass(weak, say), strong=compass(strong, say), push=strongest),
             say("study.effects_directions", count=len(borne), variants=variants),

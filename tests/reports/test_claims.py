@@ -82,8 +82,10 @@ def test_the_scenes_are_varied(told: list[Told]) -> None:
 
 
 def test_green_is_a_statue_that_stays_upright(told: list[Told]) -> None:
+    """And green only where nothing shakes it: these records hold no probability, and one run is one draw."""
     for item in told:
-        assert (item.said["tone"] == "agree") is (item.run.outcome == Outcome.STANDS), item.seed
+        still = not item.source.record.motion.accel_m_s2
+        assert (item.said["tone"] == "agree") is (item.run.outcome == Outcome.STANDS and still), item.seed
         assert ("stays upright" in item.said["headline"]) is (item.run.outcome == Outcome.STANDS), item.seed
         assert ("falls" in item.said["headline"]) is item.run.outcome.overturned, item.seed
 

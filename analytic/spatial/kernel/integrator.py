@@ -39,8 +39,8 @@ GROW: Final = 5.0
 EXPONENT: Final = 1.0 / 8.0
 SHORTEST: Final = 1e-15
 """Shortest step, s: below it time does not advance."""
-MOST: Final = 2_000_000
-"""Steps rejected after which a run is given up."""
+MOST: Final = 1_000_000
+"""Steps, rejected ones included, after which a run is given up: a hundred times those of the usual slow slide, some 5 s."""
 FIRST_STEP_S: Final = 1e-3
 LOOKS: Final = 4
 """Places in a step at which the event functions are looked at."""
@@ -117,6 +117,9 @@ def write_samples(s: Run, m: Memory, h: float) -> None:
 @jit
 def step(s: Run, m: Memory) -> None:
     """One step, up to its first event at most."""
+    if s.steps + s.rejected >= MOST:
+        s.outcome = GAVE_UP
+        return
     if s.fresh:
         take_heading(s, m, m.y)
         arm(s, m, watch(s, m, m.y, s.time_s), True)
@@ -133,7 +136,7 @@ def step(s: Run, m: Memory) -> None:
         if size <= 1.0:
             break
         s.rejected += 1
-        if h <= SHORTEST or s.rejected > MOST:
+        if h <= SHORTEST:
             s.outcome = GAVE_UP
             return
         h *= max(SHRINK, SAFETY * size**-EXPONENT) if size < math.inf else SHRINK

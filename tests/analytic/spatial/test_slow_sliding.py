@@ -8,6 +8,7 @@ import pytest
 
 import analytic
 from analytic import spatial
+from analytic.spatial.kernel.integrator import MOST
 
 GRAVITY: Final = 9.81
 FRICTION: Final = 0.4
@@ -48,3 +49,11 @@ def test_a_mode_is_possible_all_the_time(scene: tuple[float, float, float]) -> N
     assert run.outcome is spatial.Outcome.STANDS
     assert run.intervals[-1].mode is spatial.Mode.REST
     assert not run.gave_up
+
+
+def test_a_run_of_ever_shorter_steps_is_given_up_and_says_so() -> None:
+    """A slide may take steps without end: here they are held to 0.2 µs, 1.7 million of them to the end."""
+    run = spatial.solve(problem(*SCENES[0]), tolerance=COARSE, step_cap_s=2e-7, dt_out_s=None)
+    assert run.gave_up
+    assert run.work.steps == MOST
+    assert run.end_s < LONG_S
