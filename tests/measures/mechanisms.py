@@ -59,21 +59,21 @@ def _loose(own: Any) -> Any:
 
 
 _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
-_E: Final = "harness.engines.event_stepping."
 MUNK: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "events located at all": {_M + "drive:RunState.aligned": lambda _: property(lambda _: False)},
-    "micro-rocking": {_E + "locating:_half_cycle": _always(None)},
+    "micro-rocking": {_M + "micro_rocking:is_short": _always(False)},
     "stick onset located": {_M + "drive:slid": _always(False)},
     "uplift corrected": {_M + "uplift:follow": _always(True)},
     "a turning statue held to its depth": {_M + "support_vertex:SupportVertex.hold": _always(None)},
     "its velocity corrected beforehand": {_M + "support_vertex:velocity_owed": _always((0.0, 0.0))},
-    "velocities turned on": {_M + "bodies:MunkBodies.turn_on": _always(None)},
+    "velocities turned on": {_M + "events:turn_on": _always(None)},
     "a statue at rest settled": {_M + "support_vertex:SupportVertex.settle": _always(None)},
     "slip onset at its share of the step": {_M + "drive:slip_onset_share": _always(0.0)},
     "a depth of its own in slow turning": {_M + "support_vertex:TURNING_DEPTH": _number(1.0)},
     "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
     "more iterations at impacts": {"harness.engines.pymunk:IMPACT_ITERATIONS": _number(90)},
+    "slow rises bounded": {_M + "support_vertex:SLOW_RISE": _number(1e9)},
 }
 BULLET: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},

@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 
 from harness.engines.contact import frame
 from harness.engines.contact.coulomb import SLIP_ONSET
-from harness.engines.event_stepping import locating
 from harness.engines.pymunk import drive as driving
-from harness.engines.pymunk import native, uplift, writing
-from harness.engines.pymunk.bodies import MunkBodies
+from harness.engines.pymunk import events, micro_rocking, native, uplift, writing
 from harness.engines.pymunk.drive import RunState
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support_vertex import FAR, SupportVertex
@@ -35,9 +33,9 @@ STILL_M_S: Final = 1e-5
 """Rates below these in two blocks running, with the floor still, are rest."""
 TREMBLE_RAD_S2: Final = 1e-2
 """Rate, over the step, at which a statue at rest may tremble in its depth of contact: measured 3e-5 rad/s at 4 ms."""
-IMPACT, STICK_ONSET, END = 1, 2, 0
+IMPACT, STICK_ONSET, MICRO_ROCKING, END = 1, 2, 3, 0
 EVENT_STEPS: Final = 3
-"""Whole steps that an impact takes the place of at most."""
+"""Whole steps that a split impact takes the place of."""
 SLOW_EVERY: Final = 16
 """Steps after which a slow or resting statue is held to its depth of contact."""
 LEAST_BETWEEN: Final = 2
@@ -72,7 +70,6 @@ def _pairs(rows: Array) -> list[Pair]:
 def run(drive: RunState, support: SupportVertex, grid: Grid, first: int, options: RunOptions) -> bool:
     """Compute from step `first` to the end; returns whether the run was ended early at rest."""
     total, k = len(grid.gravity), first
-    bodies = MunkBodies(drive, support, total)
     quiet_after = drive.scene.base_excitation.end_s if options.allows("quiet_end") else math.inf
     still_blocks, look = 0, min(k + BLOCK_STEPS, total)
     drive.whole_from, split_from = first, first + LEAST_BETWEEN
@@ -80,18 +77,16 @@ def run(drive: RunState, support: SupportVertex, grid: Grid, first: int, options
     while k < total:
         k, event, share = _plain_steps(drive, support, grid, k, look, split_from)
         if event == IMPACT:
-            vertex = support.facet + (native.get_spin(support.statue) > 0.0)
-            # One depth for all of it: corners at two of them would not be level together.
-            support.fast_rad_s = math.inf if abs(native.get_spin(support.statue)) < support.fast_rad_s else 0.0
-            k = locating.meet_impacts(bodies, vertex, share)
+            end = min(k + EVENT_STEPS, total)
+            events.split_impact(drive, support, support.facet, float(grid.edges_s[end]))
+            k, drive.rate_before_m_s, drive.whole_from, split_from = end, math.nan, end, end + LEAST_BETWEEN
+        elif event == MICRO_ROCKING:
+            k = micro_rocking.pass_micro_rocking(drive, support, support.facet, grid.edges_s)
             drive.rate_before_m_s, drive.whole_from, split_from = math.nan, k, k + LEAST_BETWEEN
         elif event == STICK_ONSET:
-            # A statue at rest meets it with both ends of its base, which takes the solver many times longer than one vertex.
-            hard = abs(native.get_spin(support.statue)) <= support.least_of_all_rad_s
-            k = locating.meet_stick_onset(bodies, drive.t_s + min(share, 1.0) * drive.settings.dt_s, hard=hard)
+            events.split_stick_onset(drive, support, share, float(grid.edges_s[k + 1]))
             # An impact may follow at once: a stick onset does not change how the statue turns.
-            drive.rate_before_m_s, drive.whole_from = math.nan, k
-            drive.work["halts_split"] += 1
+            k, drive.rate_before_m_s, drive.whole_from = k + 1, math.nan, k + 1
         if event != END:
             # What an event changed the spin by says nothing of the steps after it.
             drive.spin_before_rad_s = native.get_spin(support.statue)
@@ -129,8 +124,9 @@ def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
 def _plain_steps(
     drive: RunState, support: SupportVertex, grid: Grid, k: int, stop: int, first_split: int
 ) -> tuple[int, int, float]:
-    """Whole steps from k until one must be split (for an impact from step `first_split` on), or `stop`: the next step, what it
-    holds (END: nothing), and of an impact when, s after the places, of a stick onset its share of the step.
+    """Whole steps from k until one must be split (for an impact from step `first_split` on), or `stop`.
+
+    Returns the next step, what it holds (END: nothing) and, at a stick onset, the share of the step at which it comes.
     """
     world, friction, settings = drive.world, drive.friction, drive.settings
     space, recorder, whole_step = native.space_of(world.space), world.recorder, _whole_step(drive, support, grid)
@@ -139,8 +135,7 @@ def _plain_steps(
     switches, creep, support.asked = friction.switches, CREEP_SHARE * rest, -2
     locates_stick_onset = settings.align and on_pedestal and rest > 0.0
     many, few, using = settings.iterations, settings.turning_iterations, settings.iterations
-    own, under = world.statue_slice, world.pedestal_slice
-    least_spin = support.half_cycle_rad_s if drive.aligned else math.inf
+    own, under, least_spin = world.statue_slice, world.pedestal_slice, _least_spin_rad_s(drive, support)
     begin, event, share, spin, row, risen = k, END, 0.0, drive.spin_before_rad_s, recorder.last(), support.risen
     state, below = row[own], row[under] if on_pedestal else None
     rate, before = driving.slip_rate(drive), drive.rate_before_m_s
@@ -157,7 +152,7 @@ def _plain_steps(
             if facet == FAR:
                 wanted = few if support.held(k, state, gravity[k - 1]) else many
             elif facet >= 0 and first_split <= k <= last_split:
-                event, share = _impact_s(drive, support, facet, spin - spin_before)
+                event = _impact_on(drive, support, facet, spin, float(grid.edges_s[k]))
                 if event != END:
                     break
         # At the present deceleration the pedestal comes to rest within the step (never true after an event: before is NaN).
@@ -186,6 +181,11 @@ def _plain_steps(
     drive.rate_before_m_s, drive.spin_before_rad_s, support.risen = before, spin, risen
     _note_steps(drive, grid, begin, k)
     return k, event, share
+
+
+def _least_spin_rad_s(drive: RunState, support: SupportVertex) -> float:
+    """Rate of turning above which events are looked for; none where the run's steps are all whole."""
+    return support.half_cycle_rad_s if drive.aligned else math.inf
 
 
 def _whole_step(
@@ -226,16 +226,12 @@ def _whole_step(
     return whole_step
 
 
-def _impact_s(drive: RunState, support: SupportVertex, facet: int, gained_rad_s: float) -> tuple[int, float]:
-    """IMPACT and the time, s, after the places' in which the statue lies on a facet; END where the engine is left to meet it."""
-    dt, left, spin = drive.settings.dt_s, support.left_rad(facet), native.get_spin(support.statue)
-    # A statue at rest tilts on a vertex that is still in contact.
-    if not support.stands_on(facet + (spin < 0.0)) or support.gap(facet + (spin > 0.0))[0] <= -support.depth_m:
-        return END, 0.0
-    support.facet, sign = facet, math.copysign(1.0, left)
-    reach_s = locating.time_to_reach(abs(left) - 0.5 * dt * sign * spin, sign * spin, sign * gained_rad_s / dt)
-    ahead_s = 0.5 * dt + reach_s
-    return (IMPACT, ahead_s) if support.near_s <= ahead_s <= support.far_s else (END, 0.0)
+def _impact_on(drive: RunState, support: SupportVertex, facet: int, spin: float, t_s: float) -> int:
+    """What the step holds in which a facet comes: MICRO_ROCKING, IMPACT, or END where the engine is left to meet it."""
+    if not support.stands_on(facet + (spin < 0.0)):
+        return END
+    short, support.facet = micro_rocking.is_short(drive, support, facet, t_s), facet
+    return END if short is None else MICRO_ROCKING if short else IMPACT
 
 
 def _note_steps(drive: RunState, grid: Grid, begin: int, end: int) -> None:

@@ -43,6 +43,9 @@ MOST_AHEAD: Final = 2.3
 SLOW_STEPS: Final = 10.0
 """A rate that gravity changes in so many steps takes a vertex nowhere. Held in each of them a statue would not come to rest;
 never held, one at rest would sink and turn within the slop."""
+SLOW_RISE: Final = 0.05
+"""... nor does one at which the tangent of its circle takes it up by half this share of its depth: at long steps such rises would
+add up to the depth, and the contact be lost for a step."""
 RISES: Final = 4.0
 """A vertex that goes this many times as far as its circle takes it, and its depth, lifts off: it is left alone."""
 
@@ -94,8 +97,9 @@ class SupportVertex:
         self.asked = -2
         self.last_state: Row = native.state_of(self.statue)
         falls_rad_s = fall_rad_s2(scene) * drive.settings.dt_s
+        rising_rad_s = math.sqrt(SLOW_RISE * self.depth_m / self.height_m) / drive.settings.dt_s
         self.half_cycle_rad_s = HALF_CYCLE_STEPS * falls_rad_s
-        self.slow_rad_s = SLOW_STEPS * falls_rad_s
+        self.slow_rad_s = min(SLOW_STEPS * falls_rad_s, rising_rad_s)
         self.fast_rad_s = max(FAST_RAD_S, self.slow_rad_s)
 
     def next_facet(self, state: Row, below: Row | None, before_rad_s: float) -> int:
@@ -137,16 +141,15 @@ class SupportVertex:
         """Rotation left until the facet lies on the support."""
         return float(self.level_rad[facet] - native.get_angle(self.statue) + self.tilt())
 
-    def gap(self, vertex: int, ahead_s: float = 0.0) -> Pair:
-        """Height of a vertex over its support, m, and its rate, m/s, after a further move of the statue."""
-        place_x, place_z, angle, rate, rise, spin = native.state_of(self.statue)
-        place_x, place_z, angle = place_x + rate * ahead_s, place_z + rise * ahead_s, angle + spin * ahead_s
+    def gap(self, vertex: int) -> Pair:
+        """Height of a vertex over its support, m, and its rate, m/s."""
+        place_x, place_z, angle, _, rise, spin = native.state_of(self.statue)
         x, z = self.points[vertex]
         cos, sin = math.cos(angle), math.sin(angle)
         below = self.below()
         top, top_rise = 0.0, 0.0
         if below is not None:
-            top, top_rise = self._top(below, place_x + x * cos - z * sin, ahead_s, below[2]), below[4]
+            top, top_rise = self._top(below, place_x + x * cos - z * sin, 0.0, below[2]), below[4]
         return place_z + x * sin + z * cos - top, rise + spin * (x * cos - z * sin) - top_rise
 
     def stands_on(self, vertex: int) -> bool:
