@@ -207,8 +207,8 @@ def scenes(name: str, count: int, first: int) -> Iterator[tuple[Scene, Run]]:
 
 def main(arguments: Sequence[str]) -> None:
     """Print the table."""
-    name, *numbers = arguments
-    count, first = (int(item) for item in numbers) if numbers else (COUNT, FIRST_SEED)
+    name, *count_and_seed = arguments
+    count, first = [int(item) for item in count_and_seed] + [COUNT, FIRST_SEED][len(count_and_seed) :]
     pairs, say = list(scenes(name, count, first)), sys.stdout.write
     heads = "engine | mutant | scenes on which it acts | caught | not caught | rotation moved there, at most, rad"
     say(f"| {heads} |\n|---|---|---|---|---|---|\n")

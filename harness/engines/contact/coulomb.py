@@ -39,21 +39,24 @@ SMOOTH: Final = 1e-2
 AT_LIMIT: Final = 1e-3
 """A release acted with the static coefficient when its friction is so near to it, as a share of μ_s − μ_k."""
 AS_STATIC: Final = 3
-"""So many releases with the static coefficient, and none without, are no chance: where in its step it comes is anywhere. Nor
-are so many of which no step was solved again: one was seen on 1 of 77 random scenes, a solver's remainder."""
+"""So many releases with the static coefficient, and none without, are no chance: where in its step it comes is anywhere."""
 SLIP_ONSET: Final = "friction_release"
 """Kind of what is written where static friction gives way: steps that are solved again."""
 
 
 @dataclass(frozen=True)
 class FrictionUsed:
-    """What acted: shares by which friction exceeded its limit `sliding` and `held`; releases, those `as_static`; the step."""
+    """What acted: shares by which friction exceeded its limit `sliding` and `held`; releases, those `as_static`; the step.
+
+    `slid`: whether any step slid.
+    """
 
     sliding: float
     held: float
     releases: int
     as_static: int
     step_s: float
+    slid: bool
 
 
 def friction_is_known(scene: Scene, motion: Trajectory) -> bool:
@@ -90,6 +93,7 @@ def friction_used(
         int(released.sum()),
         int((released & (friction >= least * normal)).sum()),
         float(np.median(np.diff(motion.t_s))),
+        bool(sliding.any()),
     )
 
 
@@ -120,7 +124,8 @@ def check_friction(scene: Scene, used: FrictionUsed, interventions: Mapping[str,
     if interventions is None or scene.contact.floor_static == scene.contact.floor_kinetic:
         return
     again = interventions[SLIP_ONSET].steps_again if SLIP_ONSET in interventions else 0
-    if used.releases - again >= AS_STATIC or used.as_static == used.releases >= AS_STATIC:
+    # What never slid has not broken loose: a solver's remainder of some 1e-6 m looks like it (seen on 1 of 77 random scenes).
+    if (used.slid and again < used.releases) or used.as_static == used.releases >= AS_STATIC:
         raise EngineFailure(
             f"the pedestal broke loose {used.releases} times, {used.as_static} of them with the static coefficient, and {again} "
             "steps were solved again: the release is not the kinetic one"
