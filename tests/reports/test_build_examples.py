@@ -93,3 +93,13 @@ def test_an_engine_that_is_not_installed_is_said_and_fails_nothing(
     )
     assert build_examples._failed([row]) is failed
     assert ("left out: pybullet" in capsys.readouterr().err) is (outcome is Outcome.UNAVAILABLE)
+
+
+def test_an_example_without_an_engine_that_is_not_installed_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(build_examples, "OUT", tmp_path)
+    monkeypatch.setattr(type(engines.load("pybullet")), "missing", lambda engine: "not installed here")
+    answer = build_examples.example(("free_rocking", {}))
+    assert "not installed here" in answer.record["text"]
+    assert not answer.failed
