@@ -5,6 +5,5 @@ together and alone (`skips.py`, `skip_savings.py`), how cost grows (`scaling.py`
 (`other_integrators.py`, which asks `analytic_model.py`, `start.py` and `contact_engines.py`); `sentences.py` says it in words.
 Both engines with their own defaults are `pymunk_defaults.py` (with the baseline loop) and `pybullet_defaults.py`.
 `rockcheck stress` is `stress/`. By hand, each by `python -m harness.bench.NAME`: `coverage` and `random_scenes` (whether a stated
-uncertainty holds), `pybullet_settings`, `pybullet_levels` and `pybullet_shapes` (how pybullet's contact was settled). What holds
-the whole to its claims is in `tests/measures`. Nothing else in the harness imports this room.
+uncertainty holds), `pybullet_settings` and `pybullet_levels` (how pybullet's contact was settled). What holds the whole to its claims is in `tests/measures`. Nothing else in the harness imports this room.
 """
