@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, NamedTuple, Unpack, final
+from typing import Any, Final, NamedTuple, Self, Unpack, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,10 +18,10 @@ from analytic.encode import encode, encode_motion
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
 from analytic.kernel import codes
-from analytic.kernel.entries import run_rows
-from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, TASK, row
-from analytic.kernel.records import Floats, Ints, Records
+from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK, row
+from analytic.kernel.records import Floats, Records
 from analytic.problem import Keywords, Options, Problem, stated
+from analytic.results import address, run
 from analytic.solution import OUTCOMES, Outcome
 
 CHUNKS_PER_THREAD: Final = 16
@@ -125,7 +125,7 @@ def ensemble(
     outcome_only: Keywords = {"accuracy_rad": ACCURACY_RAD, **keywords, "dt_s": None, "validity": False}
     rows = _rows(*stated(block, motion_x, motion_z, outcome_only), flat)
     size = math.prod(shape)
-    out = Out(np.zeros(size, np.int64), np.zeros(size), np.zeros(size, RESULTS), np.zeros(size, COUNTS))
+    out = Out.of(size)
     _work(rows, out, size, threads or os.cpu_count() or 1, progress)
 
     def shaped(column: NDArray[Any]) -> NDArray[Any]:
@@ -133,8 +133,8 @@ def ensemble(
 
     overturn_time_s, no_return_time_s = shaped(out.results["overturn_time_s"]), shaped(out.results["no_return_time_s"])
     return Ensemble(
-        codes=out.outcomes.reshape(shape),
-        end_s=out.ends_s.reshape(shape),
+        codes=shaped(out.states["outcome"]),
+        end_s=shaped(out.states["time_s"]),
         peak_theta_rad=np.abs(shaped(out.results["peak_theta_rad"])),
         peak_slip_m=shaped(out.results["peak_slip_m"]),
         overturn_time_s=overturn_time_s,
@@ -157,10 +157,15 @@ class Rows(NamedTuple):
 class Out(NamedTuple):
     """What it writes, row by row."""
 
-    outcomes: Ints
-    ends_s: Floats
+    states: Records
+    """The instants at which the runs ended."""
     results: Records
     counts: Records
+
+    @classmethod
+    def of(cls, size: int) -> Self:
+        """Room for so many rows."""
+        return cls(*(np.zeros(size, record) for record in (STATE, RESULTS, COUNTS)))
 
 
 def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Rows:
@@ -170,8 +175,6 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     params = _filled(PARAMS, size, row(encode(problem, options)))
     given_x, *samples_x = encode_motion(problem.motion_x)
     given_z, *samples_z = encode_motion(problem.motion_z)
-    for given, (times, samples) in ((given_x, samples_x), (given_z, samples_z)):
-        given.times, given.samples, given.n_samples = times.ctypes.data, samples.ctypes.data, times.size
     xs, zs = _filled(MOTION_PARAMS, size, row(given_x)), _filled(MOTION_PARAMS, size, row(given_z))
     corners_x, corners_z, facets = (np.tile(each, (size, 1)) for each in block.arrays)
     for name, values in sweep.items():
@@ -256,7 +259,16 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
 
 
 def _one_piece(rows: Rows, out: Out, start: int, stop: int) -> None:
-    run_rows(np.zeros(1, TASK), rows.params, rows.motion_x, rows.motion_z, rows.bases, start, stop, *out)
+    run_rows(rows.params, rows.motion_x, rows.motion_z, rows.bases, start, stop, out)
+
+
+def run_rows(
+    params: Records, motion_x: Records, motion_z: Records, bases: Records, start: int, stop: int, out: Out
+) -> None:
+    """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
+    tables = [table.ctypes.data for table in (params, motion_x, motion_z, bases)]
+    task = bytearray(TASK.itemsize)
+    run(address(task), *tables, start, stop, *(table.ctypes.data for table in out))
 
 
 def _silent(done: int, total: int) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from analytic import Friction, Harmonic, Pedestal
-from analytic.kernel.entries import run
 from harness.bench import analytic_model as bench
 from harness.bench import start
 from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
@@ -79,7 +78,7 @@ def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> Non
 
 def test_the_kernel_alone_is_the_same_run() -> None:
     task = bench.packed(bench.FORCED, 1e-10)
-    run(task.tasks, *task.arrays)
+    task.run()
     assert task.state.theta_rad == bench.FORCED.ours(1e-10).theta_rad[-1]
 
 
