@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from meshes import repair
-from meshes.attached import cut_below
+from meshes.attached import attached_floor, cut_below
+from meshes.beside import cut_beyond
 from meshes.decimation import Bounds, decimate
-from meshes.doubts import floor_attached, not_one_body
+from meshes.doubts import floor_refused, not_one_body, other_attached
 from meshes.errors import MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
 from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
@@ -50,6 +51,8 @@ class Wanted:
     """What the caller knows of the scan: unit or true height, up axis; None is found (up) or refused (scale).
 
     `cut_below_m` above the lowest point is cut off (a floor scanned with the statue); 0: the lowest layer is the statue's own.
+    `cut_beyond`, an azimuth in degrees and a distance in metres along it from the file's origin, cuts off a wall or a second
+    body; an infinite distance says that all is the statue's own.
     """
 
     unit: str | float | None = None
@@ -57,6 +60,7 @@ class Wanted:
     up: str | None = None
     max_faces: int = 50_000
     cut_below_m: float | None = None
+    cut_beyond: tuple[float, float] | None = None
     limits: Limits = field(default_factory=Limits)
     bounds: Bounds = field(default_factory=Bounds)
 
@@ -206,18 +210,30 @@ def _wrong_size(got: str, place: str) -> MeshError:
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
-    """What lies below the height of the cut taken off, with debris that hung on it; a floor that is still there is refused."""
+    """What was scanned with the statue cut off as asked, with debris that hung on it; what is still there is refused."""
+    mesh, beyond = state.mesh, wanted.cut_beyond
     if wanted.cut_below_m:
-        before = measure(state.mesh)
-        mesh = cut_below(state.mesh, wanted.cut_below_m)
-        what = f"the lowest {wanted.cut_below_m:g} m cut off, as asked"
-        state = Prepared(mesh, state.log.and_changed(change("cut", what, 1, before, measure(mesh))))
-        mesh, made = repair.drop_debris(mesh, wanted.limits.debris_area)
-        state = state if made is None else Prepared(mesh, state.log.and_changed(made))
-    attached = floor_attached(state.mesh.vertices, state.mesh.faces, "--cut-below {:.3g}")
-    if attached is not None and wanted.cut_below_m != 0.0:
+        state = _without(state, cut_below(mesh, wanted.cut_below_m), f"the lowest {wanted.cut_below_m:g} m")
+    if beyond is not None and np.isfinite(beyond[1]):
+        what = f"all farther than {beyond[1]:g} m towards {beyond[0]:g}°"
+        state = _without(state, cut_beyond(state.mesh, *beyond), what)
+    body = state.mesh.vertices, state.mesh.faces
+    floor = attached_floor(*body) if wanted.cut_below_m != 0.0 else None
+    attached = floor_refused(floor, "")
+    if attached is None and (beyond is None or np.isfinite(beyond[1])):
+        attached = other_attached(*body, "")
+    if attached is not None:
         raise attached.at(state.mesh.source)
+    if floor is not None:
+        said = f"{floor} (kept; --cut-below {floor.cut_m:.3g} cuts it off)"
+        state = Prepared(state.mesh, state.log.and_found(said))
     return state
+
+
+def _without(state: Prepared, mesh: RawMesh, what: str) -> Prepared:
+    log = state.log.and_changed(change("cut", f"{what} cut off, as asked", 1, measure(state.mesh), measure(mesh)))
+    mesh, made = repair.drop_debris(mesh, Limits.debris_area)
+    return Prepared(mesh, log if made is None else log.and_changed(made))
 
 
 def _closed(state: Prepared, wanted: Wanted) -> Prepared:
