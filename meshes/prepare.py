@@ -15,16 +15,21 @@ from meshes.decimation import Bounds, decimate
 from meshes.doubts import floor_refused, not_one_body, other_attached
 from meshes.errors import MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
-from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
+from meshes.intake import (
+    SHORTEST_M,
+    TALLEST_M,
+    must_be_of_a_statue_s_size,
+    must_have_thickness,
+    read_mesh,
+    unit_length_m,
+    wrong_size,
+)
 from meshes.mesh import Array, RawMesh
 from meshes.orientation import find_orientation, turn_axis
 from meshes.processing_log import Change, ProcessingLog, change, measure
 from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 from meshes.topology import EdgeCount
-
-WIDEST = 2.0
-"""No statue's diagonal exceeds the tallest's height by more."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +109,8 @@ def prepare(path: str | Path, wanted: Wanted | None = None) -> Prepared:
 def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     """Prepare a mesh already read; `suffix` tells whether its format fixes the unit (GLB and GLTF are in metres)."""
     state = Prepared(mesh, ProcessingLog(mesh.source))
-    _must_have_thickness(mesh)
-    _must_be_of_a_statue_s_size(mesh, wanted)
+    must_have_thickness(mesh)
+    must_be_of_a_statue_s_size(mesh, wanted.unit)
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
     rotation = state.rotation
@@ -122,23 +127,6 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     if wrong is not None:
         raise wrong.at(state.mesh.source)
     return replace(state, rotation=rotation)
-
-
-def _must_have_thickness(mesh: RawMesh) -> None:
-    """Refuse a flat sheet before anything is made of it."""
-    extent = np.ptp(mesh.vertices, axis=0)
-    if extent.min() < 0.01 * extent.max():
-        size = " × ".join(f"{each:.4g}" for each in extent)
-        raise MeshError("a body", f"a flat sheet of {size} units", "scan it from all sides", place=mesh.source)
-
-
-def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
-    """Refuse an absurd unit before the up axis is looked for: whichever it is, no statue has such a diagonal."""
-    if wanted.unit is None:
-        return
-    size = unit_length_m(wanted.unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
-    if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
-        raise _wrong_size(f"a body of {size:.4g} m from corner to corner with unit {wanted.unit}", mesh.source)
 
 
 def _mended(state: Prepared, wanted: Wanted) -> Prepared:
@@ -197,16 +185,11 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             place=state.mesh.source,
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
-        raise _wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
+        raise wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
     log = state.log.scaled(unit_m)
     if unit_m != 1.0:
         log = log.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
     return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), log)
-
-
-def _wrong_size(got: str, place: str) -> MeshError:
-    wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
-    return MeshError(wanted, got, "check the unit the scan was exported in", place)
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
