@@ -10,17 +10,19 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from harness.input.scene_file import load_scene
-from meshes import MeshError, Solid, toadstool
+from meshes import MeshError, Solid
 from meshes.attached import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
 from meshes.doubts import MOST_PINCHED, MOST_WRONG, doubts
 from meshes.inspection import inspect
-from meshes.loft import Part, loft, union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
-from meshes.scanner import Faults, scan, write
+from meshes.repair import Part, union
 from meshes.self_intersection import pinched, wrongly_sided
 from meshes.topology import EdgeCount
 from tests.budgets_meshes import CUT_VOLUME_REL
+from tests.meshes import toadstool
+from tests.meshes.loft import loft
+from tests.meshes.scanner import Faults, scan, write
 
 FLOOR_M = 6.0
 SLAB_M = 0.04
