@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from analytic.kernel.compiler import entry
 from analytic.kernel.integrator import run_one
-from analytic.kernel.records import Floats, Ints, Records
+from analytic.kernel.records import Floats, Records
 from analytic.kernel.track import sample_end
 
 
@@ -45,8 +45,7 @@ def run_rows(
     bases: Records,
     start: int,
     stop: int,
-    outcomes: Ints,
-    ends_s: Floats,
+    states: Records,
     results: Records,
     counts: Records,
 ) -> None:
@@ -56,5 +55,4 @@ def run_rows(
         task.params, task.base = params[i], bases[i]
         task.motion_x.params, task.motion_z.params = motion_x[i], motion_z[i]
         run_one(task)
-        outcomes[i], ends_s[i] = task.state.outcome, task.state.time_s
-        results[i], counts[i] = task.results, task.counts
+        states[i], results[i], counts[i] = task.state, task.results, task.counts

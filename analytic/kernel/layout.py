@@ -16,6 +16,7 @@ from analytic.kernel.records import (
     MotionParams,
     Params,
     Results,
+    State,
     Task,
 )
 
@@ -51,6 +52,7 @@ TASK: Final = layout(Task)
 PARAMS: Final = layout(Params)
 MOTION_PARAMS: Final = layout(MotionParams)
 BASE: Final = layout(Base)
+STATE: Final = layout(State)
 RESULTS: Final = layout(Results)
 COUNTS: Final = layout(Counts)
 EVENT_ROW: Final = layout(EventRow)
