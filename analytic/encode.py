@@ -7,10 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from analytic.block import Block
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
-from analytic.kernel.records import MAX_ORDER, Floats, MotionParams, Params
+from analytic.kernel.records import MAX_ORDER, Base, Floats, MotionParams, Params
 from analytic.problem import Options, Problem
 
 LOCAL_SHARE: Final = 1e-2
@@ -59,6 +60,12 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
     raise AnalyticInputError(
         f"motion: one of {known} is wanted, {type(motion).__name__} came: sample it into the last."
     )
+
+
+def encode_base(block: Block) -> Base:
+    """Where the arrays of a block's base stand, which live as long as the block."""
+    x, z, facets = block.arrays
+    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size)
 
 
 def order_for(tolerance: float) -> int:

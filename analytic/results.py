@@ -45,6 +45,8 @@ _COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _of
 _MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
 _PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, Output, State, Results, Counts)}
 _INTEGER: Final = Struct("q")
+NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
+NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 
 
 class Prepared(NamedTuple):
@@ -55,28 +57,27 @@ class Prepared(NamedTuple):
     """Rows of t, θ, θ̇, u, u̇, (5, n)."""
     events: Records
     """(m,)"""
-    inputs: tuple[NDArray[Any], ...]
-    """The base's three arrays, and the motions' samples."""
+    owners: tuple[object, ...]
+    """Whose numbers motions and base name by address: kept alive."""
 
     @classmethod
     def of(
         cls,
         params: Params,
         motions: tuple[MotionParams, MotionParams],
+        base: Base,
         instants: int,
         event_rows: int,
-        *inputs: NDArray[Any],
+        *owners: object,
     ) -> Self:
-        """A task with its parameters written, and room for so many instants and events; `inputs` begin with those of the base."""
+        """A task with its parameters written, and room for so many instants and events."""
         memory = bytearray(TASK.itemsize)
         history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
-        x, z, facets = inputs[:3]
-        base = Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size)
         output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
         places = (_PARAMS, params), (_MOTION_X, motions[0]), (_MOTION_Z, motions[1]), (_BASE, base), (_OUTPUT, output)
         for place, record in places:
             _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
-        return cls(memory, history, events, inputs)
+        return cls(memory, history, events, owners)
 
     def run(self) -> None:
         """Run the task."""
@@ -136,14 +137,14 @@ def _event(given: tuple[Any, ...]) -> Event:
 class RunDetails:
     """The kernel's results, counts and event rows, as objects when they are asked for."""
 
-    def __init__(self, params: Params, results: Results, finished: Prepared) -> None:
+    def __init__(self, params: Params, results: Results, counts: Counts, events: Records) -> None:
         """Keep them."""
-        self._params, self._results, self._finished = params, results, finished
+        self._params, self._results, self._counts, self._rows = params, results, counts, events
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every event."""
-        return tuple(_event(each) for each in self._finished.events[: self._finished.n_events].tolist())
+        return tuple(_event(each) for each in self._rows.tolist())
 
     @cached_property
     def validity(self) -> Validity | None:
@@ -165,7 +166,7 @@ class RunDetails:
     @cached_property
     def work(self) -> Work:
         """What the run cost and what it left out."""
-        c = self._finished.counts
+        c = self._counts
         return Work(
             steps=c.steps,
             taylor_coefficients=c.coefficients,
@@ -179,7 +180,7 @@ class RunDetails:
     @cached_property
     def doubts(self) -> Doubts:
         """What may make the run's numbers unsafe."""
-        r, c = self._results, self._finished.counts
+        r, c = self._results, self._counts
         return Doubts(
             ambiguous_states=c.ties,
             near_tangent_steps=c.tangents,
@@ -192,9 +193,22 @@ class RunDetails:
 
 def read(params: Params, finished: Prepared) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    state, results, history = finished.state, finished.results, finished.history
+    history, events = finished.history, finished.events
     history.setflags(write=False)
-    t, theta, theta_rate, slip, slip_rate = history[:, : finished.n_samples]
+    written = history[:, : finished.n_samples], events[: finished.n_events]
+    return solution_of(params, finished.state, finished.results, finished.counts, *written)
+
+
+def solution_of(
+    params: Params,
+    state: State,
+    results: Results,
+    counts: Counts,
+    history: NDArray[np.float64] = NO_HISTORY,
+    events: Records = NO_EVENTS,
+) -> Solution:
+    """The solution that the kernel's records say; without a history (5, n) and events (m,) that of the outcome alone."""
+    t, theta, theta_rate, slip, slip_rate = history
     outcome = OUTCOMES[state.outcome]
     overturned = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
     return Solution(
@@ -214,5 +228,5 @@ def read(params: Params, finished: Prepared) -> Solution:
         no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
         energy_lost_j=results.energy_lost_j,
         energy_gained_j=results.energy_gained_j,
-        details=RunDetails(params, results, finished),
+        details=RunDetails(params, results, counts, events),
     )

@@ -6,7 +6,7 @@ import math
 from typing import Final, Unpack
 
 from analytic.block import Block
-from analytic.encode import encode, encode_motion
+from analytic.encode import encode, encode_base, encode_motion
 from analytic.excitation import Excitation
 from analytic.kernel.records import Params
 from analytic.problem import DEFAULT_OPTIONS, Keywords, Options, Problem, stated
@@ -25,8 +25,10 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     z, times_z, samples_z = encode_motion(problem.motion_z)
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
-    inputs = (*problem.block.arrays, times_x, times_z, samples_x, samples_z)
-    return Prepared.of(params, (x, z), instants, event_rows, *inputs)
+    base = encode_base(problem.block)
+    return Prepared.of(
+        params, (x, z), base, instants, event_rows, problem.block, times_x, times_z, samples_x, samples_z
+    )
 
 
 def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:

@@ -34,6 +34,7 @@ def run(
     """
     task = task_row(task_at, 0)
     for i in range(start, stop):
+        # One entry for both: another would be compiled from the first line to the last once more.
         if params != 0:
             task.params, task.base = params_row(params, i), base_row(bases, i)
             task.motion_x.params, task.motion_z.params = motion_row(motion_x, i), motion_row(motion_z, i)

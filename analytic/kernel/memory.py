@@ -53,6 +53,7 @@ def _row(record: np.dtype[np.void]) -> Any:
     def row(typing_context: Any, address: Any, i: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             address, i = arguments
+            # A record is known by its address: no row is copied, and a field that is written lands in the caller's table.
             offset = builder.mul(i, context.get_constant(types.int64, record.itemsize))
             return builder.inttoptr(builder.add(address, offset), context.get_value_type(kind))
 
