@@ -20,32 +20,13 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from analytic._cache import home_of
+from analytic.compiling import say
 
 LISTED: Final = b"\n"
 """Ends each line of the list before the object code: its digest, symbol, number of arguments, and the symbols that it needs."""
 _LOCK: Final = threading.Lock()
 _ENGINES: Final[list[llvm.ExecutionEngine]] = []
 """Owners of the loaded code: it lives as long as they do."""
-
-
-OnCompile = Callable[[int, int], None]
-"""Called as functions are compiled: how many are begun and how many there are, at the end as many as there are."""
-_listeners: Final[list[OnCompile]] = []
-
-
-def listen(on_compile: OnCompile) -> None:
-    """Have it called whenever code has to be compiled, which takes some half a minute once."""
-    _listeners.append(on_compile)
-
-
-def unlisten(on_compile: OnCompile) -> None:
-    """Have it called no more."""
-    _listeners.remove(on_compile)
-
-
-def _say(done: int, total: int) -> None:
-    for each in _listeners:
-        each(done, total)
 
 
 def _machine() -> llvm.TargetMachine:
@@ -112,12 +93,12 @@ class Entry:
         from analytic.kernel.compiler import Inner, c_function
 
         function = getattr(importlib.import_module(self.module), self.name)
-        Inner.on_made = _say
+        Inner.on_made = say
         try:
             compiled = c_function(function)
         finally:
             Inner.on_made = None
-            _say(Inner.total, Inner.total)
+            say(Inner.total, Inner.total)
         if path is not None:
             _write(path, _listed(compiled.native_name, function.__code__.co_argcount, compiled.inspect_llvm()))
         call: Callable[..., None] = compiled.ctypes

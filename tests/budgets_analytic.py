@@ -47,4 +47,4 @@ RESIDUAL_REL = 1e-13
 place, known to 1e-16 of a step in which the function changes by no more than its terms; measured 1.4e-16."""
 
 MODULES_OF_IMPORT: Final = 38
-"""Modules that `simulate` loads beside those of numpy and numba: 35 counted, 32 of the model itself."""
+"""Modules that `simulate` loads beside those of numpy and of the loader of its machine code: 35 counted."""

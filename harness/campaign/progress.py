@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from analytic.machine_code import listen, unlisten
+from analytic.compiling import listen, unlisten
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic import machine_code
+from analytic import compiling, machine_code
 from analytic._cache import home_of
 from analytic.kernel import compiler
 
@@ -127,11 +127,11 @@ def test_whoever_listens_hears_that_it_compiles(tiny: Callable[[], machine_code.
     def hear(done: int, total: int) -> None:
         said.append((done, total))
 
-    machine_code.listen(hear)
+    compiling.listen(hear)
     try:
         powers(tiny())
     finally:
-        machine_code.unlisten(hear)
+        compiling.unlisten(hear)
     assert said
     assert said[-1][0] == said[-1][1] > 0
     heard = len(said)

@@ -86,9 +86,9 @@ def ready(name: str) -> Engine:
     return engine
 
 
-HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
-NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
+NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"llvmlite"}}
 """Those of them that a run of one engine needs."""
 RUN = """
 from harness.accuracy.simulation import simulate
