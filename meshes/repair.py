@@ -3,16 +3,20 @@ to do."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import MeshError
-from meshes.loft import union
 from meshes.mesh import RawMesh, double_areas, drop_unused
 from meshes.processing_log import Change, change, measure
 from meshes.topology import EdgeCount, Edges, parts, wound_alike
 
 Mended = tuple[RawMesh, Change | None]
+Part = tuple[NDArray[np.float64], NDArray[np.int64]]
+"""Vertices (n, 3) and outward triangles (m, 3) of a closed surface."""
 
 
 def drop_duplicates(mesh: RawMesh) -> Mended:
@@ -114,3 +118,14 @@ def join_bodies(mesh: RawMesh) -> Mended:
 def _apart(faces: NDArray[np.int64]) -> bool:
     """Whether the faces fall into separate parts."""
     return bool(parts(faces).max() > 0)
+
+
+def union(parts: Sequence[Part]) -> Part:
+    """The closed surface around all parts together, by an exact Boolean union."""
+    from manifold3d import Manifold, Mesh64, OpType
+
+    def closed(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Any:
+        return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(faces, dtype=np.uint64)))
+
+    mesh = Manifold.batch_boolean([closed(*part) for part in parts], OpType.Add).to_mesh64()
+    return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)

@@ -9,12 +9,9 @@ times a factor of its own. Neither knows anything of the engine that observes.
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -24,8 +21,8 @@ from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
 from harness.bench.pages import renew, table
+from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
 from harness.bench.seeded_scenes import random_scene
-from harness.campaign.parts import source
 from harness.comparison.statistics.outcomes import FELL
 from harness.comparison.statistics.probabilities import brier, reliability
 from harness.model.scene import Scene
@@ -45,14 +42,18 @@ MODULE: Final = "harness.bench.calibration"
 
 
 @dataclass(frozen=True)
-class CalibrationRow:
-    """One scene: the model's probability, and whether the engine's statue fell; by the code whose digest is `source`."""
+class CalibrationRow(SeededRow):
+    """One scene: the model's probability, and whether the engine's statue fell."""
 
     seed: int
     engine: str
     probability: float
     fell: bool | None
-    source: str = ""
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """See `SeededRow`."""
+        return self.seed, self.engine
 
 
 def shaken(seed: int) -> Scene:
@@ -73,23 +74,6 @@ def row_of(seed: int, engine: str) -> CalibrationRow:
     true = varied(scene, row(draw(inputs, 1, seed + FIRST_SEED), 0))
     overturned = overturns(DrawnRun(engine, true)).record["overturned"]
     return CalibrationRow(seed, engine, probability, None if overturned is None else bool(overturned))
-
-
-def measured(path: Path, seeds: Sequence[int], engine: str) -> list[CalibrationRow]:
-    """The rows of `path` that the code of now computed, and those that are not there yet."""
-    code = source()
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    rows = [CalibrationRow(**json.loads(line)) for line in lines]
-    rows = [item for item in rows if (item.source, item.engine) == (code, engine) and item.seed in seeds]
-    done = {item.seed for item in rows}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", encoding="utf-8") as stream:
-        for seed in seeds:
-            if seed not in done:
-                rows.append(CalibrationRow(**{**asdict(row_of(seed, engine)), "source": code}))
-                stream.write(json.dumps(asdict(rows[-1])) + "\n")
-                stream.flush()
-    return rows
 
 
 def diagram(rows: Sequence[CalibrationRow]) -> list[ReliabilityBin]:
@@ -123,15 +107,12 @@ def text(rows: Sequence[CalibrationRow]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print the table and write it into the page."""
-    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
-    words.add_argument("count", nargs="?", type=int, default=SCENES, help="scenes")
-    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="seed of the first of them")
+    words = command_line(MODULE, __doc__, SCENES, FIRST_SEED)
     words.add_argument("--engine", default=OBSERVER, help="whose outcomes are taken for observed")
-    words.add_argument("--out", type=Path, default=Path("out") / "calibration.jsonl", help="rows that are kept")
     given = words.parse_args(arguments)
-    seeds = range(given.first, given.first + given.count)
+    wanted = [(seed, given.engine) for seed in seeds_of(given)]
     mark = MODULE if given.engine == OBSERVER else f"{MODULE} --engine {given.engine}"
-    renew("probability.md", mark, text(measured(given.out, seeds, given.engine)))
+    renew("probability.md", mark, text(measured(given.out, CalibrationRow, wanted, row_of)))
 
 
 if __name__ == "__main__":

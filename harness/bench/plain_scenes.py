@@ -6,11 +6,8 @@ a line of JSON for each scene (a call that was interrupted goes on where it stop
 
 from __future__ import annotations
 
-import argparse
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final
 
 from harness import engines
@@ -20,8 +17,8 @@ from harness.bench.coverage import statement, truth_of
 from harness.bench.differences import error_rad
 from harness.bench.pages import renew, table
 from harness.bench.random_scenes import FINEST_S, counted
+from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
 from harness.bench.seeded_scenes import wide_scene
-from harness.campaign.parts import source
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
@@ -67,21 +64,17 @@ class Beside:
 
 
 @dataclass(frozen=True)
-class PlainRow:
-    """One scene, by the code whose digest is `source`: each engine's statement, each pair of engines."""
+class PlainRow(SeededRow):
+    """One scene: each engine's statement, each pair of engines."""
 
     seed: int
     engines: dict[str, Statement]
     pairs: dict[str, Beside]
-    source: str = ""
 
-    @classmethod
-    def read(cls, line: str) -> PlainRow:
-        """A row from its line of JSON."""
-        plain = json.loads(line)
-        statements = {name: Statement(**item) for name, item in plain.pop("engines").items()}
-        pairs = {name: Beside(**item) for name, item in plain.pop("pairs").items()}
-        return cls(engines=statements, pairs=pairs, **plain)
+    @property
+    def key(self) -> tuple[object, ...]:
+        """See `SeededRow`."""
+        return (self.seed,)
 
 
 def row_of(seed: int) -> PlainRow:
@@ -121,20 +114,6 @@ def _known_s(scene: Scene, located: Run, until_s: float) -> float:
     engine = engines.load(located.engine)
     settings = engine.settings_for_dt(scene, min(float(located.settings["dt_s"]), PERTURBED))
     return min(last_s, horizon_of(engine, scene, settings, perturbations=(PERTURBED,)).intrinsic_s)
-
-
-def measured(path: Path, seeds: Sequence[int]) -> list[PlainRow]:
-    """The rows of these seeds: those of `path` that the code of now computed, and those that are not there yet."""
-    code = source()
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    rows = [PlainRow.read(line) for line in lines if json.loads(line).get("source") == code]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", encoding="utf-8") as stream:
-        for seed in [each for each in seeds if each not in {row.seed for row in rows}]:
-            rows.append(replace(row_of(seed), source=code))
-            stream.write(json.dumps(asdict(rows[-1])) + "\n")
-            stream.flush()
-    return [row for row in rows if row.seed in seeds]
 
 
 def tables(rows: Sequence[PlainRow]) -> str:
@@ -183,14 +162,14 @@ def _exceptions(row: PlainRow) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print the tables and write them into the page."""
-    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
-    words.add_argument("count", nargs="?", type=int, default=SCENES, help="seeds")
-    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="the first of them")
-    words.add_argument("--out", type=Path, default=Path("out") / "plain_scenes.jsonl", help="rows that are kept")
-    given = words.parse_args(arguments)
-    seeds = range(given.first, given.first + given.count)
+    given = command_line(MODULE, __doc__, SCENES, FIRST_SEED).parse_args(arguments)
+    seeds = seeds_of(given)
     sentence = f"Wide scenes, seeds {seeds[0]} to {seeds[-1]}, target {SHARE * JOINT_RAD:g} rad for each engine:"
-    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(measured(given.out, seeds))}")
+    renew(
+        "coverage.md",
+        MODULE,
+        f"{sentence}\n\n{tables(measured(given.out, PlainRow, [(seed,) for seed in seeds], row_of))}",
+    )
 
 
 if __name__ == "__main__":

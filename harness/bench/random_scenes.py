@@ -6,12 +6,9 @@ line of JSON for each scene (a call that was interrupted goes on where it stoppe
 
 from __future__ import annotations
 
-import argparse
-import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -20,8 +17,8 @@ from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement, truth_of
 from harness.bench.pages import renew, table
+from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
 from harness.bench.seeded_scenes import GENERATORS
-from harness.campaign.parts import source
 from harness.comparison.comparator import compare
 from harness.model.run import Run
 from harness.records.bench import Statement
@@ -47,22 +44,18 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class SceneRow:
-    """One scene of a generator, by the code whose digest is `source`."""
+class SceneRow(SeededRow):
+    """One scene of a generator."""
 
     generator: str
     seed: int
     engines: dict[str, Statement]
     pairs: dict[str, Judged]
-    source: str = ""
 
-    @classmethod
-    def read(cls, line: str) -> SceneRow:
-        """A row from its line of JSON."""
-        plain = json.loads(line)
-        statements = {name: Statement(**item) for name, item in plain.pop("engines").items()}
-        pairs = {name: Judged(**item) for name, item in plain.pop("pairs").items()}
-        return cls(engines=statements, pairs=pairs, **plain)
+    @property
+    def key(self) -> tuple[object, ...]:
+        """See `SeededRow`."""
+        return self.generator, self.seed
 
 
 def row_of(generator: str, seed: int) -> SceneRow:
@@ -89,25 +82,6 @@ def row_of(generator: str, seed: int) -> SceneRow:
             refuted = again.verdict is not Verdict.MODEL
         pairs[pair] = Judged(scores.verdict.value, scores.verdict_sentence, refuted)
     return SceneRow(generator, seed, statements, pairs)
-
-
-def measured(path: Path, seeds: Sequence[int]) -> list[SceneRow]:
-    """The rows of all generators, those of `path` that the code of now computed and those that are not there yet."""
-    code = source()
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    # A row of other code may have other fields.
-    rows = [SceneRow.read(line) for line in lines if json.loads(line).get("source") == code]
-    done = {(row.generator, row.seed) for row in rows}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", encoding="utf-8") as stream:
-        for seed in seeds:
-            for generator in GENERATORS:
-                if (generator, seed) in done:
-                    continue
-                rows.append(replace(row_of(generator, seed), source=code))
-                stream.write(json.dumps(asdict(rows[-1])) + "\n")
-                stream.flush()
-    return [row for row in rows if row.seed in seeds]
 
 
 def tables(rows: Sequence[SceneRow]) -> str:
@@ -140,14 +114,11 @@ def counted(items: Sequence[Statement]) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print both tables and write them into the page."""
-    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
-    words.add_argument("count", nargs="?", type=int, default=SCENES, help="seeds of each generator")
-    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="the first of them")
-    words.add_argument("--out", type=Path, default=Path("out") / "random_scenes.jsonl", help="rows that are kept")
-    given = words.parse_args(arguments)
-    seeds = range(given.first, given.first + given.count)
+    given = command_line(MODULE, __doc__, SCENES, FIRST_SEED).parse_args(arguments)
+    seeds = seeds_of(given)
+    rows = measured(given.out, SceneRow, [(each, seed) for seed in seeds for each in GENERATORS], row_of)
     sentence = f"Seeds {seeds[0]} to {seeds[-1]} of each generator, target 1e-3 rad:"
-    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(measured(given.out, seeds))}")
+    renew("coverage.md", MODULE, f"{sentence}\n\n{tables(rows)}")
 
 
 if __name__ == "__main__":

@@ -6,13 +6,11 @@ scene (a call that was interrupted goes on where it stopped) and renews the tabl
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -21,9 +19,9 @@ from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement
 from harness.bench.pages import renew, table
+from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
 from harness.bench.seeded_scenes import space_scene
-from harness.campaign.parts import source
-from harness.campaign.runner import Crash, Hung, LocalPool
+from harness.campaign.runner import Crash, Hung, LocalPool, Pool
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -46,7 +44,7 @@ MODULE: Final = "harness.bench.space_scenes"
 
 
 @dataclass(frozen=True)
-class SpaceRow:
+class SpaceRow(SeededRow):
     """One scene: the exact run's outcome, until when it holds, whether a vertex slid, the engines' statements against it.
 
     `attitude_rad` by engine is the largest angle between its rotation at `STEP_S` and the exact one over the first impacts, of
@@ -60,14 +58,11 @@ class SpaceRow:
     impacts: int = 0
     engines: dict[str, Statement] | None = None
     attitude_rad: dict[str, float] | None = None
-    source: str = ""
 
-    @classmethod
-    def read(cls, line: str) -> SpaceRow:
-        """A row from its line of JSON."""
-        plain = json.loads(line)
-        stated = plain.pop("engines")
-        return cls(engines=stated and {name: Statement(**item) for name, item in stated.items()}, **plain)
+    @property
+    def key(self) -> tuple[object, ...]:
+        """See `SeededRow`."""
+        return (self.seed,)
 
 
 def row_of(seed: int) -> SpaceRow:
@@ -105,26 +100,19 @@ def attitude_rad(scene: Scene, run: Run, exact: Run) -> float:
     return float(2.0 * np.arcsin(np.minimum(np.max(chord, initial=0.0), 1.0)))
 
 
-def measured(path: Path, seeds: Sequence[int]) -> list[SpaceRow]:
-    """The rows of `path` that the code of now computed, and those that are not there yet."""
-    code = source()
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    rows = [SpaceRow.read(line) for line in lines if json.loads(line).get("source") == code]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    left = sorted(set(seeds) - {row.seed for row in rows})
-    with path.open("a", encoding="utf-8") as stream, closing(LocalPool(1, MOST_S, tries=1)) as pool:
+def limited(pool: Pool, seed: int) -> SpaceRow:
+    """One scene computed by a worker; one that takes too long or ends it is a row that says so."""
+    rows: list[SpaceRow] = []
 
-        def keep(seed: int, answer: object) -> None:
-            if isinstance(answer, Crash):
-                answer = SpaceRow(seed, (Outcome.TIMED_OUT if isinstance(answer, Hung) else Outcome.CRASHED).value)
-            if not isinstance(answer, SpaceRow):
-                raise TypeError(f"seed {seed}: {answer!r}")
-            rows.append(replace(answer, source=code))
-            stream.write(json.dumps(asdict(rows[-1])) + "\n")
-            stream.flush()
+    def finished(_: int, answer: object) -> None:
+        if isinstance(answer, Crash):
+            answer = SpaceRow(seed, (Outcome.TIMED_OUT if isinstance(answer, Hung) else Outcome.CRASHED).value)
+        if not isinstance(answer, SpaceRow):
+            raise TypeError(f"seed {seed}: {answer!r}")
+        rows.append(answer)
 
-        pool.run(row_of, left, keep)
-    return sorted((row for row in rows if row.seed in seeds), key=lambda row: row.seed)
+    pool.run(row_of, [seed], finished)
+    return rows[0]
 
 
 def tables(rows: Sequence[SpaceRow]) -> str:
@@ -155,16 +143,14 @@ def _spread(values: Sequence[float]) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print the table and write it into the page."""
-    words = argparse.ArgumentParser(prog=f"python -m {MODULE}", description=__doc__)
-    words.add_argument("count", nargs="?", type=int, default=SCENES, help="seeds")
-    words.add_argument("first", nargs="?", type=int, default=FIRST_SEED, help="the first of them")
-    words.add_argument("--out", type=Path, default=Path("out") / "space_scenes.jsonl", help="rows that are kept")
-    given = words.parse_args(arguments)
-    seeds = range(given.first, given.first + given.count)
+    given = command_line(MODULE, __doc__, SCENES, FIRST_SEED).parse_args(arguments)
+    seeds = seeds_of(given)
+    with closing(LocalPool(1, MOST_S, tries=1)) as pool:
+        rows = measured(given.out, SpaceRow, [(seed,) for seed in seeds], partial(limited, pool))
     sentence = (
         f"Seeds {seeds[0]} to {seeds[-1]} of `space_scene`, target 1e-3 rad; attitudes at {1e3 * STEP_S:g} ms, rad."
     )
-    renew("coverage.md", MODULE, f"{sentence} {tables(measured(given.out, seeds))}")
+    renew("coverage.md", MODULE, f"{sentence} {tables(rows)}")
 
 
 if __name__ == "__main__":

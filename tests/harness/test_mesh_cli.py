@@ -15,7 +15,7 @@ from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.scene_file import load_scene
 from harness.mesh_cli import MARBLE_KG_M3, inspect, new, prepare
 from harness.model.errors import InputError
-from meshes import togatus
+from tests.meshes import togatus
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from meshes import footprint, togatus
+from meshes import footprint
 from meshes.inspection import inspect
 from meshes.prepare import Wanted
-from meshes.scanner import Faults, scan, write
+from tests.meshes import togatus
+from tests.meshes.scanner import Faults, scan, write
 
 EDGE_M: Final = 0.0038
 """Longest edge of the scan made: some two million faces on the statue of 1.46 m."""

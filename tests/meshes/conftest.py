@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from meshes import Solid, togatus
+from meshes import Solid
+from tests.meshes import togatus
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.loft import loft
+from tests.meshes.loft import loft
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

@@ -13,10 +13,10 @@ import pytest
 
 from meshes import MeshError, Solid, load_solid
 from meshes.intake import read_mesh
-from meshes.loft import union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare, prepare_mesh
-from meshes.scanner import write
+from meshes.repair import union
+from tests.meshes.scanner import write
 from tests.meshes.shapes import box
 
 METRES = Wanted(unit="m", up="z")

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from meshes import MeshError, Solid, coacd_alone, decomposition, toadstool
+from meshes import MeshError, Solid, coacd_alone, decomposition
 from meshes import array_cache as kept
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.solid import solid_from_mesh
 from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M
+from tests.meshes import toadstool
 from tests.meshes.shapes import box
 
 COARSE = {"concavity": 0.2, "max_parts": 8, "max_vertices": 32}

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from meshes import togatus
 from meshes.solid import write_glb
 from tests.budgets_meshes import FLOAT32_ROUNDING_M
+from tests.meshes import togatus
 
 
 def test_a_written_solid_is_the_same_surface(tmp_path: Path) -> None:

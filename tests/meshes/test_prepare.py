@@ -13,10 +13,10 @@ from meshes.decimation import Bounds
 from meshes.mesh import RawMesh
 from meshes.prepare import Limits, Prepared, Wanted, prepare, prepare_mesh
 from meshes.processing_log import measure
-from meshes.scanner import Faults, scan, write
 from meshes.solid import mass_properties
 from meshes.topology import EdgeCount
 from tests.budgets_meshes import CORNER_ASKED_M, DECIMATION_VOLUME_REL, QUIET_SCAN_REL, ROUND_OFF_REL, SURVEY_ASKED_REL
+from tests.meshes.scanner import Faults, scan, write
 
 DENSITY = 2700.0
 COARSE = Faults(edge_m=0.02)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meshes import MeshError, solid_from_mesh
-from meshes.loft import union
+from meshes.repair import union
 from meshes.solid import mass_properties, turn_about_z
 from tests.budgets_meshes import FACET_REL, ROUND_OFF_REL
 from tests.meshes.shapes import box, cylinder

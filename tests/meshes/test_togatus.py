@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meshes import Solid, load_solid, togatus
+from meshes import Solid, load_solid
 from meshes.intake import EdgeCount
 from tests.budgets_meshes import CENTROID_TOLERANCE_M, FLAT_BASE_M, RESOLVED_ABS, SURVEY_ASKED_REL, SURVEY_REL
+from tests.meshes import togatus
 
 FREE_ROTATION_RAD = 0.6
 OVERTURN_RAD = 1.5

@@ -62,7 +62,7 @@ def block_scene(*, pedestal: bool = True, wall: bool = True) -> Scene:
 def with_figure(scene: Scene) -> Scene:
     """The same scene with the generated figure's mesh."""
     from harness.input.mesh_statue import statue_of
-    from meshes import togatus
+    from tests.meshes import togatus
 
     return scene.but(statue=statue_of(togatus.build()))
 

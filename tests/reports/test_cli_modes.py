@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 from harness.campaign.store import Store
 from harness.command import Asked, Saying, spread
 from harness.model.history import Outcome
-from meshes import togatus
 from reports.cli import app
+from tests.meshes import togatus
 from tests.reports.invented_run import invented_history, invented_run
 
 COMMANDS = {

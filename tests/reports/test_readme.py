@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from meshes import togatus
 from reports.cli import app
 from tests.harness.validation.experiments import write_experiments
+from tests.meshes import togatus
 
 pytestmark = pytest.mark.slow
 

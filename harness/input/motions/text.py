@@ -14,10 +14,13 @@ from harness.model.errors import InputError, Mistake
 
 WIDEST: Final = 64
 """Characters of a number: no format of a network is wider, and a damaged one would ask for lines without end."""
+NOT_NUMBERS: Final = "the file is damaged, not of this format, or has notes after its numbers: take these out"
 DOS_END: Final = b"\x1a"
 """Programs of DOS ended a text with this byte, and files of the 1980s and 1990s still do."""
 _NUMBER = r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eEdD]))(?:[eEdD][+-]?[0-9]+|[+-][0-9]{1,3}(?![0-9.]))?"
 _NUMBERS = re.compile(_NUMBER)
+NUMERIC: Final = re.compile(r"[\s0-9.+\-eEdD]*[0-9][\s0-9.+\-eEdD]*")
+"""A line of numbers, whatever their form."""
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
 """What no number of Fortran's holds once its D is an E: numpy, too, would take 1_0 and infinity for numbers."""
@@ -55,7 +58,7 @@ def header_count(text: str, where: str, place: str, what: str) -> int:
 def fixed_width(
     lines: Sequence[str], width: int, count: int, *, where: str, first_line: int, what: str = "accelerations"
 ) -> NDArray[np.float64]:
-    """The first `count` numbers of `lines` in columns of `width` characters, blanks or none between them.
+    """The first `count` numbers of `lines`: so many words, of any width, or columns of `width` characters that may touch.
 
     `first_line` is the number of lines[0] in the file, for messages. Raises InputError where numbers are missing or none.
     """
@@ -66,14 +69,25 @@ def fixed_width(
     padded = [_plain(line.rstrip()) for line in lines]
     padded = [line.ljust(-(-len(line) // width) * width) for line in padded]
     text = "".join(padded)[: count * width]
-    fields = [text[i : i + width] for i in range(0, len(text), width)]
-    try:
-        values = _floats(text, fields)
-    except ValueError:
-        raise _bad_field(padded, width, where, first_line) from None
+    values = _words(padded, count)
+    if values is None:
+        try:
+            values = _floats(text, [text[i : i + width] for i in range(0, len(text), width)])
+        except ValueError:
+            raise _bad_field(padded, width, where, first_line) from None
     if values.size < count:
         raise mistake(where, what, f"{count} numbers, as its header says", f"{values.size}", "the file is cut off")
     return finite(values, where, what)
+
+
+def _words(lines: Sequence[str], count: int) -> NDArray[np.float64] | None:
+    """The numbers of `lines` where blanks stand between them all and they are `count`; None else."""
+    text = " ".join(lines)
+    words = text.split()
+    try:
+        return _floats(text, words) if len(words) == count else None
+    except ValueError:
+        return None
 
 
 def _plain(line: str) -> str:
@@ -97,7 +111,8 @@ def _bad_field(lines: Sequence[str], width: int, where: str, first_line: int) ->
             try:
                 fortran(part)
             except ValueError:
-                place, advice = f"line {first_line + offset}, column {start + 1}", "the file is damaged"
+                place = f"line {first_line + offset}, column {start + 1}"
+                advice = "the file is damaged, or has lost blanks: take it as it was downloaded"
                 if "\t" in line:
                     advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
                 return mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice)
@@ -145,8 +160,7 @@ def _touching(line: str, where: str, number: int) -> list[float]:
         numbers = _NUMBERS.findall(word)
         if "".join(numbers) != word or any(part[0] not in "+-" for part in numbers[1:]):
             if not _WHOLE.fullmatch(word):
-                advice = "the file is damaged, not of this format, or has notes after its numbers: take these out"
-                raise mistake(where, f"line {number}", "numbers", repr(word), advice)
+                raise mistake(where, f"line {number}", "numbers", repr(word), NOT_NUMBERS)
             numbers = [word]
         values += [fortran(part) for part in numbers]
     return values

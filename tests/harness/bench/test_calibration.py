@@ -5,30 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from harness.bench import calibration
-from harness.bench.calibration import CalibrationRow, diagram, measured, row_of, shaken, text
+from harness.bench.calibration import CalibrationRow, diagram, row_of, shaken, text
 from harness.bench.pages import begin
+from harness.bench.seeded_rows import measured
 
 SEED = 780_000
 
 
-def test_rows_are_kept_and_not_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "rows.jsonl"
-    made: list[int] = []
+def test_rows_are_of_one_engine(tmp_path: Path) -> None:
+    made: list[tuple[int, str]] = []
 
     def invented(seed: int, engine: str) -> CalibrationRow:
-        made.append(seed)
+        made.append((seed, engine))
         return CalibrationRow(seed, engine, 0.1 * (seed % 10), seed % 2 == 0)
 
-    monkeypatch.setattr(calibration, "row_of", invented)
-    first = measured(path, range(3), "pymunk:plain")
-    again = measured(path, range(5), "pymunk:plain")
-    assert made == [0, 1, 2, 3, 4]
-    assert again[:3] == first
-    assert [row.seed for row in measured(path, range(1), "pymunk")] == [0]
-    assert made[-1] == 0, "another engine's rows were taken"
+    path = tmp_path / "rows.jsonl"
+    for engine in ("pymunk:plain", "pymunk"):
+        assert [row.engine for row in measured(path, CalibrationRow, [(0, engine)], invented)] == [engine]
+    assert made == [(0, "pymunk:plain"), (0, "pymunk")], "another engine's row was taken"
 
 
 def test_a_row_is_seeded_and_its_observation_is_no_draw_of_its_probability() -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
+import math
 from pathlib import Path
 
 import pytest
 
-from harness.bench import random_scenes
-from harness.bench.random_scenes import Judged, SceneRow, measured, row_of, tables
+from harness.bench import seeded_rows
+from harness.bench.random_scenes import Judged, SceneRow, row_of, tables
+from harness.bench.seeded_rows import measured
 from harness.bench.seeded_scenes import GENERATORS
 from harness.records.bench import Statement
 
@@ -23,7 +23,6 @@ def test_a_row_holds_each_engine_s_statement_and_each_pair_s_verdict() -> None:
         assert 0.0 < item.share <= 1.0
     assert len(row.pairs) == 3
     assert all(pair.refuted is None or pair.verdict == "differ: model" for pair in row.pairs.values())
-    assert SceneRow.read(json.dumps(asdict(row))) == row
 
 
 def test_generators_are_reproducible_and_differ() -> None:
@@ -53,13 +52,21 @@ def test_what_is_measured_is_kept_and_rows_of_other_code_are_not_taken(
 
     def row(generator: str, seed: int) -> SceneRow:
         asked.append((generator, seed))
-        return told(generator, seed)
+        return told(generator, seed, error_rad=math.inf)
 
-    monkeypatch.setattr(random_scenes, "row_of", row)
     path = tmp_path / "rows.jsonl"
-    assert len(measured(path, range(2))) == len(asked) == 6
-    assert len(measured(path, range(3))) == 9
-    assert len(asked) == 9
-    monkeypatch.setattr(random_scenes, "source", lambda: "other code")
-    assert len(measured(path, range(1))) == 3
-    assert len(asked) == 12
+    keys = [(generator, seed) for seed in range(3) for generator in GENERATORS]
+    first = measured(path, SceneRow, keys[:6], row)
+    assert [item.key for item in first] == asked == keys[:6]
+    assert measured(path, SceneRow, keys, row)[:6] == first
+    assert asked == keys
+    monkeypatch.setattr(seeded_rows, "source", lambda: "other code")
+    assert len(measured(path, SceneRow, keys[:1], row)) == 1
+    assert len(asked) == 10
+
+
+def test_the_command_line_asks_for_seeds_and_a_file() -> None:
+    words = seeded_rows.command_line("harness.bench.random_scenes", None, 100, 710_000)
+    assert seeded_rows.seeds_of(words.parse_args([])) == range(710_000, 710_100)
+    given = words.parse_args(["2", "5"])
+    assert (seeded_rows.seeds_of(given), given.out.name) == (range(5, 7), "random_scenes.jsonl")

@@ -10,8 +10,8 @@ import pytest
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from meshes.mesh import RawMesh
-from meshes.scanner import write
 from tests.budgets_meshes import ROUND_OFF_REL
+from tests.meshes.scanner import write
 from tests.meshes.shapes import box
 
 SCENE = """

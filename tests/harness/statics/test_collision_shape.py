@@ -10,7 +10,8 @@ from harness.model.options import RunOptions
 from harness.model.scene import Wall
 from harness.statics.collision_shape import HULL_EXCESS_LIMIT, shape_needed
 from harness.statics.plan import plan
-from meshes import decomposition, togatus
+from meshes import decomposition
+from tests.meshes import togatus
 from tests.scenes_for_tests import paestum
 
 

@@ -7,6 +7,8 @@ read(text, where), and its place in _READERS, the strictest first.
 from __future__ import annotations
 
 import re
+import textwrap
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Protocol
@@ -73,24 +75,51 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
     text = text_of(raw, where)
     if layout is not None and layout.given:
         return table.read(text, where, unit=named, layout=layout)
-    for reader in _READERS:
-        if reader.recognises(text):
-            record = reader.read(text, where)
-            if named is not None and named != record.unit:
-                wanted = f"the unit of a {record.format} file, {record.unit}"
-                raise mistake(where, "unit", wanted, named, "leave unit out")
-            return record
+    if record := _of_a_network(text, where):
+        if named is not None and named != record.unit:
+            wanted = f"the unit of a {record.format} file, {record.unit}"
+            raise mistake(where, "unit", wanted, named, "leave unit out")
+        return record
     if spectra := _NO_RECORD.search(text[:400]):
         advice = "take the record's own file (V1, V2)"
         raise mistake(where, "", "an accelerogram", f"a file of spectra ({spectra.group()})", advice)
     try:
-        if csv.recognises(text):
+        if csv.recognises(text) or csv.names_times(text):
             return csv.read(text, where, unit=named)
         names = ", ".join(FORMATS)
         first = next(line.strip() for line in text.splitlines() if line.strip())
         raise mistake(where, "", f"one of {names}", repr(first[:60]), "columns of numbers with t_s also do")
     except InputError as error:
         raise _with_proposal(error, text, where) from None
+
+
+def _of_a_network(text: str, where: str) -> RecordFile | None:
+    """The record by the reader that knows its layout, if need be without what programs add; None where none knows it."""
+    refused: tuple[Reader, InputError] | None = None
+    for version, said in _versions(text):
+        reader = next((each for each in _READERS if each.recognises(version)), None)
+        if reader is None:
+            continue
+        try:
+            record = reader.read(version, where)
+        except InputError as error:
+            if (
+                refused is None or refused[0] is not reader
+            ):  # the same reader's first refusal counts the file's own lines
+                refused = reader, error
+            continue
+        return replace(record, warnings=(*record.warnings, *said))
+    if refused:
+        raise refused[1]
+    return None
+
+
+def _versions(text: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The text; without its blank lines; with the blanks at the left that all lines share taken off; what is said of each."""
+    yield text, ()
+    filled = "\n".join(line for line in text.splitlines() if line.strip())
+    yield filled, ("blank lines between the file's own are left out",)
+    yield textwrap.dedent(filled.expandtabs()), ("blanks at the beginning of every line are left out",)
 
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:

@@ -16,8 +16,8 @@ FORMATS: Final = {"CWB": False}
 
 def recognises(text: str) -> bool:
     """Whether the comment lines name a station code and a sequence of columns as CWB does."""
-    head = text[:4000]
-    return "#StationCode" in head and ("#DataSequence" in head or "#AmplitudeUnit" in head)
+    head = text[:4000].lower()
+    return "#stationcode" in head and ("#datasequence" in head or "#amplitudeunit" in head)
 
 
 def read(text: str, where: str) -> RecordFile:
@@ -30,7 +30,7 @@ def read(text: str, where: str) -> RecordFile:
     if unit is None:
         raise mistake(where, place, "an acceleration in gal", repr(written))
     sequence, place = head.needed(r"^#\s*DataSequence:\s*(.*)", "'#DataSequence:' and the columns")
-    named = re.findall(r"\b([UNE])\(([+-])\)", sequence)
+    named = re.findall(r"\b([UNE])\(([+-])\)", sequence.upper())
     if not sequence.lower().startswith("time") or not named:
         raise mistake(where, place, "'Time U(+); N(+); E(+)'", repr(sequence), "the header is damaged")
     values = columns(lines[first:], 1 + len(named), where=where, first_line=first + 1)

@@ -21,8 +21,8 @@ _CLOCK_KEY = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
 def recognises(text: str) -> bool:
     """Whether the first lines name an event and its date as the archive does."""
     head = text[:2000]
-    return bool(re.search(r"^EVENT[_ ](NAME|ID):", head, re.MULTILINE)) and bool(
-        re.search(r"^EVENT[_ ]|^NETWORK:", head)
+    return bool(re.search(r"^EVENT[_ ](NAME|ID):", head, re.MULTILINE | re.IGNORECASE)) and bool(
+        re.match(r"EVENT[_ ]|NETWORK:", head, re.IGNORECASE)
     )
 
 

@@ -8,7 +8,7 @@ from typing import Final
 from harness.input.motions.header import Header
 from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import fixed_width, mistake
+from harness.input.motions.text import NUMERIC, fixed_width, mistake
 
 FORMATS: Final = {"GeoNet V2A": True, "GeoNet V1A": False}
 
@@ -30,12 +30,12 @@ def read(text: str, where: str) -> RecordFile:
     name = "GeoNet V1A" if lines[0].lower().lstrip().startswith("un") else "GeoNet V2A"
     channels: list[Channel] = []
     start = 0
-    while start < len(lines) and lines[start].strip():
+    while sum(bool(line.strip()) for line in lines[start:]) > _TEXT_LINES + _NUMBER_LINES:  # less is a note
         channel, used = _channel(lines, start, where, blocks=3 if name == "GeoNet V2A" else 1)
         channels.append(channel)
         start += used
     if not channels:
-        raise mistake(where, "line 1", "a channel", "an empty line", "the file is damaged")
+        raise mistake(where, "line 1", "a channel", f"{len(lines)} lines", "the file is cut off")
     site = lines[1].split()
     facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
     warnings = ("uncorrected accelerogram: baseline and instrument as recorded",) if name == "GeoNet V1A" else ()
@@ -50,6 +50,9 @@ def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Cha
     )
     name = head.needed(r"^Component\s+(\S+)", "'Component' and a direction")[0]
     first = start + _TEXT_LINES + _NUMBER_LINES
+    if not all(NUMERIC.fullmatch(line) for line in lines[start + _TEXT_LINES : first]):
+        wanted = f"{_TEXT_LINES} lines of text, then {_NUMBER_LINES} of numbers"
+        raise mistake(where, f"lines {start + 1} to {first}", wanted, "others", "lines are missing, or too many")
     rows = -(-count // _PER_LINE)
     values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
     if head.find(r"(Raw readings)")[0]:

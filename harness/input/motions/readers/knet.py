@@ -25,14 +25,14 @@ _HEADER_LINES: Final = 17
 
 def recognises(text: str) -> bool:
     """Whether the header begins with an origin time and gives a scale factor in NIED's words."""
-    head = text[:2000]
-    return head.lstrip().startswith("Origin Time") and ("Scale Factor" in head or "Station Code" in head)
+    head = text[:2000].lower()
+    return head.lstrip().startswith("origin time") and ("scale factor" in head or "station code" in head)
 
 
 def read(text: str, where: str) -> RecordFile:
     """The one component of a K-NET or KiK-net file, its mean taken off as NIED does for its peak; InputError where incomplete."""
     lines = text.splitlines()
-    first = next((i + 1 for i, line in enumerate(lines) if line.startswith("Memo")), _HEADER_LINES)
+    first = next((i + 1 for i, line in enumerate(lines) if line.lower().startswith("memo")), _HEADER_LINES)
     head = Header(lines[:first], where)
     dt_s = 1.0 / head.number(r"^Sampling Freq\D*([0-9.]+)", "'Sampling Freq(Hz)' and the rate")
     scale, place = head.needed(r"^Scale Factor\s+(.*)", "'Scale Factor' and gal for a number of counts")
@@ -41,7 +41,7 @@ def read(text: str, where: str) -> RecordFile:
         raise mistake(where, place, "a factor such as 3920(gal)/6182761", repr(scale), "the header is damaged")
     gal, counts = (header_number(part, where, place, "a part of the scale factor") for part in match.groups())
     values = free_format(lines[first:], where=where, first_line=first + 1) * (gal / counts)
-    code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0]
+    code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0].upper()
     if code not in _DIRECTIONS:
         raise mistake(where, "Dir.", "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged")
     seconds = head.number(r"^Duration Time\D*([0-9.]+)", "'Duration Time(s)' and the length")

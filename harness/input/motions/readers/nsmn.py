@@ -12,7 +12,7 @@ from harness.input.motions.text import columns, mistake
 
 FORMATS: Final = {"NSMN (AFAD)": False}
 
-_NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$")
+_NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
 
 
 def recognises(text: str) -> bool:
@@ -26,7 +26,7 @@ def read(text: str, where: str) -> RecordFile:
     named = next((i for i, line in enumerate(lines) if _NAMES.match(line)), None)
     if named is None:
         raise mistake(where, "", "a line that names the columns, 'N-S E-W U-D'", "none", "the file is damaged")
-    names = lines[named].split()
+    names = lines[named].upper().split()
     head = Header(lines[:named], where)
     count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")
     dt_s = head.number(r"^SAMPLING INTERVAL \(sec\)\s*:(.*)", "'SAMPLING INTERVAL (sec)' and a step")

@@ -17,12 +17,13 @@ from harness.input.motions.clock import clock_of
 from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import fixed_width, free_format, header_number, mistake
+from harness.input.motions.text import NOT_NUMBERS, NUMERIC, fixed_width, free_format, header_number, mistake
 
 FORMATS: Final = {"CSMIP V1": False, "USC V1": False, "RENADIC V1": False, "BHRC V1": False}
 
-_FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED ACCELEROGRAM DATA|\s*\* ?VOL1DS", re.IGNORECASE)
-_TEXT_LINES, _HEADER_LINES = 13, 27
+_FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
+_TEXT_LINES, _NUMBER_LINES, _HEADER_LINES = 13, 14, 27
+_UNITS = re.compile(r"\s*UNITS\b", re.IGNORECASE)
 _PAIRED = re.compile(r"[-+]?[0-9]*\.[0-9]{3}")
 """Three decimals, so that a time of 100 s and more may touch the value before it."""
 _EVEN = re.compile(
@@ -46,7 +47,7 @@ def read(text: str, where: str) -> RecordFile:
     channels = [
         _channel(lines, start, end, where) for start, end in zip(starts, [*starts[1:], len(lines)], strict=True)
     ]
-    first, head = lines[starts[0]].upper(), Header(lines[: starts[0] + _TEXT_LINES], where)
+    first, head = lines[starts[0]].upper(), Header(lines[: starts[0] + _HEADER_LINES], where)
     network = "BHRC" if "VOL1DS" in first else "USC" if "FILE" in first else "CSMIP"
     name = "RENADIC V1" if head.words("(RENADIC)") else f"{network} V1"
     event, station = (2, 7) if network == "BHRC" else (1, 5)
@@ -58,12 +59,13 @@ def read(text: str, where: str) -> RecordFile:
 
 
 def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channel, tuple[str, ...]]:
-    head = Header(lines[start : start + _TEXT_LINES], where, start)
+    units = next((i for i in range(start, end) if _UNITS.match(lines[i])), start)
+    head = Header(lines[start : max(start + _TEXT_LINES, units + 1)], where, start)
     count = head.count(r"NO\. OF POINTS\s*=\s*(\d+)", "'NO. OF POINTS =' and how many")
     name = head.needed(r"^\s*(?:CHAN\s+\d+:|COMP\s)\s*(\S+)", "'CHAN 1:' or 'COMP' and a direction")[0]
     peak = head.peak(r"MAX\s*=\s*([-+.\d]+)\s*G\s*,\s*AT\s*([-+.\d]+)")
-    first = start + _HEADER_LINES
-    data = [line for line in lines[first:end] if not line.startswith("/&")]
+    first = _data_from(lines, start, units, end)
+    data = [line for line in lines[first:end] if not line.lstrip().startswith("/&")]
     if data and (even := _EVEN.match(data[0])):
         place = f"line {first + 1}"
         spacing = header_number(even["rate"] or even["step"], where, place, "points per second, or a step")
@@ -84,6 +86,15 @@ def _channel(lines: list[str], start: int, end: int, where: str) -> tuple[Channe
     return channel, tuple(f"{name}: {said}" for said in clock.said)
 
 
+def _data_from(lines: list[str], start: int, units: int, end: int) -> int:
+    """The place of the first line below a channel's header: the 28th; where some are blank, below its 14 of numbers."""
+    usual = start + _HEADER_LINES
+    if all(line.strip() for line in lines[start:usual]):
+        return usual
+    numbers = [i for i in range(units, end) if NUMERIC.fullmatch(lines[i])]
+    return numbers[_NUMBER_LINES - 1] + 1 if len(numbers) >= _NUMBER_LINES else usual
+
+
 def _enough(values: NDArray[np.float64], count: int, where: str, name: str) -> NDArray[np.float64]:
     if values.size < count:
         raise mistake(where, name, f"{count} numbers, as its header says", str(values.size), "the file is cut off")
@@ -95,7 +106,7 @@ def _pairs(data: Sequence[str], where: str, first_line: int) -> NDArray[np.float
     for i, line in enumerate(data):
         if rest := _PAIRED.sub("", line).strip():
             place = f"line {first_line + i}"
-            raise mistake(where, place, "times and values with three decimals", repr(rest[:40]), "the file is damaged")
+            raise mistake(where, place, "times and values with three decimals", repr(rest[:40]), NOT_NUMBERS)
     return np.array([float(number) for line in data for number in _PAIRED.findall(line)])
 
 

@@ -20,10 +20,10 @@ from harness.input.mesh_statue import statue_of
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.scene import Scene, Statue
-from meshes import togatus
 from meshes.solid import Solid, solid_from_mesh
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet
+from tests.meshes import togatus
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
 Array = NDArray[np.float64]

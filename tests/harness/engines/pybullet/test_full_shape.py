@@ -25,10 +25,11 @@ from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Pedestal, Scene, Statue, Wall
-from meshes import decomposition, load_solid, toadstool
+from meshes import decomposition, load_solid
 from meshes.solid import solid_from_mesh
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet, exact, worst
+from tests.meshes import toadstool
 from tests.meshes.shapes import prism
 from tests.scenes_for_tests import scene
 

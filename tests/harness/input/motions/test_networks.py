@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import textwrap
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 from harness.input.motions.orientation import Orientation
 from harness.input.motions.readers import read_file, read_record
+from harness.input.motions.text import NUMERIC
 from harness.model.errors import InputError
 from tests.budgets_motions import COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
 from tests.harness.input.motions import layouts, writers
@@ -59,11 +61,18 @@ def test_a_network_s_layout_is_read_in_every_wrapping(tmp_path: Path, name: str)
     with zipfile.ZipFile(tmp_path / "in.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(path.name, plain)
     text = plain.decode()
+    lines = text.splitlines()
+    numbers = next(i for i, line in enumerate(lines) if NUMERIC.fullmatch(line))
     wrappings = {
         "crlf": text.replace("\n", "\r\n").encode(), "utf-16": text.encode("utf-16"), "mark": text.encode("utf-8-sig"),
         "latin": text.encode("latin-1", "replace"), "blanks": text.replace("\n", "     \n").encode(),
         "gz": gzip.compress(plain), "zip": (tmp_path / "in.zip").read_bytes(),
         "DOS": text.replace("\n", "\r\n").encode() + b"\x1a", "old Mac": text.replace("\n", "\r").encode(),
+        "blank lines first": f"\n \n\f{text}".encode(), "blank lines last": f"{text}\n \n".encode(),
+        "a blank line after the first": text.replace("\n", "\n\n", 1).encode(),
+        "a blank line above the numbers": "\n".join([*lines[:numbers], "", *lines[numbers:]]).encode(),
+        "double spaced": text.replace("\n", "\n\n").encode(), "indented": textwrap.indent(text, " ").encode(),
+        "capitals": text.upper().encode(), "small letters": text.lower().encode(),
     }  # fmt: skip
     for wrapping, content in wrappings.items():
         path.write_bytes(content)

@@ -55,7 +55,8 @@ def test_fixed_width_reads_what_touches_and_names_a_bad_field() -> None:
     with pytest.raises(
         InputError, match="tabs stand where the network writes blanks: take the file as it was downloaded"
     ):
-        fixed_width(["1.0\t2.0"], 8, 2, where="f", first_line=5)
+        fixed_width(["1.0\t2.0-3.0"], 8, 3, where="f", first_line=5)
+    np.testing.assert_array_equal(fixed_width(["1.0\t2.0"], 8, 2, where="f", first_line=5), [1.0, 2.0])
 
 
 @pytest.mark.parametrize("old", [False, True])

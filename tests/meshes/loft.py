@@ -1,28 +1,15 @@
-"""Closed surfaces from rings and tubes, and their exact union: what a generated body is made of."""
+"""Closed surfaces from rings and tubes: what a generated body is made of."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.repair import Part
+
 Array = NDArray[np.float64]
-Faces = NDArray[np.int64]
-Part = tuple[Array, Faces]
-"""Vertices (n, 3) and outward triangles (m, 3) of a closed surface."""
-
-
-def union(parts: Sequence[Part]) -> Part:
-    """The closed surface around all parts together, by an exact Boolean union."""
-    from manifold3d import Manifold, Mesh64, OpType
-
-    def closed(vertices: Array, faces: Faces) -> Any:
-        return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(faces, dtype=np.uint64)))
-
-    mesh = Manifold.batch_boolean([closed(*part) for part in parts], OpType.Add).to_mesh64()
-    return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)
 
 
 def loft(rings: Array) -> Part:

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.loft import Part, loft, smooth_curve, tube, union
+from meshes.repair import Part, union
 from meshes.solid import Solid, mass_properties, solid_from_mesh
+from tests.meshes.loft import loft, smooth_curve, tube
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Hull against convex parts in pybullet: what they are, cost and change; `python -m harness.bench.pybullet_shapes`.
+"""Hull against convex parts in pybullet: what they are, cost and change; `python -m tests.measures.pybullet_shapes`.
 
 It prints the tables of docs/meshes.md: the generated statues, and the scans of the data folder where it is present.
 """
@@ -28,7 +28,7 @@ from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene
 from harness.statics.collision_shape import shape_needed
 from meshes import Solid
-from meshes.bench_shapes import contact_row, shape_row, statues
+from tests.measures.exact_shapes import contact_row, shape_row, statues
 
 STEP_S: Final = 1e-3
 UNDER_THE_CAP_M: Final = 0.45

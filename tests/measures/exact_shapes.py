@@ -1,6 +1,6 @@
 """What hull and convex parts of a statue are, and where they touch, by exact geometry.
 
-`python -m meshes.bench_shapes` prints docs/meshes.md's table of budgets; `harness.bench.pybullet_shapes` the others.
+`python -m tests.measures.exact_shapes` prints docs/meshes.md's table of budgets; `tests.measures.pybullet_shapes` the others.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import Solid, toadstool, togatus
+from meshes import Solid
 from meshes.collision import hull, hull_excess_rel
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.prepare import Wanted, prepare
+from tests.meshes import toadstool, togatus
 
 Array = NDArray[np.float64]
 
