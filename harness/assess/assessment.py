@@ -84,7 +84,6 @@ def assess(
     across = shaken_across(scene)
     own = probability_of(model, plane_only=across)
     answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
-    differences: dict[str, ProbabilityDifference] = {}
     fell: dict[str, Mapping[int, bool | None]] = {}
     with _campaign(store, pool) as (storage, campaign, workers):
         for name in filter(MODEL.__ne__, names):
@@ -92,23 +91,13 @@ def assess(
             if (reason := engine.missing()) is not None:
                 answers[name] = NotAssessed(reason)
                 continue
-            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
-            batch = max(BATCH, 2 * workers)
-            answer = _of_engine(
-                estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch),
-                draws,
-                plane_only=across and engine.capabilities.dimensions < SPACE_DIMENSIONS,
-            )
-            answers[name], fell[name] = answer, runs.fell
-            if own is not None:
-                differences[name] = _difference(own, answer)
-        if (
-            own is not None
-            and SPACE not in answers
-            and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None
-        ):
-            answers[SPACE], differences[SPACE] = space, _difference(own, space)
+            runs, batch = EngineRuns(scene, name, values, storage, campaign, on_progress), max(BATCH, 2 * workers)
+            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
+            plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+            answers[name], fell[name] = _of_engine(answer, draws, plane_only=plane_only), runs.fell
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
+    if SPACE not in answers and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
+        answers[SPACE] = space
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -117,7 +106,7 @@ def assess(
         assumed=not scene.uncertainty,
         seed=seed,
         assessment={name: answers[name] for name in dict.fromkeys((*names, *answers)) if name in answers},
-        difference_from_model=differences,
+        difference_from_model=_differences(answers),
         versions=versions(),
         machine=machine(),
         runs=counts,
@@ -177,7 +166,14 @@ def _of_engine(answer: Estimate, draws: int, *, plane_only: bool) -> Assessment:
     )
 
 
-def _difference(own: Assessment, answer: Assessment) -> ProbabilityDifference:
-    """The model's probability less another's on the same draws: only the sampling of the other is left."""
+def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:
+    """The model's probability less each other's on the same draws: only the sampling of the other is left."""
+    own = answers[MODEL]
+    if not isinstance(own, Assessment):
+        return {}
     p = own.probability_overturned
-    return ProbabilityDifference(p - answer.probability_overturned, p - answer.high, p - answer.low, answer.level)
+    others = {name: item for name, item in answers.items() if name != MODEL and isinstance(item, Assessment)}
+    return {
+        name: ProbabilityDifference(p - item.probability_overturned, p - item.high, p - item.low, item.level)
+        for name, item in others.items()
+    }
