@@ -13,11 +13,12 @@ from harness.command import Known
 from harness.model.errors import InputError
 from meshes import MeshError, Solid
 from meshes.beside import attached_beside
-from meshes.loft import Part, loft, union
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare_mesh
-from meshes.scanner import write
+from meshes.repair import Part, union
 from tests.budgets_meshes import CUT_VOLUME_REL
+from tests.meshes.loft import loft
+from tests.meshes.scanner import write
 
 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Part:
