@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from harness.accuracy.outlook import MOST_ORDER, hopeless, last_s
 from harness.accuracy.sensitivity import PARTED, response
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import FINER, Engine, Settings
@@ -29,8 +30,6 @@ LEAP: Final = 4.0
 """Factor by which the step may shrink at once, where two runs are so far apart that one halving would not do."""
 ORDER: Final = 1.5
 """Order at which errors are expected to fall when that step is chosen."""
-MOST_ORDER: Final = 2.0
-"""Highest order that two differences are taken to show."""
 FLOOR_SHARE: Final = 1.0
 """Share of a level's expected error below which no uncertainty is stated: two runs may agree by chance."""
 LEFT_AGREEMENTS: Final = 2
@@ -46,7 +45,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
     if engine.capabilities.certifies or not options.stated:
-        return engine.simulate(scene, _first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
+        return engine.simulate(scene, first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
     climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():
         if climb.ends_with(settings):
@@ -78,7 +77,7 @@ class _Climb:
         How far the last two runs were apart says how much finer the next must be.
         """
         refinement_levels = self.refinement_levels
-        index = _first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        index = first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
         while index < len(refinement_levels):
             yield refinement_levels[index]
             finest = refinement_levels[index].dt_s
@@ -116,7 +115,7 @@ class _Climb:
         elif _fallen(runs, self.spreads, needed):
             until_s = run.no_return_time_s or 0.0
         else:
-            return _hopeless(self.spreads, run.end_s, self.refinement_levels[-1].dt_s, self.target)
+            return hopeless(self.spreads, last_s(run), self.refinement_levels[-1].dt_s, self.target)
         # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
         answer = self._response(until_s)
         return answer is None or answer.whole or answer.until_s >= until_s or self.answers >= RESPONSES
@@ -206,11 +205,12 @@ class _Check:
             self.parted_s = min(self.parted_s, t_s)
         if apart > PARTED * self.target.rotation_rad:
             now = Spread(NONE, self.parted_s, False, before_s, self.dt_s)
-            self.stopped = _hopeless([*self.spreads, now], self.before.end_s, self.finest_dt_s, self.target)
+            self.stopped = hopeless([*self.spreads, now], last_s(self.before), self.finest_dt_s, self.target)
         return self.stopped
 
 
-def _first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+def first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+    """The coarsest level that may be expected to err by no more than this share of the accuracy, rad, and its place."""
     for index, settings in enumerate(refinement_levels):
         if settings.expected_error_rad <= share * accuracy_rad:
             return settings, index
@@ -242,33 +242,6 @@ def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:
         return False
     no_return_s = [math.inf if run.no_return_time_s is None else run.no_return_time_s for run in last]
     return all(item.until_s >= t_s for item, t_s in zip(spreads[-agreements:], no_return_s[1:], strict=True))
-
-
-def _hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
-    """Whether no level is expected to reach the end.
-
-    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless runs keep
-    together to the end and the next ones are expected to meet the target.
-    """
-    if len(spreads) < 2 or spreads[-1].whole:
-        return False
-    last, previous = spreads[-1], spreads[-2]
-    if _falls(previous, last, finest_dt_s, target):
-        return False
-    gained = (last.until_s - previous.until_s) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
-    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
-    return possible < end_s - last.until_s
-
-
-def _falls(previous: Spread, last: Spread, finest_dt_s: float, target: Error) -> bool:
-    """Whether the largest difference of two runs falls with the step, so fast that one leap should do."""
-    now, then = last.apart.share_of(target), previous.apart.share_of(target)
-    if not 0.0 < now < then < math.inf:
-        return False
-    order = math.log(then / now) / math.log(previous.coarse_dt_s / last.coarse_dt_s)
-    expected = now * (last.fine_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
-    next_s = max(last.fine_dt_s / LEAP, finest_dt_s)
-    return order >= 1.0 and factor(last.fine_dt_s, next_s) * expected <= 1.0
 
 
 def _left(spreads: list[Spread], target: Error) -> Error:

@@ -1,9 +1,9 @@
 """What each mechanism of the event-located engines buys: error at equal cost with and without it.
 
-`python -m tests.measures.mechanisms ENGINE [COUNT FIRST]` prints a line for each mechanism over the paper's cases and COUNT
-random scenes: the mean and the largest tenth of the errors without it over those with it, at equal processor time
-(errors are taken to fall with the step, cost to grow against it). A mechanism that buys less than `WORTH` in both is not worth
-its lines.
+`python -m tests.measures.mechanisms ENGINE [COUNT FIRST [WORD...]]` prints a line for each mechanism, or for those with a WORD
+in their name, over the paper's cases, COUNT random scenes and some wide ones: the mean and the largest tenth of errors without
+it over those with it, at equal processor time (errors are taken to fall with the step, cost to grow against it). A mechanism that
+buys less than `WORTH` in both is not worth its lines.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COUNT, FIRST_SEED = 24, 745_000
 MICRO_ROCKING: Final = (10129, 20399, 20809, 20866)
 """Seeds of scenes with micro-rocking (`tests.measures.micro_rocking`), which random ones seldom do."""
 WIDE: Final = 12
-"""Wide scenes beside the random ones: statues that slide, three axes. There the engine's finest run is the truth."""
+"""At most so many wide scenes beside the random ones: statues that slide, three axes. The engine's finest run is the truth."""
 WORTH: Final = 1.3
 
 Change = Mapping[str, Any]
@@ -132,7 +132,7 @@ def cases(engine: Engine, count: int, first: int) -> list[tuple[Scene, Run]]:
         fine = engine.simulate(scene, engine.settings_for_dt(scene, FINEST_S), RunOptions())
         if fine.outcome is exact.outcome and errors(fine, exact)[0] < CONDITIONED_RAD:
             runs.append((scene, exact))
-    for seed in range(first, first + WIDE):
+    for seed in range(first, first + min(count, WIDE)):
         scene = wide_scene(seed)
         finer, fine = (
             engine.simulate(scene, engine.settings_for_dt(scene, dt), RunOptions()) for dt in (FINEST_S, 2.2 * FINEST_S)
@@ -161,7 +161,8 @@ def measured(engine: Engine, on: Sequence[tuple[Scene, Run]], change: Change) ->
 def main(arguments: Sequence[str]) -> None:
     """Print the table."""
     name, *numbers = arguments
-    count, first = (int(item) for item in numbers) if numbers else (COUNT, FIRST_SEED)
+    count, first = (int(item) for item in numbers[:2]) if numbers else (COUNT, FIRST_SEED)
+    asked = [each for each in MECHANISMS[name] if not numbers[2:] or any(word in each for word in numbers[2:])]
     engine = engines.load(name)
     on = cases(engine, count, first)
     own, own_s = measured(engine, on, {})
@@ -170,8 +171,8 @@ def main(arguments: Sequence[str]) -> None:
     say(f"{np.exp(np.mean(np.log(own))):.2e} rad, largest tenth {np.quantile(own, 0.9):.2e}, {own_s:.1f} s\n")
     say("| without | mean error, times | largest tenth, times | worst, times | cost, times | worth it |\n")
     say("|---|---|---|---|---|---|\n")
-    for mechanism, change in MECHANISMS[name].items():
-        without, cost_s = measured(engine, on, change)
+    for mechanism in asked:
+        without, cost_s = measured(engine, on, MECHANISMS[name][mechanism])
         dear = cost_s / own_s
         ratio = without / own * dear
         mean, tenth = (

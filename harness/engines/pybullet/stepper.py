@@ -189,9 +189,13 @@ class Stepper:
         return row
 
     def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
-        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction."""
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction.
+
+        One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
+        """
         gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
-        if not gaining or not self._saturated(self.static, pull, before, row):
+        stopped = not gaining and (self._sticks(before, row) or self._reversed(before, row))
+        if stopped or not self._saturated(self.static, pull, before, row):
             return row
         self._hold(self.kinetic)
         self._again(before)

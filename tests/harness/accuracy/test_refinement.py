@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from harness import engines
+from harness.accuracy.outlook import hopeless
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
-from harness.accuracy.spread import SAFETY, Error, spread, target_of
+from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
 from harness.bench.coverage import FIRST_SEED, coverage
 from harness.bench.seeded_scenes import random_scene, wide_scene
 from harness.engines.base import Engine, Settings
@@ -246,8 +247,24 @@ def test_a_run_that_only_confirms_ends_soon_after_the_two_part() -> None:
     assert run.reliable_until_s is not None
     assert run.reliable_until_s < 0.2
     whole = round(1.0 / run.settings["dt_s"])
-    assert run.work["runs"] == 4
+    assert run.work["runs"] == 5
     assert run.work["steps_of_all_runs"] < 2.0 * whole
+
+
+def apart_rad(rad: float, until_s: float, dt_s: float) -> Spread:
+    """Two runs of 4 and 2 ms, or finer, that part at an instant and differ by so much after it."""
+    return Spread(NONE, until_s, False, dt_s, 0.5 * dt_s, apart=Error(rad, 0.0))
+
+
+def test_an_event_whose_error_falls_with_the_step_is_no_reason_to_give_up() -> None:
+    """All comparisons part at the same event: no time is gained, but the difference after it falls."""
+    target = Error(1e-3, 1e-3)
+    falling = [apart_rad(rad, 0.25, dt_s) for rad, dt_s in ((0.064, 4e-3), (0.032, 2e-3), (0.016, 1e-3))]
+    assert not hopeless(falling, 3.0, 1e-5, target)
+    assert hopeless(falling, 3.0, 5e-4, target), "no level is that fine"
+    as_large = [apart_rad(0.064, 0.25, dt_s) for dt_s in (4e-3, 2e-3, 1e-3)]
+    assert hopeless(as_large, 3.0, 1e-5, target)
+    assert not hopeless(as_large[:2], 3.0, 1e-5, target), "two comparisons may be luck"
 
 
 def test_a_coarse_level_that_diverges_is_climbed_over() -> None:

@@ -14,6 +14,10 @@ from analytic.excitation import Harmonic
 from harness.bench.seeded_scenes import random_scene
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
+from harness.engines.pybullet import course
+from harness.engines.pybullet.schedule import Schedule
+from harness.engines.pybullet.stepper import Stepper
+from harness.engines.pybullet.world import World
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_bullet as budget
@@ -135,3 +139,29 @@ def newmark_m(motion: Harmonic, friction: float, duration_s: float, steps: int =
         rate_m_s = math.copysign(max(abs(free_m_s) - lost_m_s, 0.0), free_m_s)
         slip_m += rate_m_s * dt_s
     return slip_m
+
+
+def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
+    """Its friction is at the static limit and its velocity falls, but not to rest: the step is solved again, as a slip's."""
+    on, step_s = paestum(0.334, 2.0, mu=(0.20, 0.15)), 1e-3
+    total_kg = on.statue.mass_kg + (0.0 if on.pedestal is None else on.pedestal.mass_kg)
+    pull = (0.0, 0.0, -GRAVITY_M_S2 * step_s)
+
+    def solved_again(before_m_s: float) -> int:
+        after_m_s = before_m_s - math.copysign(0.20 * GRAVITY_M_S2 * step_s, before_m_s)
+        with World(load("pybullet").settings_for_dt(on, step_s)) as world:
+            setup = course.prepare(on)
+            whole = (on.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
+            world.build(on.contact, (on.pedestal, on.statue.base_centre_m), None, whole, None)
+            stepper = Stepper(world, on, Schedule(on, step_s, 0, 10))
+            row = stepper.read()
+            before, after = (
+                (*row[:7], rate, 0.0, 0.0, *row[10:20], rate, 0.0, 0.0, *row[23:]) for rate in (before_m_s, after_m_s)
+            )
+            assert math.hypot(*stepper.friction(pull, before, after)[:2]) == pytest.approx(0.20 * total_kg * -pull[2])
+            stepper._slip_onset((0.0, 0.0, -GRAVITY_M_S2), pull, before, after)
+            return sum(item.steps_again for item in stepper.writer.ledger.record().values())
+
+    assert solved_again(0.05) == 1
+    assert solved_again(0.20 * GRAVITY_M_S2 * step_s) == 0, "it comes to rest"
+    assert solved_again(0.10 * GRAVITY_M_S2 * step_s) == 0, "it passes rest, where static friction holds it"

@@ -1,0 +1,46 @@
+"""Whether finer steps are worth their cost where two runs part before the end: by what all comparisons of a climb show."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
+from harness.model.run import Run
+
+LEAST_COMPARED: Final = 3
+"""Comparisons before a climb is given up: of 60 wide scenes one in ten was given up after two that the third went on from."""
+MOST_ORDER: Final = 2.0
+"""Highest order that two differences are taken to show."""
+
+
+def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
+    """Whether no level is expected to reach `end_s`, by what all comparisons together gained: two of them tell luck.
+
+    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless what
+    parts the runs is an event whose error falls with the step.
+    """
+    if len(spreads) < LEAST_COMPARED or spreads[-1].whole or _falls(spreads, finest_dt_s, target):
+        return False
+    first, last = spreads[0], spreads[-1]
+    reached_s = max(item.until_s for item in spreads)
+    gained = (reached_s - first.until_s) / math.log(first.coarse_dt_s / last.coarse_dt_s)
+    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
+    return possible < end_s - reached_s
+
+
+def _falls(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
+    """Whether the largest difference of two runs falls with the step, so fast that the finest level should do."""
+    known = [item for item in spreads if 0.0 < item.apart.share_of(target) < math.inf]
+    if len(known) < 2:
+        return False
+    first, last = known[0], known[-1]
+    now, then = last.stated_to_the_end.share_of(target), first.stated_to_the_end.share_of(target)
+    order = math.log(then / now) / math.log(first.coarse_dt_s / last.coarse_dt_s)
+    expected = now * (finest_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
+    return order >= PLAIN_ORDER and expected <= 1.0
+
+
+def last_s(run: Run) -> float:
+    """Until when a run is to be bounded: its end, or where there is no return from a fall."""
+    return run.end_s if run.no_return_time_s is None else min(run.no_return_time_s, run.end_s)
