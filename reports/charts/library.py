@@ -51,7 +51,7 @@ class Bundle(NamedTuple):
 
 @cache
 def chart_library() -> Markup:
-    """The reduced library as a script that sets `window.Plotly`, packed; to reduce it takes half a second, so it is parts."""
+    """The reduced library as a script that sets `window.Plotly`, packed; to reduce it takes half a second, so it is kept."""
     state = [
         _bundle().read_bytes(),
         Path(__file__).read_bytes(),

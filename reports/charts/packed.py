@@ -8,13 +8,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from reports.charts import Json
+
 LEVELS: Final = 2**18
 """Steps over an array's range: a value on a page is at most a 500 000th of the range beside the record's."""
 ON_CLOCK: Final = 1e-3
 """Samples this near to multiples of their spacing, as a share of it, are taken as such: times cost nothing then."""
 
 
-def packed_array(values: ArrayLike, levels: int = LEVELS) -> dict[str, Any]:
+def packed_array(values: ArrayLike, levels: int = LEVELS) -> Json:
     """Finite values (n,) or, flattened, (n, k) as `{step, order, deltas}`: `deltas` summed `order` times, times `step`.
 
     Whole numbers, and times on a clock, come back as they are.
