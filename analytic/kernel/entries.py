@@ -23,6 +23,7 @@ def run(
 ) -> None:
     """Run the one task, whose parameters are set, with the caller's arrays: base, records, output."""
     task = tasks[0]
+    # Addresses, not arrays: an array in a record would have the length with which it was laid out (memory.py).
     task.base.x, task.base.z, task.base.facets = base_x.ctypes.data, base_z.ctypes.data, facets_rad.ctypes.data
     task.base.n_facets = facets_rad.size
     x, z, output = task.motion_x.params, task.motion_z.params, task.output

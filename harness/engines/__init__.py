@@ -41,6 +41,7 @@ def load(name: str) -> Engine:
         near = get_close_matches(name, REGISTRY, n=1)
         advice = f"did you mean {near[0]}?" if near else ""
         raise InputError(Mistake("--engine", "", f"one of {', '.join(REGISTRY)}", repr(name), advice))
+    # Its module brings its simulator along: only who asks for the engine pays for that.
     module, _, attribute = REGISTRY[name].partition(":")
     engine: Engine = getattr(import_module(module), attribute)()
     return engine

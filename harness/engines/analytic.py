@@ -84,6 +84,7 @@ class TwoBlock(Engine):
         start = time.perf_counter()
         motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
         try:
+            # Certifying takes further runs: none where nobody asks what the numbers are worth.
             if not options.stated:
                 bare: CommonKeywords = {**given, "events": keep}
                 single = simulate(*motion, accuracy_rad=chosen.accuracy_rad, step_cap_s=chosen.step_cap_s, **bare)

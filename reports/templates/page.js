@@ -60,7 +60,9 @@ rockcheck.live = (chart) => {
 
 const config = { responsive: true, displaylogo: false, scrollZoom: false, doubleClick: "reset",
   modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
-  toImageButtonOptions: { format: "svg" } };
+  toImageButtonOptions: { format: "svg" },
+  /* Without a pointer that hovers the bar would lie over the legend for ever. */
+  ...(matchMedia("(hover: none)").matches && { displayModeBar: false }) };
 
 /* What is in sight comes first; the browser may answer the reader between two charts. */
 const breath = () => new Promise((done) => setTimeout(done, 0));

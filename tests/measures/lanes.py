@@ -141,7 +141,7 @@ def parts_ns(repeats: int = 20_000) -> dict[str, float]:
 
 
 def heyoka_us(lanes: int, tolerance: float = 1e-8, sets: int = 64) -> float:
-    """Processor time of one 10 s run of the bench's forced block by heyoka, µs, `lanes` sets at once; impacts are told to Python."""
+    """Processor time of one 10 s run of the bench's forced block by heyoka, µs, `lanes` sets at once; Python hears impacts."""
     import heyoka
 
     block, motion = FORCED.block, FORCED.motion
