@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
+from harness.assess.variation import file_scale
 from harness.model.assumed import assumption
 from harness.model.scene import Scene, Uncertain
 
@@ -20,16 +21,18 @@ LEAST_SHARE: Final = 1e-3
 
 
 def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
-    """The scene's own `[uncertainty]`, or the assumed one: friction, strength and, of a harmonic motion, frequency."""
+    """The scene's own `[uncertainty]`, or the assumed one: friction on the floor, strength and a harmonic motion's frequency."""
     if scene.uncertainty:
         return tuple(scene.uncertainty)
     assumed = [] if scene.pedestal is None else [_assumed("contact.floor", scene.contact.floor_static)]
     axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
     if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
-        assumed.append(_assumed("motion.scale", 1.0))
+        assumed.append(_assumed("motion.scale", file_scale(scene)))
     for axis, item in axes.items():
         if isinstance(item, Harmonic):
             assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
+    if scene.pedestal is None and assumed:
+        assumed.append(_assumed("contact.statue", scene.contact.statue))
     return tuple(item for item in assumed if item.value > 0.0)
 
 

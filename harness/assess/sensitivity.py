@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harness.assess.inputs import draw
 from harness.assess.model_draws import model_draws
+from harness.assess.variation import file_scale
 from harness.model.scene import Scene, Uncertain
 from harness.records.assess import FragilityRecord, Index
 
@@ -30,17 +31,11 @@ OTHER_SEED: Final = 1_000_003
 def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord:
     """Probability of overturning by a factor on all axes together, and the factors at which it is 5, 16 and 50 %."""
     draws = draw(inputs, FRAGILITY_DRAWS, seed)
-    own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, _scale_of(inputs, scene)))
+    own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, file_scale(scene)))
     probability = [model_draws(scene, {**draws, "motion.scale": own * factor}).probability for factor in FACTORS]
     rising = np.maximum.accumulate(np.nan_to_num(probability))
     at = {f"{asked:.2f}": _crossing(rising, asked) for asked in ASKED}
     return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, at)
-
-
-def _scale_of(inputs: Sequence[Uncertain], scene: Scene) -> float:
-    from harness.assess.variation import file_scale
-
-    return next((item.value for item in inputs if item.key == "motion.scale"), file_scale(scene))
 
 
 def _crossing(rising: Array, asked: float) -> float | None:

@@ -64,6 +64,7 @@ def test_without_a_table_friction_strength_and_frequency_are_assumed() -> None:
     assert [item.key for item in uncertain_inputs(paestum(0.3, 2.0, pedestal=False))] == [
         "motion.scale",
         "motion.x.frequency_hz",
+        "contact.statue",
     ]
 
 
