@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from harness import engines
-from harness.bench.differences import errors
 from harness.bench.standard_scenes import PAPER, paper_scene
+from harness.comparison.distance import errors
 from harness.engines.base import Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
