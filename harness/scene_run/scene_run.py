@@ -211,14 +211,13 @@ def _witnessed(
 
 def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
-    from harness.assess.by_model import MODEL, assess_model
+    from harness.assess.by_model import assess_models
 
     on_progress("probability")
     try:
-        answer = assess_model(scene)
+        return assess_models(scene)
     except AnalyticInputError:  # the model refuses this scene; its own run says why
         return {}
-    return {} if answer is None else {MODEL: answer}
 
 
 def _scores(
