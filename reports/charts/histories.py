@@ -258,20 +258,16 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             (-statue.slenderness_left_rad, "left", "top"),
         )
     ]  # fmt: skip
-    until = horizon_s(source)
-    if until is not None and until < end:
-        texts.append(
-            {
-                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
-            }
-        )  # fmt: skip
-    horizon = prediction_s(source)
-    if horizon is not None and horizon < end:
-        texts.append(
-            {
-                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
-            }
-        )  # fmt: skip
+    marks = (
+        (horizon_s(source), "bottom", "error bounded until"),
+        (prediction_s(source), "top", "horizon of prediction"),
+    )
+    for at, anchor, words in marks:
+        if at is not None and at < end:
+            texts.append(
+                {
+                    "xref": "x", "x": at, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": anchor,
+                    "showarrow": False, "text": f" {words} {at:.3g} s", "font": small,
+                }
+            )  # fmt: skip
     return texts
