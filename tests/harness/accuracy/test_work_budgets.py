@@ -12,10 +12,10 @@ import pytest
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Scene
 from tests import budgets_bench as budgets
+from tests.engines_for_tests import ready
 
 NONE = RunOptions(skips=frozenset())
 STEP_S = 2.5e-4
@@ -76,14 +76,6 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
         tracemalloc.stop()
     assert sizes[False] <= budgets.OUTCOME_ALLOCATED_KB[name]
     assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
-
-
-def ready(name: str) -> Engine:
-    """The engine, or a skip that says why it cannot run here."""
-    engine = engines.load(name)
-    if engine.missing():
-        pytest.skip(engine.missing() or "")
-    return engine
 
 
 HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
