@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Unpack, final
+from typing import Any, Final, Unpack, final
 
 import numpy as np
 
@@ -71,21 +71,36 @@ def certify(
     motion_z = motion_z if motion_z is not None else ZeroExcitation()
     base = min(accuracy_rad, base_accuracy_rad)
     gravity = scene.get("gravity_m_s2", GRAVITY_M_S2)
-    cap = min(step_cap_s, CAP / max(block.p_rad_s(1, gravity), block.p_rad_s(-1, gravity)))
+    cap = min(step_cap_s, longest_step_s(block, gravity))
     quick = scene | {"events": False, "validity": False}
     checks: tuple[tuple[float, float], ...] = ((base * FINER, step_cap_s), (base, 0.5 * cap))
     if scene.get("dt_s", 0.0) is None:
         scene, checks = {"events": False} | scene, ((base * FINER, 0.5 * cap),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
-    # What all runs share shows in no difference between them: the checks' gravity differs by what the steps may have rounded.
-    rounding = ROUNDING * (ROUNDED * first.work.steps + ROUNDED_ONCE)
-    quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding)}
+    quick = quick | {"gravity_m_s2": gravity * (1.0 + rounding(first.work.steps))}
     others = tuple(
         simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
         for finer, shorter in checks
     )
     # An error of the slip moves the centroid by itself, one of the rotation by the height times it: so neither counts for more.
-    accuracy = accuracy_rad, accuracy_rad * block.centroid_height_m
+    return certified(first, others, (accuracy_rad, accuracy_rad * block.centroid_height_m))
+
+
+def longest_step_s(block: Block, gravity_m_s2: float) -> float:
+    """Twice the longest step of the runs with short steps, s."""
+    return CAP / max(block.p_rad_s(1, gravity_m_s2), block.p_rad_s(-1, gravity_m_s2))
+
+
+def rounding(steps: Any) -> Any:
+    """Share by which the checks' gravity differs: what so many steps may have rounded.
+
+    What all runs share shows in no difference between them.
+    """
+    return ROUNDING * (ROUNDED * steps + ROUNDED_ONCE)
+
+
+def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> Certified:
+    """What the differences between the runs say; `accuracy` of rotation, rad, and slip, m, up to which they count as reliable."""
     uncertainty, slip, until = _spread(first, others, accuracy)
     sure = all(other.outcome is first.outcome for other in others)
     return Certified(first, uncertainty, slip, until, sure, _warnings(first, others, uncertainty, until))

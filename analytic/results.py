@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.kernel.layout import TASK, packing
+from analytic.kernel.layout import EVENT_ROW, TASK, packing
 from analytic.kernel.records import Counts, EventRow, MotionParams, Params, Records, Results, State
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
 
@@ -32,6 +32,8 @@ _COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _of
 _MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
 _PACKING: Final = {each: packing(each) for each in (Params, MotionParams, State, Results, Counts)}
 _INTEGER: Final = Struct("q")
+NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
+NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 
 
 class Prepared(NamedTuple):
@@ -108,15 +110,14 @@ def _event(given: tuple[Any, ...]) -> Event:
 class RunDetails:
     """The kernel's results, counts and event rows, as objects when they are asked for."""
 
-    def __init__(self, params: Params, results: Results, finished: Prepared) -> None:
+    def __init__(self, params: Params, results: Results, counts: Counts, events: Records) -> None:
         """Keep them."""
-        self._params, self._results, self._finished = params, results, finished
+        self._params, self._results, self._counts, self._rows = params, results, counts, events
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Every event."""
-        rows: Records = self._finished.arrays[-1]
-        return tuple(_event(each) for each in rows[: self._finished.n_events].tolist())
+        return tuple(_event(each) for each in self._rows.tolist())
 
     @cached_property
     def validity(self) -> Validity | None:
@@ -138,7 +139,7 @@ class RunDetails:
     @cached_property
     def work(self) -> Work:
         """What the run cost and what it left out."""
-        c = self._finished.counts
+        c = self._counts
         return Work(
             steps=c.steps,
             taylor_coefficients=c.coefficients,
@@ -152,7 +153,7 @@ class RunDetails:
     @cached_property
     def doubts(self) -> Doubts:
         """What may make the run's numbers unsafe."""
-        r, c = self._results, self._finished.counts
+        r, c = self._results, self._counts
         return Doubts(
             ambiguous_states=c.ties,
             near_tangent_steps=c.tangents,
@@ -165,9 +166,22 @@ class RunDetails:
 
 def read(params: Params, finished: Prepared) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    state, results, history = finished.state, finished.results, finished.arrays[-2]
+    history, events = finished.arrays[-2], finished.arrays[-1]
     history.setflags(write=False)
-    t, theta, theta_rate, slip, slip_rate = history[:, : finished.n_samples]
+    written = history[:, : finished.n_samples], events[: finished.n_events]
+    return solution_of(params, finished.state, finished.results, finished.counts, *written)
+
+
+def solution_of(
+    params: Params,
+    state: State,
+    results: Results,
+    counts: Counts,
+    history: NDArray[np.float64] = NO_HISTORY,
+    events: Records = NO_EVENTS,
+) -> Solution:
+    """The solution that the kernel's records say; without a history (5, n) and events (m,) that of the outcome alone."""
+    t, theta, theta_rate, slip, slip_rate = history
     outcome = OUTCOMES[state.outcome]
     overturned = outcome in (Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT)
     return Solution(
@@ -187,5 +201,5 @@ def read(params: Params, finished: Prepared) -> Solution:
         no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
         energy_lost_j=results.energy_lost_j,
         energy_gained_j=results.energy_gained_j,
-        details=RunDetails(params, results, finished),
+        details=RunDetails(params, results, counts, events),
     )

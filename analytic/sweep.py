@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, NamedTuple, Unpack, final
+from typing import Any, Final, NamedTuple, Self, Unpack, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +19,8 @@ from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
 from analytic.kernel import codes
 from analytic.kernel.entries import run_rows
-from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, TASK, row
-from analytic.kernel.records import Floats, Ints, Records
+from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK, row
+from analytic.kernel.records import Floats, Records
 from analytic.problem import Keywords, Options, Problem, stated
 from analytic.solution import OUTCOMES, Outcome
 
@@ -125,7 +125,7 @@ def ensemble(
     outcome_only: Keywords = {"accuracy_rad": ACCURACY_RAD, **keywords, "dt_s": None, "validity": False}
     rows = _rows(*stated(block, motion_x, motion_z, outcome_only), flat)
     size = math.prod(shape)
-    out = Out(np.zeros(size, np.int64), np.zeros(size), np.zeros(size, RESULTS), np.zeros(size, COUNTS))
+    out = Out.of(size)
     _work(rows, out, size, threads or os.cpu_count() or 1, progress)
 
     def shaped(column: NDArray[Any]) -> NDArray[Any]:
@@ -133,8 +133,8 @@ def ensemble(
 
     overturn_time_s, no_return_time_s = shaped(out.results["overturn_time_s"]), shaped(out.results["no_return_time_s"])
     return Ensemble(
-        codes=out.outcomes.reshape(shape),
-        end_s=out.ends_s.reshape(shape),
+        codes=shaped(out.states["outcome"]),
+        end_s=shaped(out.states["time_s"]),
         peak_theta_rad=np.abs(shaped(out.results["peak_theta_rad"])),
         peak_slip_m=shaped(out.results["peak_slip_m"]),
         overturn_time_s=overturn_time_s,
@@ -157,10 +157,15 @@ class Rows(NamedTuple):
 class Out(NamedTuple):
     """What it writes, row by row."""
 
-    outcomes: Ints
-    ends_s: Floats
+    states: Records
+    """The instants at which the runs ended."""
     results: Records
     counts: Records
+
+    @classmethod
+    def of(cls, size: int) -> Self:
+        """Room for so many rows."""
+        return cls(*(np.zeros(size, record) for record in (STATE, RESULTS, COUNTS)))
 
 
 def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Rows:

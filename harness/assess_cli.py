@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv as comma_separated
-from collections.abc import Mapping
-from contextlib import closing
-from dataclasses import replace
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -16,15 +18,50 @@ from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
 from harness.campaign.store import STORE_NAME, Store
-from harness.command import Asked, Sampling
+from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.records.assess import AssessRecord
-from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, replacing
 from harness.study_cli import ending_cleanly, unbegun
 
 DRAWS_NAME: Final = "draws.csv"
+SCENE_NAME, MESH_NAME, LOG_NAME = "scene.toml", "scene_statue.ply", "scene_statue.account.json"
+"""The first scene of a scan, kept in the result's folder with its prepared mesh and that mesh's log."""
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """What is said where a scan is given instead of a scene: the record that shakes it, and what the user knows of both."""
+
+    motion: Path | None = None
+    known: Known = field(default_factory=Known)
+    around: Surroundings = field(default_factory=Surroundings)
+    layout: TextLayout = field(default_factory=TextLayout)
+
+    @contextmanager
+    def scene_file(self, path: Path, folder: Path) -> Iterator[Path]:
+        """The scene to assess: `path` itself, or a first scene of the scan, beside `folder` until it is part of the result.
+
+        Raises `InputError` for a record without a scan, and for words on a scan beside a scene.
+        """
+        if self.motion is None:
+            if self != Scanned() or path.suffix.lower() != ".toml":
+                wanted = "a record, beside a scan and what is known of it"
+                raise InputError(Mistake("--motion", "", wanted, "nothing", "or give a scene (.toml) alone"))
+            yield path
+            return
+        if path.suffix.lower() == ".toml":
+            raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
+        from harness.input.motions.layout import Layout
+        from harness.mesh_cli import new
+
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        # At the depth of the result's folder: the scene's relative path to the record is then the same in both.
+        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=FRESH) as made:
+            first = Path(made) / SCENE_NAME
+            yield new(path, self.motion, first, self.known, self.around, Layout(**vars(self.layout)))
 
 
 def run(
@@ -40,42 +77,50 @@ def run(
     resume: bool = False,
     dask: str | None = None,
     quiet: bool = False,
+    scanned: Scanned = Scanned(),
 ) -> AssessRecord:
-    """Assess a scene file into `folder` (store.sqlite, result.json, draws.csv where asked); engine runs in the store are not
-    computed again. Raises `InputError` for wrong input, or `resume` where there is nothing to go on with.
+    """Assess a scene file, or a scan, into `folder` (store.sqlite, result.json, draws.csv where asked, the scan's scene).
+
+    Engine runs in the store are not computed again. Raises `InputError` for wrong input, or `resume` where there is nothing to go
+    on with.
     """
     check_folder(folder, ("assess",))
-    scene = load_scene(path, asked.overrides or ())
-    check_inputs(folder, [*PAGES, RECORD, DRAWS_NAME], read_files(scene.given, scene.source))
-    _check(folder, options, no_options, jobs, resume)
-    own_options = () if options is None else read_options(options, scene)
-    pool = LocalPool(jobs) if dask is None else DaskPool(dask)
-    with (
-        ending_cleanly(),
-        closing(pool),
-        unbegun(folder),
-        Store(folder / STORE_NAME) as store,
-        ProgressMessages(quiet) as messages,
-    ):
-        assessed = assess(
-            scene,
-            asked.engine,
-            **vars(sampling),
-            more_options=None if no_options else own_options,
-            store=store,
-            pool=pool,
-            on_progress=messages.now,
-        )
-    written: list[AssessRecord] = []
+    with scanned.scene_file(path, folder) as scene_file:
+        scene = load_scene(scene_file, asked.overrides or ())
+        own = [*PAGES, RECORD, DRAWS_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
+        check_inputs(folder, own, [path, *read_files(scene.given, scene.source)])
+        _check(folder, options, no_options, jobs, resume)
+        own_options = () if options is None else read_options(options, scene)
+        pool = LocalPool(jobs) if dask is None else DaskPool(dask)
+        with (
+            ending_cleanly(),
+            closing(pool),
+            unbegun(folder),
+            Store(folder / STORE_NAME) as store,
+            ProgressMessages(quiet) as messages,
+        ):
+            assessed = assess(
+                scene,
+                asked.engine,
+                **vars(sampling),
+                more_options=None if no_options else own_options,
+                store=store,
+                pool=pool,
+                on_progress=messages.now,
+            )
+        written: list[AssessRecord] = []
 
-    def recorded(files: Mapping[str, str | None]) -> AssessRecord:
-        written.append(replace(assessed.record, files=files))
+        def recorded(files: Mapping[str, str | None]) -> AssessRecord:
+            written.append(replace(assessed.record, files=files))
+            return written[-1]
+
+        with replacing(folder, recorded, "assess") as fresh:
+            if csv:
+                _write_draws(assessed, fresh / DRAWS_NAME)
+            if scene_file != path:
+                for made in scene_file.parent.iterdir():
+                    shutil.copy(made, fresh)
         return written[-1]
-
-    with replacing(folder, recorded, "assess") as fresh:
-        if csv:
-            _write_draws(assessed, fresh / DRAWS_NAME)
-    return written[-1]
 
 
 def _check(folder: Path, options: Path | None, no_options: bool, jobs: int | None, resume: bool) -> None:

@@ -119,6 +119,14 @@ class Known:
             "--cut-below", metavar="M", help="Height to cut a scanned floor off at; 0: it is the statue's own."
         ),
     ] = None
+    cut_beyond: Annotated[
+        str | None,
+        typer.Option(
+            "--cut-beyond",
+            metavar="AZIMUTH,M",
+            help="Cut a scanned wall or second body off, farther than M along AZIMUTH (degrees); none: it is the statue's own.",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ def inspect(file: Path, known: Known) -> Inspection:
     density = known.density_kg_m3
     if density is None and known.mass_kg is None:
         density = MARBLE_KG_M3
-    wanted = Wanted(known.unit, known.height_m, known.up, known.max_faces, known.cut_below_m)
+    wanted = Wanted(known.unit, known.height_m, known.up, known.max_faces, known.cut_below_m, _plane(known.cut_beyond))
     try:
         return inspected(
             file,
@@ -110,6 +110,19 @@ def new(
             written.unlink(missing_ok=True)
         raise
     return out
+
+
+def _plane(text: str | None) -> tuple[float, float] | None:
+    """The azimuth and the distance of --cut-beyond; "none" cuts nothing. InputError for anything else."""
+    if text is None:
+        return None
+    parts = ["0", "inf"] if text == "none" else text.split(",")
+    try:
+        azimuth, distance = (float(part) for part in parts)
+    except ValueError:
+        wanted = "an azimuth in degrees and a distance in metres, such as 90,0.35, or none"
+        raise InputError(Mistake("--cut-beyond", "", wanted, repr(text))) from None
+    return azimuth, distance
 
 
 def _check_out(out: Path, log: Path, file: Path) -> None:

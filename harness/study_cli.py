@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness import effects3d
+from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
 from harness.campaign.runner import LIMIT_S, LocalPool, Pool
@@ -23,13 +24,16 @@ from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord, EffectsSummary
 from harness.records.result_folder import RECORD, checksum, read_own
 from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumSummary
-from harness.records.study import ExportRecord, StudyRecord
+from harness.records.study import StudyRecord
+from harness.records.study_files import ExportRecord
 from harness.studies import estimate, rocking_spectrum
+from harness.studies.case_blocks import columns_name, in_columns
 from harness.studies.cases import base_of
+from harness.studies.column_rows import ColumnRows, thinned
 from harness.studies.export import export_csv, export_parquet
 from harness.studies.file import StudyFile, load_study
 from harness.studies.study_record import study_record
-from harness.studies.study_run import Beside, Summary, run_study, study_name
+from harness.studies.study_run import Beside, Summary, run_in_columns, run_study, study_name
 from harness.studies.witnessed import witness_study
 
 
@@ -47,7 +51,7 @@ def run(
     beside: Beside | None = None,
     witness: bool = True,
 ) -> tuple[StudyRecord | EffectsRecord | RockingSpectrumRecord, Summary | EffectsSummary | SpectrumSummary]:
-    """Run a study into `folder` (store.sqlite, result.json); returns its record and what was done.
+    """Run a study into `folder` (store.sqlite, or columns in `outcomes`; result.json); returns its record and what was done.
 
     `large` lets a study run that would take more than a day; `pool` is used, and not closed, where the caller has one;
     `beside` are tasks to run with it; `witness` holds a tenth of its scenes against engines as they come. Raises `InputError`
@@ -93,16 +97,34 @@ def _run(
     if not large:
         estimate.check(study, scene, pool.workers, str(path))
     size = estimate.sentence(study, scene, pool.workers)
-    with unbegun(folder), Store(folder / STORE_NAME) as store, progress(study.title, quiet, size) as on_progress:
-        summary = run_study(study, path, store, pool, on_progress, beside)
-        seen = witness_study(study, path, store, pool, on_progress) if witness else None
+    with ExitStack() as stack:
+        store: Store | ColumnRows
+        every: Store | ColumnRows
+        on_progress = stack.enter_context(progress(study.title, quiet, size))
+        if (columns := columns_of_study(study, path, folder)) is not None:
+            summary = run_in_columns(study, path, columns, pool, on_progress)
+            store, every = thinned(columns, study), ColumnRows(columns, study)
+            seen = None
+        else:
+            stack.enter_context(unbegun(folder))
+            store = every = stack.enter_context(Store(folder / STORE_NAME))
+            summary = run_study(study, path, store, pool, on_progress, beside)
+            seen = witness_study(study, path, store, pool, on_progress) if witness else None
         finished = study_record(study, path, store, summary, time.perf_counter() - start, seen)
         if export is not None:
             writer = export_parquet if export.suffix == ".parquet" else export_csv
-            writer(store, study_name(study), export)
+            writer(every, study_name(study), export)
             finished = replace(finished, export=ExportRecord(str(export.resolve()), checksum(export)))
         record.write_json(folder / RECORD, as_file(finished))
     return finished, summary
+
+
+def columns_of_study(study: StudyFile, path: Path, folder: Path) -> ColumnStore | None:
+    """Where the study's results stand in columns; None where they are, or will be, rows of the store."""
+    base = base_of(study, path)
+    if (folder / STORE_NAME).is_file() or not in_columns(study, base):
+        return None
+    return ColumnStore(folder / COLUMNS_NAME / columns_name(study, base))
 
 
 def _check_effects(export: Path | None, jobs: int | None) -> None:
@@ -165,7 +187,7 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
     if export is not None and os.path.lexists(export) and not _exported(export, folder):
         got = f"the file {export}, which this study has not written, or which was changed since"
         raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
-    if resume and not (folder / STORE_NAME).is_file():
+    if resume and not (folder / STORE_NAME).is_file() and not (folder / COLUMNS_NAME).is_dir():
         wanted = f"a study that was begun in {folder}"
         raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
 

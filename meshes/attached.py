@@ -28,6 +28,8 @@ SHEET_WIDER: Final = 1.3
 In their lowest fiftieth scanned and generated statues with plinths have at most 0.99 times the area above them, up to twice it at
 a twentieth.
 """
+PLINTH: Final = 1.5
+"""A thicker layer of so many times the area, and under `WIDER`, may be the statue's plinth or a floor: it is said, and kept."""
 STEPS: Final = 60
 FILLET: Final = 0.95
 """The cut lies where the area of what is above falls by less than a twentieth a step: above the fillet that a scan leaves."""
@@ -35,16 +37,18 @@ FILLET: Final = 0.95
 
 @dataclass(frozen=True)
 class Floor:
-    """A lowest layer that is `times` as wide in area as all that stands on it, and the height at which to cut it off."""
+    """A lowest layer that is `times` as wide in area as all that stands on it, and the height at which to cut it off.
+
+    It is `certain` where no plinth is so wide, or so thin.
+    """
 
     times: float
     cut_m: float
+    certain: bool = True
 
     def __str__(self) -> str:
-        return (
-            f"the lowest {self.cut_m:.3g} m spread over {self.times:.3g} times the area of all that stands on them:"
-            " a floor or a plate scanned together with the statue"
-        )
+        what = "a floor or a plate scanned together with the statue" if self.certain else "its plinth, or a floor"
+        return f"the lowest {self.cut_m:.3g} m spread over {self.times:.3g} times the area of all that stands on them: {what}"
 
 
 def attached_floor(vertices_m: Array, faces: Faces) -> Floor | None:
@@ -57,15 +61,19 @@ def attached_floor(vertices_m: Array, faces: Faces) -> Floor | None:
     if not above.min() > 0.0:
         return None
     sheet = round(SHEET / LAYER * STEPS) - 1
-    times, limit = float(below[-1] / above.min()), float(below[-1] / WIDER)
-    if times < WIDER:
-        times, limit = float(below[sheet] / above[sheet]), float(below[sheet] / SHEET_WIDER)
-        if times < SHEET_WIDER:
-            return None
+    wide, thin = float(below[-1] / above.min()), float(below[sheet] / above[sheet])
+    certain = wide >= WIDER or thin >= SHEET_WIDER
+    if not certain and wide < PLINTH:
+        return None
+    times, limit = (
+        (thin, below[sheet] / SHEET_WIDER)
+        if wide < WIDER and certain
+        else (wide, below[-1] / (WIDER if certain else PLINTH))
+    )
     first = int(np.argmax(above <= limit))
     while first + 1 < STEPS and above[first + 1] < FILLET * above[first]:
         first += 1
-    return Floor(times, float(levels[first] - bottom))
+    return Floor(times, float(levels[first] - bottom), certain)
 
 
 def _areas(vertices: Array, start: Array, end: Array, level: float) -> tuple[float, float]:

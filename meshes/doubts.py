@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.attached import attached_floor
+from meshes.attached import Floor, attached_floor
+from meshes.beside import attached_beside
 from meshes.errors import MeshError
 from meshes.self_intersection import crossings, pinched, wrongly_sided
 
@@ -33,22 +34,35 @@ def not_one_body(vertices: Array, faces: Faces) -> MeshError | None:
     return None
 
 
-def floor_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
-    """Why a body with z up, in metres, seems to stand on a floor of its own; None where it does not.
+def floor_refused(floor: Floor | None, how: str) -> MeshError | None:
+    """Why a body with this lowest layer seems to stand on a floor of its own; None where it does not.
 
-    `how` says how to cut, with a place for the height.
+    `how` is the command that cuts, without its option.
     """
-    floor = attached_floor(vertices, faces)
-    if floor is None:
+    if floor is None or not floor.certain:
         return None
-    advice = f"cut it off: {how.format(floor.cut_m)} (--cut-below 0 says that it is the statue's own)"
-    return MeshError("a statue alone", f"one of which {floor}", advice)
+    return _not_alone(f"of which {floor}", how, f"--cut-below {floor.cut_m:.3g}", "--cut-below 0")
+
+
+def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
+    """Why a body with z up, in metres, seems to have a wall or a second body on it; None where it does not (`how` as above)."""
+    other = attached_beside(vertices, faces)
+    if other is None:
+        return None
+    cut = f"--cut-beyond {other.azimuth_deg:.5g},{other.distance_m:.3g}"
+    return _not_alone(f"with {other}", how, cut, "--cut-beyond none")
+
+
+def _not_alone(what: str, how: str, cut: str, keep: str) -> MeshError:
+    advice = f"cut it off: {f'{how} {cut}'.strip()} ({keep} says that it is the statue's own)"
+    return MeshError("a statue alone", f"one {what}", advice)
 
 
 def doubts(vertices: Array, faces: Faces, how: str) -> tuple[str, ...]:
-    """All of this and what passes through itself elsewhere, in sentences (`how` as for `floor_attached`)."""
+    """All of this and what passes through itself elsewhere, in sentences (`how` as for `floor_refused`)."""
     pairs = crossings(vertices, faces)
-    refusals = floor_attached(vertices, faces, how), not_one_body(vertices, faces)
+    attached = floor_refused(attached_floor(vertices, faces), how) or other_attached(vertices, faces, how)
+    refusals = attached, not_one_body(vertices, faces)
     said = [str(each) for each in refusals if each is not None]
     if pairs.faces:
         said.append(

@@ -24,6 +24,8 @@ UNIT_M = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.02
 """Length of each unit in metres."""
 
 TALLEST_M = 50.0
+WIDEST = 2.0
+"""No statue's diagonal exceeds the tallest's height by more."""
 SHORTEST_M = 0.01
 """Heights outside these limits mean a wrong unit, not a statue."""
 
@@ -227,3 +229,26 @@ def must_be_one(mesh: RawMesh) -> None:
             " mesh prepare, which writes what it changed",
             place=mesh.source,
         )
+
+
+def must_have_thickness(mesh: RawMesh) -> None:
+    """Refuse a flat sheet before anything is made of it."""
+    extent = np.ptp(mesh.vertices, axis=0)
+    if extent.min() < 0.01 * extent.max():
+        size = " × ".join(f"{each:.4g}" for each in extent)
+        raise MeshError("a body", f"a flat sheet of {size} units", "scan it from all sides", place=mesh.source)
+
+
+def must_be_of_a_statue_s_size(mesh: RawMesh, unit: str | float | None) -> None:
+    """Refuse an absurd unit before the up axis is looked for: whichever it is, no statue has such a diagonal."""
+    if unit is None:
+        return
+    size = unit_length_m(unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
+        raise wrong_size(f"a body of {size:.4g} m from corner to corner with unit {unit}", mesh.source)
+
+
+def wrong_size(got: str, place: str) -> MeshError:
+    """The refusal of a statue of no statue's size."""
+    wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
+    return MeshError(wanted, got, "check the unit the scan was exported in", place)

@@ -9,21 +9,27 @@ from pathlib import Path
 import numpy as np
 
 from meshes import repair
-from meshes.attached import cut_below
+from meshes.attached import attached_floor, cut_below
+from meshes.beside import cut_beyond
 from meshes.decimation import Bounds, decimate
-from meshes.doubts import floor_attached, not_one_body
+from meshes.doubts import floor_refused, not_one_body, other_attached
 from meshes.errors import MeshError
 from meshes.hole_filling import base_rim, close_base, close_holes
-from meshes.intake import SHORTEST_M, TALLEST_M, read_mesh, unit_length_m
+from meshes.intake import (
+    SHORTEST_M,
+    TALLEST_M,
+    must_be_of_a_statue_s_size,
+    must_have_thickness,
+    read_mesh,
+    unit_length_m,
+    wrong_size,
+)
 from meshes.mesh import Array, RawMesh
 from meshes.orientation import find_orientation, turn_axis
 from meshes.processing_log import Change, ProcessingLog, change, measure
 from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 from meshes.topology import EdgeCount
-
-WIDEST = 2.0
-"""No statue's diagonal exceeds the tallest's height by more."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +56,8 @@ class Wanted:
     """What the caller knows of the scan: unit or true height, up axis; None is found (up) or refused (scale).
 
     `cut_below_m` above the lowest point is cut off (a floor scanned with the statue); 0: the lowest layer is the statue's own.
+    `cut_beyond`, an azimuth in degrees and a distance in metres along it from the file's origin, cuts off a wall or a second
+    body; an infinite distance says that all is the statue's own.
     """
 
     unit: str | float | None = None
@@ -57,6 +65,7 @@ class Wanted:
     up: str | None = None
     max_faces: int = 50_000
     cut_below_m: float | None = None
+    cut_beyond: tuple[float, float] | None = None
     limits: Limits = field(default_factory=Limits)
     bounds: Bounds = field(default_factory=Bounds)
 
@@ -100,8 +109,8 @@ def prepare(path: str | Path, wanted: Wanted | None = None) -> Prepared:
 def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     """Prepare a mesh already read; `suffix` tells whether its format fixes the unit (GLB and GLTF are in metres)."""
     state = Prepared(mesh, ProcessingLog(mesh.source))
-    _must_have_thickness(mesh)
-    _must_be_of_a_statue_s_size(mesh, wanted)
+    must_have_thickness(mesh)
+    must_be_of_a_statue_s_size(mesh, wanted.unit)
     state = _mended(state, wanted)
     state = _stood_up(state, wanted)
     rotation = state.rotation
@@ -118,23 +127,6 @@ def prepare_mesh(mesh: RawMesh, wanted: Wanted, suffix: str = "") -> Prepared:
     if wrong is not None:
         raise wrong.at(state.mesh.source)
     return replace(state, rotation=rotation)
-
-
-def _must_have_thickness(mesh: RawMesh) -> None:
-    """Refuse a flat sheet before anything is made of it."""
-    extent = np.ptp(mesh.vertices, axis=0)
-    if extent.min() < 0.01 * extent.max():
-        size = " × ".join(f"{each:.4g}" for each in extent)
-        raise MeshError("a body", f"a flat sheet of {size} units", "scan it from all sides", place=mesh.source)
-
-
-def _must_be_of_a_statue_s_size(mesh: RawMesh, wanted: Wanted) -> None:
-    """Refuse an absurd unit before the up axis is looked for: whichever it is, no statue has such a diagonal."""
-    if wanted.unit is None:
-        return
-    size = unit_length_m(wanted.unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
-    if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
-        raise _wrong_size(f"a body of {size:.4g} m from corner to corner with unit {wanted.unit}", mesh.source)
 
 
 def _mended(state: Prepared, wanted: Wanted) -> Prepared:
@@ -193,31 +185,38 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             place=state.mesh.source,
         )
     if not SHORTEST_M <= unit_m * height <= TALLEST_M:
-        raise _wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
+        raise wrong_size(f"{unit_m * height:.4g} m ({why})", state.mesh.source)
     log = state.log.scaled(unit_m)
     if unit_m != 1.0:
         log = log.and_changed(Change("scale", f"1 unit of the file is {unit_m:.6g} m: {why}", 1))
     return Prepared(state.mesh.moved(unit_m * state.mesh.vertices), log)
 
 
-def _wrong_size(got: str, place: str) -> MeshError:
-    wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
-    return MeshError(wanted, got, "check the unit the scan was exported in", place)
-
-
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
-    """What lies below the height of the cut taken off, with debris that hung on it; a floor that is still there is refused."""
+    """What was scanned with the statue cut off as asked, with debris that hung on it; what is still there is refused."""
+    mesh, beyond = state.mesh, wanted.cut_beyond
     if wanted.cut_below_m:
-        before = measure(state.mesh)
-        mesh = cut_below(state.mesh, wanted.cut_below_m)
-        what = f"the lowest {wanted.cut_below_m:g} m cut off, as asked"
-        state = Prepared(mesh, state.log.and_changed(change("cut", what, 1, before, measure(mesh))))
-        mesh, made = repair.drop_debris(mesh, wanted.limits.debris_area)
-        state = state if made is None else Prepared(mesh, state.log.and_changed(made))
-    attached = floor_attached(state.mesh.vertices, state.mesh.faces, "--cut-below {:.3g}")
-    if attached is not None and wanted.cut_below_m != 0.0:
+        state = _without(state, cut_below(mesh, wanted.cut_below_m), f"the lowest {wanted.cut_below_m:g} m")
+    if beyond is not None and np.isfinite(beyond[1]):
+        what = f"all farther than {beyond[1]:g} m towards {beyond[0]:g}°"
+        state = _without(state, cut_beyond(state.mesh, *beyond), what)
+    body = state.mesh.vertices, state.mesh.faces
+    floor = attached_floor(*body) if wanted.cut_below_m != 0.0 else None
+    attached = floor_refused(floor, "")
+    if attached is None and (beyond is None or np.isfinite(beyond[1])):
+        attached = other_attached(*body, "")
+    if attached is not None:
         raise attached.at(state.mesh.source)
+    if floor is not None:
+        said = f"{floor} (kept; --cut-below {floor.cut_m:.3g} cuts it off)"
+        state = Prepared(state.mesh, state.log.and_found(said))
     return state
+
+
+def _without(state: Prepared, mesh: RawMesh, what: str) -> Prepared:
+    log = state.log.and_changed(change("cut", f"{what} cut off, as asked", 1, measure(state.mesh), measure(mesh)))
+    mesh, made = repair.drop_debris(mesh, Limits.debris_area)
+    return Prepared(mesh, log if made is None else log.and_changed(made))
 
 
 def _closed(state: Prepared, wanted: Wanted) -> Prepared:

@@ -10,7 +10,20 @@ from typing import Annotated
 import typer
 
 from harness import cli as harness_cli
-from harness.command import FAILED, OK, Asked, Sampling, Saying, SceneFile, Target, command, guarded
+from harness.command import (
+    FAILED,
+    OK,
+    Asked,
+    Known,
+    Sampling,
+    Saying,
+    SceneFile,
+    Surroundings,
+    Target,
+    TextLayout,
+    command,
+    guarded,
+)
 from reports import cli_bench, cli_input, cli_record
 from reports.cli_result import OUT, Out, say_result
 
@@ -99,12 +112,19 @@ def run(
     app, None, "rockcheck assess scenes/paestum_pedestal.toml",
     "rockcheck assess scenes/paestum_pedestal.toml -e analytic -e pymunk --draws 20000 --seed 1",
     "rockcheck assess scenes/paestum_pedestal.toml --options scenes/options/paestum.toml",
+    "rockcheck assess statue.obj --motion quake.AT2 --height 1.80",
 )  # fmt: skip
 def assess(
-    scene: SceneFile,
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file (TOML), or a scan.", show_default=False)],
     asked: Asked,
     saying: Saying,
     sampling: Sampling,
+    known: Known,
+    around: Surroundings,
+    text: TextLayout,
+    motion_file: Annotated[
+        Path | None, typer.Option("--motion", metavar="FILE", help="Of a scan: the record that shakes it.")
+    ] = None,
     options: Annotated[
         Path | None,
         typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
@@ -126,6 +146,7 @@ def assess(
     record = assess_cli.run(
         scene, folder, asked, sampling, no_options=no_options, options=options,
         csv=csv, jobs=jobs, resume=resume, dask=dask, quiet=saying.silent,
+        scanned=assess_cli.Scanned(motion_file, known, around, text),
     )  # fmt: skip
     say_result(plain(record), summary(record), folder, saying)
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
+import io
+import re
 import statistics
 import subprocess
 import sys
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +19,10 @@ from tests import budgets
 PACKAGES = ("analytic", "meshes", "harness", "reports")
 ALONE = {"harness/bench/trivial.py"}
 """Small modules that must stand alone: the least compiled module, whose first call is timed in a process of its own."""
+
+REASONED = ("harness/engines/", "analytic/kernel/", "analytic/spatial/kernel/")
+"""Rooms whose every module has comments that say why."""
+DIRECTIVE = re.compile(r"#\s*(noqa|type:|fmt:|pragma)")
 
 
 def sources(root: Path) -> dict[str, str]:
@@ -70,6 +77,25 @@ def small_files(modules: dict[str, str]) -> set[str]:
     return {name for name in small if len(importers(modules, name)) < 2}
 
 
+def without_reasons(modules: dict[str, str], rooms: tuple[str, ...] = REASONED) -> set[str]:
+    """Modules of these rooms that hold code and no comment: of an equation, an assumption or a measurement."""
+
+    def is_reason(token: tokenize.TokenInfo) -> bool:
+        return token.type == tokenize.COMMENT and not DIRECTIVE.match(token.string)
+
+    return {
+        name
+        for name, text in modules.items()
+        if name.startswith(rooms)
+        and not all(isinstance(node, ast.Expr | ast.ImportFrom) for node in ast.parse(text).body)
+        if not any(map(is_reason, tokenize.generate_tokens(io.StringIO(text).readline)))
+    }
+
+
+def test_every_module_of_engines_and_kernels_gives_a_reason(product: dict[str, str]) -> None:
+    assert without_reasons(product) == set()
+
+
 def test_no_file_is_too_long(product: dict[str, str]) -> None:
     assert long_files(product) == {}
     assert statistics.median(text.count("\n") for text in product.values()) < budgets.MEDIAN_FILE_LINES
@@ -99,3 +125,12 @@ def test_what_is_over_a_limit_is_seen() -> None:
     assert set(long_functions(modules)) == {"room/a.py:f"}
     assert small_files(modules) == {"room/b.py", "room/c.py"}
     assert small_files(modules | {"room/d.py": "import room.c\n" * 30}) == {"room/b.py"}
+
+
+def test_a_module_without_a_reason_is_seen() -> None:
+    modules = {
+        "room/a.py": '"""A."""\nx = 1  # noqa: A\n',
+        "room/b.py": '"""B."""\nx = 1  # eq. 3\n',
+        "room/c.py": '"""C."""\n',
+    }
+    assert without_reasons(modules, ("room/",)) == {"room/a.py"}

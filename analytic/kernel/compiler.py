@@ -36,8 +36,10 @@ def _compiled(function: Callable[P, R], cache: bool, forceinline: bool) -> Calla
     config: Any = numba.config
     theirs = config.CACHE_DIR
     place = theirs or _home(Path(function.__code__.co_filename).resolve().parent)
+    # numba reads the folder when it is handed a function; the setting is the user's, and is put back.
     config.CACHE_DIR = str(place or "")
     try:
+        # A sweep's threads run at once (nogil); a division by nought gives infinity, without a branch for an exception.
         make: Any = numba.njit(
             cache=cache and bool(place), forceinline=forceinline, nogil=True, error_model="numpy", fastmath=FUSED
         )

@@ -50,6 +50,7 @@ def sine_cosine(angle: float) -> tuple[float, float]:
     c = (COSINE[0] + y * COSINE[1]) + y2 * ((COSINE[2] + y * COSINE[3]) + y2 * (COSINE[4] + y * COSINE[5]))
     half = 0.5 * y
     whole = 1.0 - half
+    # (1 − whole) − half is exactly what the rounding of 1 − y/2 lost (fdlibm, k_cos.c).
     sine, cosine = x + x * (y * s), whole + (((1.0 - whole) - half) + y2 * c)
     quadrant = int(turns) & 3
     if quadrant & 1:

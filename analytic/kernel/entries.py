@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from analytic.kernel.compiler import entry
 from analytic.kernel.integrator import run_one
-from analytic.kernel.records import Floats, Ints, Records
+from analytic.kernel.records import Floats, Records
 from analytic.kernel.track import sample_end
 
 
@@ -23,6 +23,7 @@ def run(
 ) -> None:
     """Run the one task, whose parameters are set, with the caller's arrays: base, records, output."""
     task = tasks[0]
+    # Addresses, not arrays: an array in a record would have the length with which it was laid out (memory.py).
     task.base.x, task.base.z, task.base.facets = base_x.ctypes.data, base_z.ctypes.data, facets_rad.ctypes.data
     task.base.n_facets = facets_rad.size
     x, z, output = task.motion_x.params, task.motion_z.params, task.output
@@ -44,8 +45,7 @@ def run_rows(
     bases: Records,
     start: int,
     stop: int,
-    outcomes: Ints,
-    ends_s: Floats,
+    states: Records,
     results: Records,
     counts: Records,
 ) -> None:
@@ -55,5 +55,4 @@ def run_rows(
         task.params, task.base = params[i], bases[i]
         task.motion_x.params, task.motion_z.params = motion_x[i], motion_z[i]
         run_one(task)
-        outcomes[i], ends_s[i] = task.state.outcome, task.state.time_s
-        results[i], counts[i] = task.results, task.counts
+        states[i], results[i], counts[i] = task.state, task.results, task.counts

@@ -16,6 +16,7 @@ from analytic.kernel.records import (
     MotionParams,
     Params,
     Results,
+    State,
     Task,
 )
 
@@ -31,7 +32,9 @@ def layout(record: type) -> np.dtype[np.void]:
     """The numpy record with the fields of a class of this module, each where a C compiler would put it."""
     hints = get_type_hints(record).items()
     return np.dtype(
-        [(name, *(_PLAIN[hint][1] if hint in _PLAIN else (layout(hint),))) for name, hint in hints], align=True
+        # align=True pads as the native format of `struct` does: `packing` then writes where this record is read.
+        [(name, *(_PLAIN[hint][1] if hint in _PLAIN else (layout(hint),))) for name, hint in hints],
+        align=True,
     )
 
 
@@ -49,6 +52,7 @@ TASK: Final = layout(Task)
 PARAMS: Final = layout(Params)
 MOTION_PARAMS: Final = layout(MotionParams)
 BASE: Final = layout(Base)
+STATE: Final = layout(State)
 RESULTS: Final = layout(Results)
 COUNTS: Final = layout(Counts)
 EVENT_ROW: Final = layout(EventRow)

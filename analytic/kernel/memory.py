@@ -48,6 +48,7 @@ def _event_row(typing_context: Any, address: Any, i: Any) -> Any:
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         address, i = arguments
+        # A record is known by its address: no row is copied, and a field that is written lands in the caller's table.
         offset = builder.mul(i, context.get_constant(types.int64, EVENT_ROW.itemsize))
         return builder.inttoptr(builder.add(address, offset), context.get_value_type(_EVENT_ROW))
 

@@ -22,6 +22,7 @@ MAX_ORDER: Final = 26
 """Highest order of a Taylor step; the finest local error that can be asked, 1e-17, takes 23 (`analytic.encode.order_for`)."""
 TERMS: Final = MAX_ORDER + 2
 """Room of a series: one term more than the order for X and Z, whose terms run ahead, and one for a sum by pairs of terms."""
+# The constant term has no inverse: 1 fills its place.
 INVERSE: Final[Floats] = 1.0 / np.maximum(np.arange(MAX_ORDER + 3), 1)
 """1/k, for the k-th term of a series."""
 Terms = Annotated[Floats, "TERMS doubles"]

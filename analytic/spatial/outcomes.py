@@ -17,6 +17,7 @@ from analytic.kernel.records import Records
 from analytic.spatial.body import Floats
 from analytic.spatial.kernel.codes import OVERTURNED
 from analytic.spatial.kernel.entries import run_rows
+from analytic.spatial.kernel.integrator import MOST
 from analytic.spatial.problem import Problem
 from analytic.spatial.solution import OUTCOMES
 from analytic.spatial.solver import prepare
@@ -54,12 +55,17 @@ class Outcomes:
 
 
 def outcomes(
-    problem: Problem, sweep: Mapping[str, ArrayLike], *, tolerance: float = TOLERANCE, threads: int | None = None
+    problem: Problem,
+    sweep: Mapping[str, ArrayLike],
+    *,
+    tolerance: float = TOLERANCE,
+    threads: int | None = None,
+    most_steps: int = MOST,
 ) -> Outcomes:
     """Run the problem for every set of a sweep: arrays by name (SWEEPABLE) that broadcast against each other.
 
-    threads: None for all cores; the result does not depend on it. Raises AnalyticInputError for unknown names and numbers that
-    cannot be run.
+    threads: None for all cores; the result does not depend on it. most_steps: after which a run is given up.
+    Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
     unknown = sorted(set(sweep) - set(SWEEPABLE))
     if unknown or not sweep:
@@ -74,13 +80,18 @@ def outcomes(
     size = math.prod(shape)
     task = prepare(problem, tolerance, None, math.inf, 0)
     task.memory["times"], task.memory["samples"] = task.times.ctypes.data, task.samples.ctypes.data
-    pieces = [slice(start, min(start + CHUNK, size)) for start in range(0, size, CHUNK)]
+    workers = threads or os.cpu_count() or 1
+    chunk = min(CHUNK, -(-size // workers)) or 1
+    pieces = [slice(start, min(start + chunk, size)) for start in range(0, size, chunk)]
+    # The kernel counts up to its own most: a run that may take fewer begins with the others counted.
+    before = MOST - min(most_steps, MOST)
+    task.run["steps"] = before
 
     def work(piece: slice) -> tuple[Records, Floats]:
         part = {name: values[piece] for name, values in flat.items()}
         return _run(task.run, task.memory, part, piece.stop - piece.start)
 
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         parts = list(pool.map(work, pieces))
     runs = np.concatenate([part[0] for part in parts])
     turns = np.concatenate([part[1] for part in parts])
@@ -92,7 +103,7 @@ def outcomes(
         peak_tilt_rad=runs["peak_tilt_rad"].reshape(shape),
         axis=axis.reshape(*shape, 3),
         impacts=runs["impacts"].reshape(shape),
-        steps=runs["steps"].reshape(shape),
+        steps=runs["steps"].reshape(shape) - before,
     )
 
 

@@ -45,7 +45,7 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
     if engine.capabilities.certifies or not options.stated:
-        return engine.simulate(scene, _first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
+        return engine.simulate(scene, first_level(engine.refinement_levels(scene), accuracy_rad, 1.0)[0], options)
     climb = _Climb(engine, scene, target_of(scene, accuracy_rad), engine.refinement_levels(scene), options)
     for settings in climb.order():
         if climb.ends_with(settings):
@@ -77,7 +77,7 @@ class _Climb:
         How far the last two runs were apart says how much finer the next must be.
         """
         refinement_levels = self.refinement_levels
-        index = _first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        index = first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
         while index < len(refinement_levels):
             yield refinement_levels[index]
             finest = refinement_levels[index].dt_s
@@ -209,7 +209,8 @@ class _Check:
         return self.stopped
 
 
-def _first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+def first_level(refinement_levels: tuple[Settings, ...], accuracy_rad: float, share: float) -> tuple[Settings, int]:
+    """The coarsest level that may be expected to err by no more than this share of the accuracy, rad, and its place."""
     for index, settings in enumerate(refinement_levels):
         if settings.expected_error_rad <= share * accuracy_rad:
             return settings, index

@@ -14,6 +14,7 @@ from harness.assess.by_model import MODEL, probability_of
 from harness.assess.clearance import clearance
 from harness.assess.compared import OPTION_DRAWS, compare
 from harness.assess.engine_runs import EngineRuns
+from harness.assess.in_space import SPACE, assess_in_space, shaken_across
 from harness.assess.inputs import Array, draw, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.options import Option, options_of
@@ -34,6 +35,9 @@ HALF_WIDTH: Final = 0.05
 """Half width to which a contact engine's probability is asked, at `LEVEL`."""
 MOST_RUNS: Final = 400
 """Engine runs after which an interval is told as it is."""
+SPACE_DIMENSIONS: Final = 3
+SPACE_STEPS: Final = 1_000_000
+"""Steps that the exact body may take in all, where it is asked beside the others: ten times those beside a single run."""
 BATCH: Final = 16
 """Runs between two looks at the interval."""
 
@@ -77,22 +81,23 @@ def assess(
         draws = min(draws, SLOW_DRAWS)
         values = draw(inputs, draws, seed)
     model = model_draws(scene, values)
-    own = probability_of(model)
+    across = shaken_across(scene)
+    own = probability_of(model, plane_only=across)
     answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
-    differences: dict[str, ProbabilityDifference] = {}
     fell: dict[str, Mapping[int, bool | None]] = {}
     with _campaign(store, pool) as (storage, campaign, workers):
         for name in filter(MODEL.__ne__, names):
-            if (reason := engines.load(name).missing()) is not None:
+            engine = engines.load(name)
+            if (reason := engine.missing()) is not None:
                 answers[name] = NotAssessed(reason)
                 continue
-            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
-            batch = max(BATCH, 2 * workers)
+            runs, batch = EngineRuns(scene, name, values, storage, campaign, on_progress), max(BATCH, 2 * workers)
             answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
-            answers[name], fell[name] = _of_engine(answer, draws), runs.fell
-            if own is not None:
-                differences[name] = _difference(own, answer)
+            plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+            answers[name], fell[name] = _of_engine(answer, draws, plane_only=plane_only), runs.fell
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
+    if SPACE not in answers and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
+        answers[SPACE] = space
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -100,8 +105,8 @@ def assess(
         uncertainty=inputs,
         assumed=not scene.uncertainty,
         seed=seed,
-        assessment={name: answers[name] for name in dict.fromkeys((*names, MODEL)) if name in answers},
-        difference_from_model=differences,
+        assessment={name: answers[name] for name in dict.fromkeys((*names, *answers)) if name in answers},
+        difference_from_model=_differences(answers),
         versions=versions(),
         machine=machine(),
         runs=counts,
@@ -154,12 +159,21 @@ def _by_model(
     return replace(record, fragility=fragility(scene, inputs, seed), indices=indices(scene, inputs, seed))
 
 
-def _of_engine(answer: Estimate, draws: int) -> Assessment:
+def _of_engine(answer: Estimate, draws: int, *, plane_only: bool) -> Assessment:
     undecided = answer.undecided / answer.runs if answer.runs else 0.0
-    return Assessment(answer.probability, answer.low, answer.high, answer.level, draws, answer.runs, undecided)
+    return Assessment(
+        answer.probability, answer.low, answer.high, answer.level, draws, answer.runs, undecided, plane_only
+    )
 
 
-def _difference(own: Assessment, answer: Estimate) -> ProbabilityDifference:
-    """The model's probability less the engine's: both from the same draws, so that only the engine's sampling is left."""
+def _differences(answers: Mapping[str, Assessment | NotAssessed | None]) -> dict[str, ProbabilityDifference]:
+    """The model's probability less each other's on the same draws: only the sampling of the other is left."""
+    own = answers[MODEL]
+    if not isinstance(own, Assessment):
+        return {}
     p = own.probability_overturned
-    return ProbabilityDifference(p - answer.probability, p - answer.high, p - answer.low, answer.level)
+    others = {name: item for name, item in answers.items() if name != MODEL and isinstance(item, Assessment)}
+    return {
+        name: ProbabilityDifference(p - item.probability_overturned, p - item.high, p - item.low, item.level)
+        for name, item in others.items()
+    }

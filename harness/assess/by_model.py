@@ -1,9 +1,10 @@
-"""The analytic model's own probability, beside every single run."""
+"""The probability beside every single run: the analytic model's, and in three dimensions the exact body's."""
 
 from __future__ import annotations
 
 from typing import Final
 
+from harness.assess.in_space import SPACE, assess_in_space, shaken_across
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.stratified import LEVEL
@@ -16,20 +17,28 @@ RUN_DRAWS: Final = 10_000
 """Draws beside every single run: ± 0.8 % at a half, in half a second for a harmonic motion of 10 s."""
 
 
-def assess_model(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> Assessment | None:
-    """The analytic model's own probability; None where nothing of the scene is uncertain, or it begins from a pose in space."""
+def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[str, Assessment]:
+    """The analytic model's own probability, and the exact body's where the scene is shaken across its rocking plane.
+
+    Empty where nothing of the scene is uncertain, or it begins from a pose in space.
+    """
     inputs = uncertain_inputs(scene)
     if not inputs or scene.initial.pose is not None:
-        return None
+        return {}
     values = draw(inputs, draws, seed)
     if not sweepable(scene, values):
         values = draw(inputs, min(draws, SLOW_DRAWS), seed)
-    return probability_of(model_draws(scene, values))
+    own = probability_of(model_draws(scene, values), plane_only=shaken_across(scene))
+    answers = {MODEL: own, SPACE: assess_in_space(scene, values)}
+    return {name: answer for name, answer in answers.items() if answer is not None}
 
 
-def probability_of(model: ModelDraws) -> Assessment | None:
+def probability_of(model: ModelDraws, *, plane_only: bool = False) -> Assessment | None:
+    """The share of the model's draws that overturn, with its interval; None without draws."""
     size = model.overturned.size
     share = wilson(int(model.overturned.sum()), size, LEVEL)
     if share is None:
         return None
-    return Assessment(share.value, share.low, share.high, LEVEL, size, size, 1.0 - float(model.decided.mean()))
+    return Assessment(
+        share.value, share.low, share.high, LEVEL, size, size, 1.0 - float(model.decided.mean()), plane_only
+    )

@@ -11,8 +11,9 @@ from typing import Final
 import numpy as np
 
 from harness.assess.bodies import sliding
+from harness.assess.in_space import shaken_across
 from harness.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
-from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, joined, model_draws, sweepable
+from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, joined, model_draws, repeated, sweepable
 from harness.assess.options import Option
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import varied
@@ -59,7 +60,8 @@ def compare(
     for option in options:
         if (other := others[option.name]) is not None:
             answers.append(_answer(option.name, option.what, option.source, other, own))
-    return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out))
+    across = shaken_across(scene)
+    return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
 
 
 def option_draws(
@@ -107,22 +109,15 @@ def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int
     A free body on the floor lifts at g b/h and slides at g μ, whichever comes first (Ishiyama 1982); the model of one body
     knows no sliding.
     """
-    rocking = _repeated(model_draws(other, values), size)
+    rocking = repeated(model_draws(other, values), size)
     if not slides:
         return rocking
     static = np.broadcast_to(values.get("contact.floor", scene.contact.floor_static), size)
     least = math.tan(min(other.statue.slenderness_rad(side) for side in (1, -1)))
-    path, slips = _repeated(model_draws(sliding(other), values), size), static < least
+    path, slips = repeated(model_draws(sliding(other), values), size), static < least
     return ModelDraws(
         *(np.where(slips, getattr(path, name), getattr(rocking, name)) for name in ModelDraws.__dataclass_fields__)
     )
-
-
-def _repeated(draws: ModelDraws, size: int) -> ModelDraws:
-    """One answer for all draws where nothing that is drawn touches it."""
-    if draws.overturned.size == size:
-        return draws
-    return ModelDraws(*(np.repeat(getattr(draws, name), size) for name in ModelDraws.__dataclass_fields__))
 
 
 def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:

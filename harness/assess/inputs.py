@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
+from harness.assess.variation import file_scale
 from harness.model.assumed import assumption
 from harness.model.scene import Scene, Uncertain
 
@@ -20,16 +21,18 @@ LEAST_SHARE: Final = 1e-3
 
 
 def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
-    """The scene's own `[uncertainty]`, or the assumed one: friction, strength and, of a harmonic motion, frequency."""
+    """The scene's own `[uncertainty]`, or the assumed one: friction on the floor, strength and a harmonic motion's frequency."""
     if scene.uncertainty:
         return tuple(scene.uncertainty)
     assumed = [] if scene.pedestal is None else [_assumed("contact.floor", scene.contact.floor_static)]
     axes = {"x": scene.base_excitation.x, "y": scene.base_excitation.y, "z": scene.base_excitation.z}
     if not all(isinstance(item, ZeroExcitation) for item in axes.values()):
-        assumed.append(_assumed("motion.scale", 1.0))
+        assumed.append(_assumed("motion.scale", file_scale(scene)))
     for axis, item in axes.items():
         if isinstance(item, Harmonic):
             assumed.append(_assumed(f"motion.{axis}.frequency_hz", item.frequency_hz))
+    if scene.pedestal is None and assumed:
+        assumed.append(_assumed("contact.statue", scene.contact.statue))
     return tuple(item for item in assumed if item.value > 0.0)
 
 
@@ -42,7 +45,42 @@ def _assumed(key: str, value: float) -> Uncertain:
 
 def draw(inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:
     """Values (count,) of every input by its key; more draws of one seed begin with the same values."""
-    return {item.key: _values(item, count, np.random.default_rng([seed, k])) for k, item in enumerate(inputs)}
+    linked = {name for group in groups(inputs) if len(group) > 1 for name in group}
+    values: dict[str, Array] = {}
+    scores: dict[str, Array] = {}
+    for k, item in enumerate(inputs):
+        random = np.random.default_rng([seed, k])
+        if item.key not in linked:
+            values[item.key] = _values(item, count, random)
+            continue
+        own = random.standard_normal(count)
+        other = scores.get(item.correlated_with or "")
+        scores[item.key] = own if other is None else item.rho * other + math.sqrt(1.0 - item.rho**2) * own
+        values[item.key] = _of_score(item, scores[item.key])
+    return values
+
+
+def groups(inputs: Sequence[Uncertain]) -> list[list[str]]:
+    """The keys that depend on each other, each group independent of all others."""
+    by_key: dict[str, list[str]] = {}
+    for item in inputs:
+        by_key[item.key] = by_key.get(item.correlated_with or "", [])
+        by_key[item.key].append(item.key)
+    return [group for key, group in by_key.items() if group[0] == key]
+
+
+def _of_score(item: Uncertain, score: Array) -> Array:
+    """The input at normal scores (n,): the same distribution as `_values` draws, by its quantiles."""
+    from scipy.special import ndtr, ndtri
+
+    if item.kind == "lognormal":
+        return np.asarray(item.value * np.exp(math.sqrt(math.log1p(item.width**2)) * score))
+    least = LEAST_SHARE * item.value if item.value > 0.0 else -math.inf
+    if item.kind == "uniform":
+        low = max(item.value - item.width, least)
+        return np.asarray(low + (item.value + item.width - low) * ndtr(score))
+    cut = ndtr((least - item.value) / item.width)
+    return np.asarray(item.value + item.width * ndtri(cut + (1.0 - cut) * ndtr(score)))
 
 
 def _values(item: Uncertain, count: int, random: np.random.Generator) -> Array:

@@ -94,9 +94,17 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     height = sweep.get("centroid_height_m", scene.statue.centroid_height_m)
     left = sweep.get("corner_left_m", scene.statue.corner_left_m)
     alpha = np.arctan(np.minimum(left, sweep.get("corner_right_m", scene.statue.corner_right_m)) / height)
-    return ModelDraws(
+    answers = ModelDraws(
         np.asarray(stands | over, dtype=bool), np.asarray(over), swept.peak_theta_rad / alpha, swept.peak_slip_m
     )
+    return repeated(answers, len(next(iter(draws.values()), (0,))))
+
+
+def repeated(draws: ModelDraws, size: int) -> ModelDraws:
+    """One answer for all draws where nothing that is drawn touches it."""
+    if draws.overturned.size == size:
+        return draws
+    return ModelDraws(*(np.repeat(getattr(draws, name), size) for name in ModelDraws.__dataclass_fields__))
 
 
 def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
@@ -114,6 +122,7 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
         return {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}
-    if key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic):
+    if key == "contact.statue" or (key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic)):
+        # The planar statue neither slips nor moves across its plane.
         return {}
     return None

@@ -8,8 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.assess.inputs import draw
+from harness.assess.inputs import draw, groups
 from harness.assess.model_draws import model_draws
+from harness.assess.variation import file_scale
 from harness.model.scene import Scene, Uncertain
 from harness.records.assess import FragilityRecord, Index
 
@@ -30,17 +31,11 @@ OTHER_SEED: Final = 1_000_003
 def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord:
     """Probability of overturning by a factor on all axes together, and the factors at which it is 5, 16 and 50 %."""
     draws = draw(inputs, FRAGILITY_DRAWS, seed)
-    own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, _scale_of(inputs, scene)))
+    own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, file_scale(scene)))
     probability = [model_draws(scene, {**draws, "motion.scale": own * factor}).probability for factor in FACTORS]
     rising = np.maximum.accumulate(np.nan_to_num(probability))
     at = {f"{asked:.2f}": _crossing(rising, asked) for asked in ASKED}
     return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, at)
-
-
-def _scale_of(inputs: Sequence[Uncertain], scene: Scene) -> float:
-    from harness.assess.variation import file_scale
-
-    return next((item.value for item in inputs if item.key == "motion.scale"), file_scale(scene))
 
 
 def _crossing(rising: Array, asked: float) -> float | None:
@@ -58,6 +53,7 @@ def _crossing(rising: Array, asked: float) -> float | None:
 def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Index]:
     """First and total variance-based index of every input for whether the statue overturns (Saltelli 2010, Jansen 1999).
 
+    Inputs that correlate have one index together: only groups that are independent divide the variance.
     The first is the share of the variance that goes when this input is known; the total the share that stays when all others are.
     """
     a, b = draw(inputs, INDEX_DRAWS, seed), draw(inputs, INDEX_DRAWS, seed + OTHER_SEED)
@@ -66,11 +62,11 @@ def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, I
     if variance == 0.0:
         return {}
     result = {}
-    for item in inputs:
-        fell = _fell(scene, {**a, item.key: b[item.key]})
+    for group in groups(inputs):
+        fell = _fell(scene, {**a, **{key: b[key] for key in group}})
         first = 1.0 - float(np.mean((fell_b - fell) ** 2)) / (2.0 * variance)
         total = float(np.mean((fell_a - fell) ** 2)) / (2.0 * variance)
-        result[item.key] = Index(first, total)
+        result[" with ".join(group)] = Index(first, total)
     return result
 
 

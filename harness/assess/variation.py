@@ -31,7 +31,7 @@ def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def _direct(scene: Scene, key: str) -> bool:
-    if key in ("contact.floor", "motion.scale"):
+    if key in ("contact.floor", "contact.statue", "motion.scale"):
         return True
     parts = key.split(".")
     if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
@@ -44,6 +44,8 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
         kinetic = scene.contact.floor_kinetic * factor
         return scene.but(contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
+    if key == "contact.statue":
+        return scene.but(contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation
     if key == "motion.scale":
         factor = value / file_scale(scene)

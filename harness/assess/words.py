@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import Final
 
 from harness.assess.options import FLOOR, TURNED
-from harness.records.assess import Assessment, AssessRecord, ClearanceRecord, OptionAnswer, OptionsRecord, percent
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    ClearanceRecord,
+    FragilityRecord,
+    OptionAnswer,
+    OptionsRecord,
+    percent,
+)
 
 CLEAR: Final = 0.95
 """Share of the standing draws whose clearance is told in a sentence."""
@@ -25,6 +33,8 @@ def summary(record: AssessRecord) -> str:
         lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
     if record.options is not None:
         lines += [f"  {line}" for line in advice(record.options)]
+    if record.fragility is not None:
+        lines.append(f"  {reserve(record.fragility, record.plane_only)}")
     if record.clearance is not None:
         lines.append(f"  {room(record.clearance)}")
     if record.runs is not None and record.runs.computed < record.runs.wanted:
@@ -32,6 +42,20 @@ def summary(record: AssessRecord) -> str:
             f"  {record.runs.wanted - record.runs.computed} of {record.runs.wanted} engine runs found in the store"
         )
     return "\n".join(lines)
+
+
+def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
+    """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
+    reached = {percent(float(asked)): factor for asked, factor in item.factor_at.items() if factor is not None}
+    each = _listed([f"{asked} % at {factor:.2f} times" for asked, factor in reached.items()])
+    if plane_only:
+        return (
+            f"In the rocking plane alone a fall is as probable as {each or '5 % at no strength tried'} today's shaking."
+        )
+    if not reached:
+        return f"Reserve: at {item.factor[-1]:g} times today's shaking a fall is still less probable than 5 %."
+    first = next(iter(reached.values()))
+    return f"{'Reserve' if first > 1.0 else 'No reserve'}: a fall is as probable as {each} today's shaking."
 
 
 def room(item: ClearanceRecord) -> str:
@@ -48,6 +72,8 @@ def advice(record: OptionsRecord) -> list[str]:
     """The recommendation first, then what would harm, then the paper's claim on this statue's pedestal."""
     helping = sorted(record.helping, key=_rank)
     sentences = [_recommended(record, helping) if helping else _nothing(record)]
+    if record.plane_only:
+        sentences.append("Options are compared in the rocking plane: the shaking across it is in none of them.")
     if record.harming:
         names = _listed([item.name for item in record.harming])
         sentences.append(f"A fall becomes more probable with: {names}.")
@@ -73,7 +99,7 @@ def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
 
 
 def _nothing(record: OptionsRecord) -> str:
-    if record.as_it_is.high < 0.01:
+    if record.as_it_is.high < 0.01 and not record.plane_only:
         return "Nothing need be done against a fall: none of these options makes it less probable."
     return "Nothing is recommended: none of these options is shown to make a fall less probable."
 

@@ -6,11 +6,10 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
+from typing import Any, Protocol
 
 from harness.campaign.runner import Crash, Pool
 from harness.campaign.serialization import Packed, packed
-from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
 
@@ -18,6 +17,16 @@ OnProgress = Callable[[int, int], None]
 """Hears how many tasks are done, and how many there are to do."""
 Order = tuple[str, Callable[[Any], Answer], Any]
 """What travels of a task: its key, its function, and the function's argument."""
+
+
+class Results(Protocol):
+    """Where results are kept by their keys: rows (`store.Store`), or columns of very many (`column_store.ColumnStore`)."""
+
+    def keys(self) -> set[str]:
+        """All keys that have a result."""
+
+    def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
+        """Keep packed results, whole or not at all; `clock_s` is the time by the clock since the results before."""
 
 
 def silent(done: int, total: int) -> None:
@@ -69,7 +78,7 @@ class Campaign:
 
     def __init__(
         self,
-        store: Store,
+        store: Results,
         pool: Pool,
         on_progress: OnProgress = silent,
         sizes: Mapping[str, int] | None = None,
@@ -132,7 +141,7 @@ class Campaign:
                 yield task
                 continue
             # What costs nothing is not counted: the rate at which the others finish tells the time that is left.
-            self._expected -= 1
+            self._expected -= task.runs
 
     def _keep(self, batch: Sequence[Task], result: Finished) -> None:
         if not batch[0].key:
@@ -144,9 +153,11 @@ class Campaign:
         self._store.add([item for item in result.answers if isinstance(item, Packed)], now_s - self._clock_s)
         self._clock_s = now_s
         self.latest = batch[-1]
-        self.computed += len(batch)
+        runs = sum(task.runs for task in batch)
+        self.computed += runs
         self.failed += result.failed
-        self.usage.note(len(batch), result.busy_s, result.outside_s)
+        outside_s = [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
+        self.usage.note(runs, result.busy_s, outside_s)
         self._say_progress()
 
     def _say_progress(self) -> None:
@@ -157,5 +168,5 @@ def _lost(task: Task, crash: Crash) -> Finished:
     """What a task gives whose worker died."""
     answer = task.lost(task.argument, crash)
     if answer is None:
-        return Finished((), 1, 0.0, ())
+        return Finished((), task.runs, 0.0, ())
     return Finished([packed(task.key, answer) if task.key else answer], 1, 0.0, ())

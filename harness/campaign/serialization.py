@@ -39,11 +39,12 @@ def unpack(data: bytes, columns: int, samples: int) -> Array:
 
 @dataclass(frozen=True)
 class Packed:
-    """One result as the store takes it: its row, the seconds that it took, its history as names, samples, bytes and checksum."""
+    """One result as the store takes it: its row, the seconds that it took, its history with its checksum; or a table."""
 
     columns: tuple[str, str, str, int, int]
     seconds: float
     history: tuple[str, int, bytes, int] | None
+    table: bytes = b""
 
     @property
     def key(self) -> str:
@@ -69,7 +70,7 @@ def packed(key: str, answer: Answer) -> Packed:
     row = key, answer.kind, text, has_history
     columns = (*row, record_sum(*row))
     if answer.history is None:
-        return Packed(columns, answer.seconds, None)
+        return Packed(columns, answer.seconds, None, answer.table)
     table = answer.history.columns()
     row_of_history = ",".join(table), answer.history.t_s.size, pack(np.stack(list(table.values())))
     return Packed(columns, answer.seconds, (*row_of_history, history_sum(key, *row_of_history)))

@@ -21,7 +21,8 @@ RUN = "run"
 class Answer:
     """What a task's function gives back: its record as plain values, and the history that belongs to it.
 
-    `seconds` is what the result is said to have cost, `inside_s` the part of the task's time that is no overhead.
+    `seconds` is what the result is said to have cost, `inside_s` the part of the task's time that is no overhead, `failed` the
+    number of its runs that failed; `table` holds the columns of many runs, as `column_store.as_bytes` writes them.
     """
 
     kind: str
@@ -29,7 +30,8 @@ class Answer:
     seconds: float
     history: History | None = None
     inside_s: float = 0.0
-    failed: bool = False
+    failed: int = 0
+    table: bytes = b""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Task:
     """One thing to compute: a function of a module and its argument, both of which travel to a worker.
 
     `key` names the result in the store; without one it is not kept. Neighbours of one `group` may go to a worker together.
-    `lost` makes the answer of a task whose worker died; None: there is none, and nothing is kept.
+    `lost` makes the answer of a task whose worker died; None: there is none, and nothing is kept. It counts as so many `runs`.
     """
 
     key: str
@@ -45,6 +47,7 @@ class Task:
     argument: Any
     group: str = ""
     lost: Callable[[Any, Crash], Answer | None] = lambda argument, crash: None
+    runs: int = 1
 
 
 def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:

@@ -14,7 +14,7 @@ from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Pattern, Run
-from harness.model.scene import OVERTURN_RAD, Scene
+from harness.model.scene import OVERTURN_RAD, BaseExcitation, Scene
 
 if TYPE_CHECKING:
     from analytic import Block, CommonKeywords, Form, Pedestal, Solution, Wall
@@ -62,7 +62,7 @@ class TwoBlock(Engine):
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """A hundredth of the aimed error, and short steps."""
-        accuracy = _own(settings).accuracy_rad
+        accuracy = own(settings).accuracy_rad
         return (
             TwoBlockSettings(0.0, accuracy, 0.01 * accuracy),
             TwoBlockSettings(VERIFICATION_STEP_S, accuracy, accuracy, VERIFICATION_STEP_S),
@@ -72,7 +72,7 @@ class TwoBlock(Engine):
         """Compute the scene and certify the numbers; raises EngineFailure when the model refuses the scene."""
         from analytic import AnalyticInputError, certify, simulate
 
-        chosen = _own(settings)
+        chosen = own(settings)
         keep = options.history or not options.allows("no_history")
         given: CommonKeywords = {
             **keywords(scene),
@@ -84,6 +84,7 @@ class TwoBlock(Engine):
         start = time.perf_counter()
         motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
         try:
+            # Certifying takes further runs: none where nobody asks what the numbers are worth.
             if not options.stated:
                 bare: CommonKeywords = {**given, "events": keep}
                 single = simulate(*motion, accuracy_rad=chosen.accuracy_rad, step_cap_s=chosen.step_cap_s, **bare)
@@ -107,7 +108,8 @@ class TwoBlock(Engine):
         )
 
 
-def _own(settings: Settings) -> TwoBlockSettings:
+def own(settings: Settings) -> TwoBlockSettings:
+    """Settings as those of this engine."""
     if isinstance(settings, TwoBlockSettings):
         return settings
     return TwoBlockSettings(settings.dt_s, settings.expected_error_rad)
@@ -197,7 +199,8 @@ def _ratio(after: float, before: float) -> float:
     return after / before if before != 0.0 else 0.0
 
 
-def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
+def skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
+    """What a run left out, and why nothing is lost by it, in sentences; `keep`: its history was asked."""
     work, messages = solution.work, []
     if work.skipped_s > 0.0:
         messages.append(
@@ -215,13 +218,15 @@ def _skipped(solution: Solution, keep: bool) -> tuple[str, ...]:
     return tuple(messages)
 
 
-def _warnings(scene: Scene) -> tuple[str, ...]:
-    if isinstance(scene.base_excitation.y, ZeroExcitation):
+def left_out(motion: BaseExcitation) -> tuple[str, ...]:
+    """What of a motion the model cannot be given, in sentences."""
+    if isinstance(motion.y, ZeroExcitation):
         return ()
     return ("The model is planar: the motion across the rocking plane is left out.",)
 
 
-def _settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
+def stated_settings(settings: TwoBlockSettings) -> Mapping[str, Any]:
+    """The settings as a run states them: what is not in use is left out."""
     plain = settings.as_dict()
     return {name: value for name, value in plain.items() if np.isfinite(value) and (name != "dt_s" or value > 0.0)}
 
@@ -233,7 +238,7 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
         engine=TwoBlock.name,
         outcome=Outcome(solution.outcome.value),
         history=_history(solution) if keep else None,
-        settings=_settings(settings),
+        settings=stated_settings(settings),
         steps=work.steps,
         wall_s=wall_s,
         peak_theta_rad=solution.peak_theta_rad,
@@ -248,6 +253,6 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
         patterns=tuple(Pattern(item.start_s, item.end_s, item.pattern) for item in solution.patterns),
         validity=_validity(scene, solution),
         work={"taylor_coefficients": work.taylor_coefficients, "events": work.events, "impacts": work.impacts},
-        skipped=_skipped(solution, keep),
-        warnings=_warnings(scene),
+        skipped=skipped(solution, keep),
+        warnings=left_out(scene.base_excitation),
     )

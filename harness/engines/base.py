@@ -76,6 +76,7 @@ def near(levels: Sequence[tuple[float, ...]], dt_s: float) -> tuple[float, ...]:
     """Numbers of the level whose step is nearest to `dt_s`, for that step: its expected error, the last of them, goes with the
     step, the first.
     """
+    # On a logarithmic scale: levels follow each other by factors.
     level_s, *between, error_rad = min(levels, key=lambda level: abs(math.log(level[0] / dt_s)))
     return (dt_s, *between, error_rad * dt_s / level_s)
 

@@ -97,8 +97,7 @@ def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str)
     from meshes.intake import read_mesh, to_metres_z_up
 
     mesh = to_metres_z_up(read_mesh(file), unit, up)
-    name = str(file).replace("{", "{{").replace("}", "}}")
-    how = f"rockcheck mesh prepare {name} --unit {unit} --up {up} --out statue.ply --cut-below {{:.3g}}"
+    how = f"rockcheck mesh prepare {file} --unit {unit} --up {up} --out statue.ply"
     return doubts(mesh.vertices, mesh.faces, how)
 
 

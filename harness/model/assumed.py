@@ -24,6 +24,7 @@ ASSUMPTIONS: Final = (
         0.15,
         "repeated sliding of one pair of dry stones scatters by 10 to 20 % of its mean",
     ),
+    Assumption("contact.statue", "lognormal", 0.15, "as for contact.floor"),
     Assumption(
         "motion.scale", "lognormal", 0.10, "how far a strength is known once a record or a peak has been chosen"
     ),

@@ -16,7 +16,10 @@ from harness.records.validation import RunCounts
 
 @dataclass(frozen=True)
 class Assessment:
-    """One model's probability of overturning over the draws; `undecided` is the share that came to no end, or failed."""
+    """One model's probability of overturning over the draws; `undecided` is the share that came to no end, or failed.
+
+    `plane_only`: the scene is shaken across the rocking plane too, of which this model knows nothing.
+    """
 
     probability_overturned: float
     low: float
@@ -25,6 +28,7 @@ class Assessment:
     draws: int
     engine_runs: int
     undecided: float = 0.0
+    plane_only: bool = False
 
     @property
     def most(self) -> float:
@@ -38,7 +42,8 @@ class Assessment:
             return "may fall or stand: the model comes to no end in anything that may be true"
         low, high = percent(self.low), percent(self.high)
         said = f"falls in {percent(self.probability_overturned)} % of what may be true ({low} to {high} %)"
-        return said + (f", and in {percent(self.undecided)} % the model comes to no end" if self.undecided else "")
+        said += f", and in {percent(self.undecided)} % the model comes to no end" if self.undecided else ""
+        return said + (", the shaking across its plane left out" if self.plane_only else "")
 
 
 def percent(share: float) -> str:
@@ -110,13 +115,17 @@ class OptionAnswer:
 
 @dataclass(frozen=True)
 class OptionsRecord:
-    """Options on common draws, the scene as it is first; `left_out` says why others are not there."""
+    """Options on common draws, the scene as it is first; `left_out` says why others are not there.
+
+    `plane_only`: the scene is shaken across the rocking plane too, of which these answers know nothing.
+    """
 
     options: Sequence[OptionAnswer]
     draws: int
     level: float
     difference_level: float
     left_out: Mapping[str, str]
+    plane_only: bool = False
 
     @property
     def as_it_is(self) -> OptionAnswer:
@@ -176,3 +185,8 @@ class AssessRecord(Record):
     def answers(self) -> dict[str, Assessment]:
         """The assessments of the models that gave one."""
         return {name: item for name, item in self.assessment.items() if isinstance(item, Assessment)}
+
+    @property
+    def plane_only(self) -> bool:
+        """Whether the analytic model, and so all that it alone answers, leaves a part of the shaking out."""
+        return any(item.plane_only for item in self.answers.values())

@@ -25,7 +25,15 @@ PAGES: Final = ("report.html", "conservator.html")
 KINDS: Final = (
     "run", "assess", "study", "effects3d", "rocking_spectrum", "bench", "stress", "validation", "tosses", "compare"
 )  # fmt: skip
-UNFINISHED: Final = ("store.sqlite", "store.sqlite-wal", "store.sqlite-shm", "searches.jsonl", "parts", "replay")
+UNFINISHED: Final = (
+    "store.sqlite",
+    "store.sqlite-wal",
+    "store.sqlite-shm",
+    "searches.jsonl",
+    "parts",
+    "replay",
+    "outcomes",
+)
 """What stands in a folder before its first record is whole, and"""
 INSPECTED: Final = ("motion.png", "motion.json")
 """what an inspected motion leaves there: neither makes a folder another's."""

@@ -16,6 +16,7 @@ from harness.model.shown import Shown, new_axes
 from harness.records.base import Plain, Record, Table, plain
 from harness.records.scene import SceneRecord
 from harness.records.sets import SetScores
+from harness.records.study_files import ExportRecord, TableRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -188,14 +189,6 @@ class Panel:
     curves: Mapping[str, Mapping[str, Curve]]
 
 
-@dataclass(frozen=True)
-class ExportRecord:
-    """The file of all rows that this study wrote, and its checksum."""
-
-    file: str
-    sha256: str
-
-
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class StudyRecord(Record, Shown):
     """`result.json` of `rockcheck study`."""
@@ -219,6 +212,7 @@ class StudyRecord(Record, Shown):
     headline: Mapping[str, str] | None = field(default=None, metadata=OMITTED)
     panels: Sequence[Panel] | None = field(default=None, metadata=OMITTED)
     rows: Sequence[StudyRow]
+    table: TableRecord | None = field(default=None, metadata=OMITTED)
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
     files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 

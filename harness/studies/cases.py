@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -94,19 +93,27 @@ def put(content: dict[str, JsonValue], key: str, value: Value) -> None:
         table[last] = value
 
 
-def expand(study: StudyFile, base: Base) -> Iterator[Case]:
-    """All cases of a study in a fixed order: axes in the file's order, samples innermost, variants last."""
+def expand(study: StudyFile, base: Base, numbers: range | None = None) -> Iterator[Case]:
+    """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
     axes = [_values(item) for item in study.vary]
     draws = _draws(study.scatter, base, study.samples, study.seed)
-    number = itertools.count()
-    for indices in itertools.product(*(range(len(values)) for values in axes)):
-        point = {item.key: axes[axis][i] for axis, (item, i) in enumerate(zip(study.vary, indices, strict=True))}
-        for sample, drawn in enumerate(draws):
-            varied = {**point, **drawn}
-            for variant in study.variant:
-                setting = {**varied, **_also(study.vary, varied), **variant.set}
-                place = (*indices, sample)
-                yield Case(next(number), variant.name, tuple(variant.engines), varied, setting, place)
+    sizes = [*(len(values) for values in axes), study.samples, len(study.variant)]
+    for number in range(math.prod(sizes)) if numbers is None else numbers:
+        *indices, sample, of_variant = place_of(number, sizes)
+        point = {item.key: values[i] for item, values, i in zip(study.vary, axes, indices, strict=True)}
+        varied = {**point, **{key: float(values[sample]) for key, values in draws.items()}}
+        variant = study.variant[of_variant]
+        setting = {**varied, **_also(study.vary, varied), **variant.set}
+        yield Case(number, variant.name, tuple(variant.engines), varied, setting, (*indices, sample))
+
+
+def place_of(number: int, sizes: Sequence[int]) -> list[int]:
+    """Indices along axes of these sizes, the last varying fastest."""
+    place = []
+    for size in reversed(sizes):
+        number, index = divmod(number, size)
+        place.append(index)
+    return place[::-1]
 
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:
@@ -131,13 +138,11 @@ def _values(item: Vary) -> Sequence[Value]:
     return [float(f"{value:.12g}") for value in space(item.start, item.stop, item.count)]
 
 
-def _draws(scatter: Sequence[Scatter], base: Base, samples: int, seed: int) -> list[dict[str, float]]:
-    """The drawn values of every sample; each key has a stream of its own, so that adding one changes no other."""
-    columns = {}
-    for item in scatter:
-        stream = np.random.default_rng([seed, *item.key.encode()])
-        columns[item.key] = _drawn(item, base, stream, samples)
-    return [{key: float(values[i]) for key, values in columns.items()} for i in range(samples)]
+def _draws(scatter: Sequence[Scatter], base: Base, samples: int, seed: int) -> dict[str, NDArray[np.float64]]:
+    """The drawn values (samples,) of every key; each has a stream of its own, so that adding one changes no other."""
+    return {
+        item.key: _drawn(item, base, np.random.default_rng([seed, *item.key.encode()]), samples) for item in scatter
+    }
 
 
 def _drawn(item: Scatter, base: Base, stream: np.random.Generator, samples: int) -> NDArray[np.float64]:

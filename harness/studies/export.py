@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,20 +13,25 @@ from harness.model.errors import InputError, Mistake
 from harness.model.run import impacts
 from harness.records.result_folder import writing
 from harness.records.study import Value
+from harness.studies.column_rows import ColumnRows
 
+GROUP: Final = 16_384
+"""Rows of a row group."""
 FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
 """Beginnings of a text that spreadsheets take for a formula, their wide forms of East Asian keyboards among them."""
 
 
-def export_csv(store: Store, study: str, path: Path) -> int:
-    """Write a study's rows as CSV (one line per case and engine); returns how many."""
-    lines = [flat(row) for row in store.rows(study)]
-    names = list(dict.fromkeys(name for line in lines for name in line))
+def export_csv(store: Store | ColumnRows, study: str, path: Path) -> int:
+    """Write a study's rows as CSV (one line per case and engine), read twice and never held; returns how many."""
+    names = list(dict.fromkeys(name for row in store.rows(study) for name in flat(row)))
+    written = 0
     with writing(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(map(cell, names))
-        writer.writerows([cell(line.get(name)) for name in names] for line in lines)
-    return len(lines)
+        for line in map(flat, store.rows(study)):
+            writer.writerow([cell(line.get(name)) for name in names])
+            written += 1
+    return written
 
 
 def cell(value: Any) -> Any:
@@ -35,18 +42,30 @@ def cell(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 
-def export_parquet(store: Store, study: str, path: Path) -> int:
-    """Write a study's rows as Parquet; needs the extra [parquet]. Returns how many."""
+def export_parquet(store: Store | ColumnRows, study: str, path: Path) -> int:
+    """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]. Returns how many."""
     try:
         import pyarrow
         from pyarrow import parquet
     except ImportError as error:
         raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
-    lines = [flat(row) for row in store.rows(study)]
-    names = list(dict.fromkeys(name for line in lines for name in line))
-    with writing(path) as fresh:
-        parquet.write_table(pyarrow.table({name: [line.get(name) for line in lines] for name in names}), fresh)
-    return len(lines)
+
+    def tables() -> Iterator[pyarrow.Table]:
+        lines = map(flat, store.rows(study))
+        while some := list(islice(lines, GROUP)):
+            names = dict.fromkeys(name for line in some for name in line)
+            yield pyarrow.table({name: [line.get(name) for line in some] for name in names})
+
+    schema = pyarrow.unify_schemas([each.schema for each in tables()], promote_options="permissive")
+    written = 0
+    with writing(path) as fresh, parquet.ParquetWriter(fresh, schema) as writer:
+        for each in tables():
+            absent = {name: pyarrow.nulls(each.num_rows) for name in schema.names if name not in each.column_names}
+            for name, values in absent.items():
+                each = each.append_column(name, values)
+            writer.write_table(each.select(schema.names).cast(schema))
+            written += each.num_rows
+    return written
 
 
 def flat(row: PlannedRow) -> dict[str, Value | None]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from harness.campaign.store import Store
 from harness.records.study import CaseRun, StudyRow
+from harness.studies.column_rows import ColumnRows
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -16,7 +17,7 @@ class KeyedRow(StudyRow):
     key: str | None
 
 
-def study_rows(store: Store, study: str) -> list[KeyedRow]:
+def study_rows(store: Store | ColumnRows, study: str) -> list[KeyedRow]:
     """All rows of a study; words that many rows share are one string, for there may be a million of them."""
     return [
         KeyedRow(

@@ -18,7 +18,9 @@ from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
 from harness.records.study import Curve, Panel, StudyRecord, StudyWitness, Value
 from harness.studies import claims
+from harness.studies.case_selection import REFERENCE
 from harness.studies.cases import base_of
+from harness.studies.column_rows import ColumnRows, table
 from harness.studies.ensembles import score_sets
 from harness.studies.file import StudyFile
 from harness.studies.impact_loss import energy_lost_j, last_impact_s
@@ -34,12 +36,18 @@ CURVE_POINTS: Final = 400
 
 
 def study_record(
-    study: StudyFile, path: Path, store: Store, summary: Summary, seconds: float, witness: StudyWitness | None = None
+    study: StudyFile,
+    path: Path,
+    store: Store | ColumnRows,
+    summary: Summary,
+    seconds: float,
+    witness: StudyWitness | None = None,
 ) -> StudyRecord:
     """Everything that the page of a study holds."""
     base = base_of(study, path)
     scene = base.scene({})
     rows = study_rows(store, study_name(study))
+    columns = table(store.store, study, len(rows)) if isinstance(store, ColumnRows) else None
     paper = study.claims == "paper"
     if study.claims:
         rows = _weighed(rows, store, scene)
@@ -54,7 +62,7 @@ def study_record(
         summary=summary.record(),
         usage=summary.usage.record(),
         seconds=seconds,
-        engine_seconds=_seconds(rows, store),
+        engine_seconds=_seconds(rows, store) if columns is None else {REFERENCE: columns.seconds},
         scores=score_sets(rows, history=store.history),
         audit=recheck(study, rows),
         witness=witness,
@@ -64,6 +72,7 @@ def study_record(
         headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if paper else None,
         rows=rows,
+        table=columns,
         files=listing(()),
     )
 
@@ -83,7 +92,7 @@ def top_displacement(scene: Scene) -> Any:
     return displaced
 
 
-def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
+def panels(rows: Sequence[KeyedRow], store: Store | ColumnRows) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, Curve]]] = {}
     drawn: dict[str, Curve] = {}
@@ -126,7 +135,7 @@ def decimated(*curves: Array, points: int) -> NDArray[np.int64]:
     return np.array(sorted(chosen))
 
 
-def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
+def _weighed(rows: Sequence[KeyedRow], store: Store | ColumnRows, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
     for key in {row.key for row in rows if row.key is not None}:
@@ -142,7 +151,7 @@ def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[Keyed
     return shown
 
 
-def _seconds(rows: Sequence[KeyedRow], store: Store) -> dict[str, float]:
+def _seconds(rows: Sequence[KeyedRow], store: Store | ColumnRows) -> dict[str, float]:
     total: dict[str, float] = {}
     for key, engine in {(row.key, row.engine) for row in rows if row.key is not None}:
         total[engine] = total.get(engine, 0.0) + (store.seconds(key) or 0.0)

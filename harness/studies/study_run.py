@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Final
 
 from harness.campaign.campaign import Campaign, OnProgress, silent
+from harness.campaign.column_store import ColumnStore
 from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
 from harness.records.study import StudySummary
+from harness.studies.case_blocks import block_tasks
 from harness.studies.cases import base_of
 from harness.studies.file import StudyFile
 from harness.studies.study_plan import Plan
@@ -99,6 +101,29 @@ def run_study(
         found=len(campaign.reused),
         computed=campaign.computed,
         not_sent=totals.not_sent,
+        failed=campaign.failed,
+        usage=campaign.usage,
+    )
+
+
+def run_in_columns(
+    study: StudyFile, path: Path, store: ColumnStore, pool: Pool, on_progress: OnProgress = silent
+) -> Summary:
+    """Run a study of very many cases block by block; each block is in the store, whole, as soon as it is finished.
+
+    Cases that are the same by their physics are computed once each: to know them would take as long. Raises `InputError` for a
+    case that is no scene.
+    """
+    campaign = Campaign(store, pool, on_progress)
+    campaign.run(block_tasks(study, base_of(study, path)), study.runs)
+    campaign.usage.stop()
+    return Summary(
+        cases=study.runs,
+        wanted=study.runs,
+        distinct=study.runs,
+        found=study.runs - campaign.computed,
+        computed=campaign.computed,
+        not_sent=0,
         failed=campaign.failed,
         usage=campaign.usage,
     )

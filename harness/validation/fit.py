@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -19,6 +20,10 @@ Ask = Callable[[Sequence[tuple[Trial, Variant]]], Answers]
 
 OF_BODY: Final[Mapping[str, str]] = {"azimuth": "azimuth_deg", "tolerance": "contact_tolerance_m", "inset": "inset_m"}
 """What each body has of its own: the field of a variant, and the table's column."""
+DESIGN: Final = 16
+"""Joint settings of a body's own inputs that are tried with each friction: what a few tests of one share can tell apart."""
+STARTS: Final = 2
+"""Of the designed choices, those that are refined: the best, and one more where it was so by chance."""
 PASSES: Final = 4
 """Passes over the unknown inputs; a choice that one pass leaves as it was is the last."""
 
@@ -54,12 +59,26 @@ def _count(trial: Trial, name: str) -> int:
 def choose(trials: Sequence[Trial], ask: Ask) -> Choice:
     """Fit the unknown inputs on these tests: the most outcomes right, the first in the lists where several are as good.
 
-    One input after another with the others held, azimuth together with the friction first, until a pass changes nothing: the
-    runs are a sum over the lists, not their product, and only of these tests.
+    All inputs together first: with each friction every body has its best of a design of joint settings. From the best of these
+    one input after another with the others held, until a pass changes nothing. Only these tests are run, and of joint settings
+    no more than the design's for each friction.
     """
     if not trials:
         return Choice()
-    choice, asked = Choice(fitted_on=len(trials)), _Asked(trials, ask)
+    asked = _Asked(trials, ask)
+
+    def right(choice: Choice) -> int:
+        return asked.right(choice, trials)
+
+    designed = _designed(Choice(fitted_on=len(trials)), asked)
+    # Sorting keeps the order of equals: the first friction of the list where several are as good.
+    starts = sorted(designed, key=right, reverse=True)[:STARTS]
+    choice = max((_refined(start, asked) for start in starts), key=right)
+    return replace(choice, accuracy=right(choice) / len(trials), runs=asked.runs)
+
+
+def _refined(choice: Choice, asked: _Asked) -> Choice:
+    """One input after another, azimuth together with the friction first."""
     for _ in range(PASSES):
         before = choice
         choice = _with_friction(choice, asked)
@@ -67,7 +86,38 @@ def choose(trials: Sequence[Trial], ask: Ask) -> Choice:
             choice = _by_body(choice, name, asked)
         if choice == before:
             break
-    return replace(choice, accuracy=asked.right(choice, trials) / len(trials), runs=asked.runs)
+    return choice
+
+
+def _designed(choice: Choice, asked: _Asked) -> list[Choice]:
+    """A choice for each friction, in which every body has its best of the joint settings of its own inputs."""
+    settings = {
+        body: design({name: max(_count(trial, name) for trial in group) for name in OF_BODY})
+        for body, group in asked.bodies.items()
+    }
+    choices = []
+    for k in range(max(len(trial.frictions) for trial in asked.trials)):
+        each = replace(choice, friction=k)
+        for body, group in asked.bodies.items():
+            values = [each.with_body(body, **setting) for setting in settings[body]]
+            if len(values) > 1:
+                asked.know(values, group)
+                each = max(values, key=lambda value, group=group: asked.right(value, group))  # type: ignore[misc]
+        choices.append(each)
+    return choices
+
+
+def design(counts: Mapping[str, int]) -> list[dict[str, int]]:
+    """Joint settings (an index by input) of lists of these lengths: all where they are few, else the first and a seeded Latin
+    hypercube, in which every value of a list comes as often as the others.
+    """
+    if math.prod(counts.values()) <= DESIGN:
+        return [dict(zip(counts, each, strict=True)) for each in itertools.product(*map(range, counts.values()))]
+    from scipy.stats.qmc import LatinHypercube
+
+    points = LatinHypercube(len(counts), rng=0).random(DESIGN - 1) * list(counts.values())
+    rows = [[0] * len(counts), *points.astype(int).tolist()]
+    return [dict(zip(counts, each, strict=True)) for each in dict.fromkeys(map(tuple, rows))]
 
 
 class _Asked:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.words import advice, room
+from harness.assess.words import advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
@@ -21,7 +21,7 @@ from harness.records.assess import (
     percent,
 )
 from reports.charts.palette import HAIRLINE, INK, MUTED
-from reports.text.chance import tone_of_probability
+from reports.text.chance import tone_of_answers
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
 
@@ -57,21 +57,18 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     answers = record.answers
     if not answers:
         return Verdict("No model could assess this scene", "failed", [])
-    # The most probable fall decides the colour: one model's optimism is no reason for green.
-    worst = max(answers.values(), key=lambda item: item.most)
-    first = next(iter(answers))
+    # What knows all of the shaking speaks first; the most probable fall decides the colour.
+    first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
     points = [f"{name}: {item.sentence}." for name, item in answers.items()]
     points += [_difference(name, item) for name, item in record.difference_from_model.items()]
-    at = record.fragility.factor_at if record.fragility is not None else {}
-    known = [f"{percent(float(key))} % at {value:.2f}" for key, value in at.items() if value is not None]
-    if known:
-        points.append(f"Probability of a fall by the factor on today's shaking: {', '.join(known)}.")
+    if record.fragility is not None:
+        points.append(reserve(record.fragility, record.plane_only))
     key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
     if most.total >= MATTERS:
         points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
     if record.options is not None:
         points.append(advice(record.options)[0])
-    return Verdict(f"The statue {answers[first].sentence}", tone_of_probability(worst), points)
+    return Verdict(f"The statue {answers[first].sentence}", tone_of_answers(answers), points)
 
 
 def _cells(item: Assessment | NotAssessed | None) -> list[str]:
@@ -110,7 +107,8 @@ def _said(item: Uncertain, assumed: bool) -> str:
 
 def _width(item: Uncertain) -> str:
     words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
-    return f"{words[item.kind]} {digits(item.width)}"
+    linked = "" if item.correlated_with is None else f", correlated by {item.rho:g} with {item.correlated_with}"
+    return f"{words[item.kind]} {digits(item.width)}{linked}"
 
 
 def _options(record: OptionsRecord) -> dict[str, object]:

@@ -129,6 +129,7 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     keys = [key for key in record.vary if key in varying_keys(cases)]
     points += best_designs(models, cases, map_axes(cases, keys))
     points += left_domain(record.rows)
+    points += [] if record.table is None else [record.table.sentence]
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
     agreed = "agree" if same == total else "differ"
     if record.headline:

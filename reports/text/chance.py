@@ -35,6 +35,12 @@ def worst(answers: Mapping[str, Assessment]) -> Assessment:
     return max(answers.values(), key=lambda each: each.most)
 
 
+def tone_of_answers(answers: Mapping[str, Assessment]) -> Tone:
+    """The worst colour of several models' probabilities; no green where all leave a part of the shaking out."""
+    known = any(not item.plane_only for item in answers.values())
+    return max([*map(tone_of_probability, answers.values()), "agree" if known else "differ"], key=SEVERITY.index)
+
+
 def worse_tone(answers: Mapping[str, Assessment], colour: str) -> str:
-    """The worst of a run's colour and every model's probability: a probability makes no run's green greener."""
-    return max([colour, *map(tone_of_probability, answers.values())], key=SEVERITY.index)
+    """The worse of a run's colour and that of its probabilities: a probability makes no run's green greener."""
+    return max([colour, tone_of_answers(answers)], key=SEVERITY.index)

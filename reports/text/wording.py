@@ -41,7 +41,8 @@ def run_verdict(source: RunSource) -> Verdict:
         return nominal
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
-    return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), [given, *nominal.points])
+    each = [f"{name}: {other.sentence}." for name, other in answers.items()] if len(answers) > 1 else []
+    return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), [*each, given, *nominal.points])
 
 
 def _nominal(source: RunSource) -> Verdict:

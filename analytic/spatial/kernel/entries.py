@@ -13,6 +13,7 @@ def run(
 ) -> None:
     """Run the one record in its memory, with the caller's arrays."""
     m = memories[0]
+    # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
     m.times, m.samples = times.ctypes.data, samples.ctypes.data
     m.history, m.instants = history.ctypes.data, history.shape[0]
     m.event_table, m.interval_table, m.rows = events.ctypes.data, intervals.ctypes.data, events.shape[0]

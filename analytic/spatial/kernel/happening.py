@@ -50,6 +50,7 @@ def happen(s: Run, m: Memory) -> None:
     if s.stalled > STALLED:
         s.outcome = GAVE_UP
         return
+    # An impact goes first: it changes the velocities and forces from which the other functions have their signs.
     if gap >= 0:
         collide(s, m, gap)
     elif kind == WATCH_SPEED:

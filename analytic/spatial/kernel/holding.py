@@ -55,6 +55,7 @@ def hold_place(s: Run, m: Memory, y: Floats) -> None:
         up = cross(minus(row3(m.at, j), p), minus(row3(m.at, k), p))
         up = to_table(rows, up)
         up = times(1.0 / length(up), up)
+        # What is left is small: the cross product of two unit vectors is the turn from one to the other, to third order.
         turn(y, cross(up, (0.0, 0.0, 1.0)))
     else:
         d = to_table(axes(y), minus(row3(m.at, s.b), row3(m.at, s.a)))
@@ -106,6 +107,7 @@ def take_heading(s: Run, m: Memory, y: Floats) -> None:
         i = m.touch[k]
         x = to_table(rows, row3(m.u, i))
         speed = math.sqrt(x[0] * x[0] + x[1] * x[1])
+        # The direction of a slower one is rounding.
         if speed > s.still_m_s:
             m.heading[i, 0], m.heading[i, 1] = x[0] / speed, x[1] / speed
 

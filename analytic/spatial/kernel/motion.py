@@ -20,6 +20,7 @@ def accel(m: Memory, axis: int, t: float) -> float:
         return 0.0
     if kind == SAMPLED:
         i = m.first[axis] + passed
+        # A record is at rest before its first sample and after its last.
         if passed < 1 or i >= m.first[axis + 1]:
             return 0.0
         start, first = load_double(m.times, i - 1), load_double(m.samples, i - 1)

@@ -24,6 +24,7 @@ Matrix = Annotated[Floats, (3, 3)]
 State = Annotated[Floats, (STATE,)]
 Stages = Annotated[Floats, (13, STATE)]
 Columns = Annotated[Floats, (8, 3)]
+# A vertex has a gap in the air, a normal force and a speed of sliding on the floor; the rest are the body's own.
 WATCHED: Final = 3 * MAX_VERTICES + 8
 
 

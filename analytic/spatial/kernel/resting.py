@@ -26,6 +26,7 @@ TWO_PI: Final = 2.0 * math.pi
 def needed(s: Run, m: Memory) -> None:
     """Keep the largest of the least friction that sticking needs."""
     if s.mode == FLAT_REST:
+        # All feet stick together: the resultant of field and weight is what friction must hold.
         g = field(s, m, s.time_s)
         least = math.sqrt(g[0] * g[0] + g[1] * g[1]) / -g[2] if g[2] < 0.0 else math.inf
     elif s.mode == EDGE_STICK:
@@ -52,6 +53,7 @@ def rest_margin(s: Run, m: Memory, t: float) -> float:
 def _rest_event(s: Run, m: Memory, low: float, high: float) -> float:
     """When between two times the margin of rest becomes negative; it is so at the second."""
     for _ in range(200):
+        # Nearer than some roundings of the time itself, a middle is one of both ends.
         if high - low <= max(SAME_INSTANT_S, 4.0 * 2.2e-16 * high):
             break
         at = 0.5 * (low + high)

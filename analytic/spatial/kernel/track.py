@@ -79,6 +79,7 @@ def note_event(s: Run, m: Memory, kind: int, vertex: int, loss: float, cone: flo
 @jit
 def audit(s: Run, m: Memory, start_j: float) -> None:
     """Keep the largest residual of the balance of energy, relative to m g times the height of the centroid's reach."""
+    # Kinetic energy less that at the start is the field's work less what sliding and impacts took.
     balance = kinetic_energy(s, m, m.y) - start_j - m.y[WORK] + m.y[LOST] + s.impact_loss_j
     s.energy_residual = max(s.energy_residual, abs(balance) / s.energy_scale_j)
 
@@ -86,5 +87,6 @@ def audit(s: Run, m: Memory, start_j: float) -> None:
 @jit
 def note_peak(s: Run, y: Floats) -> None:
     """Keep the largest tilt of the body's axis from the vertical."""
+    # The last item of the rotation matrix is the cosine of the tilt; rounding may take it past one.
     up = y[3] * y[3] + y[6] * y[6] - y[4] * y[4] - y[5] * y[5]
     s.peak_tilt_rad = max(s.peak_tilt_rad, math.acos(min(max(up, -1.0), 1.0)))

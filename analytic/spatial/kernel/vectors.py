@@ -105,6 +105,7 @@ def to_body(rows: tuple[Vector, Vector, Vector], a: Vector) -> Vector:
 def turn(y: Floats, a: Vector) -> None:
     """Turn the state's quaternion by the small rotation vector a of the table's frame, and make its length one."""
     half = 0.5 * length(a)
+    # sin x / x differs from one by x²/6: by less than a rounding below 1e-8.
     s = 0.5 * (math.sin(half) / half if half > 1e-8 else 1.0)
     c, x, y_, z = math.cos(half), s * a[0], s * a[1], s * a[2]
     w1, x1, y1, z1 = y[3], y[4], y[5], y[6]

@@ -75,6 +75,7 @@ def watch(s: Run, m: Memory, y: Floats, t: float) -> int:
     rows, n = axes(y), 0
     n = _note(m, n, WATCH_TILT, -1, rows[2][2] - s.overturn_cos)
     for i in range(m.vertices):
+        # Only a vertex in the air can come down: the gap of one that touches is rounding, of either sign.
         if m.down[i] == 0:
             n = _note(m, n, WATCH_GAP, i, vertex_place(m, y, i)[2])
     if s.mode == FLIGHT:

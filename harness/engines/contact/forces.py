@@ -104,6 +104,7 @@ def energy_lost_j(scene: Scene, trajectory: Trajectory, energy: Array) -> Array:
     if scene.pedestal is not None and trajectory.pedestal_rate_m_s is not None:
         bodies.append((scene.pedestal.mass_kg, trajectory.pedestal_rate_m_s))
     for mass, rate in bodies:
+        # The work of a force that is constant in a step is exact with the mean of the velocities at its ends.
         power = mass * np.sum(extra * 0.5 * (rate[1:] + rate[:-1]), axis=1)
         given[1:] += np.cumsum(power * step)
     lost: Array = given - energy

@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 def step_count(duration_s: float, dt_s: float) -> int:
     """Number of steps that reach `duration_s` (the last one may pass it by less than a step)."""
+    # A duration that is a whole number of steps but for rounding takes no step more.
     return max(1, math.ceil(duration_s / dt_s * (1.0 - 1e-12)))
 
 

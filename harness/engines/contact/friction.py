@@ -45,6 +45,7 @@ class FloorFriction:
 
 def floor_friction(scene: Scene, dt_s: float) -> FloorFriction:
     """The floor's friction for steps of `dt_s`."""
+    # In one step kinetic friction takes μ_k g Δt from a velocity: what a solver leaves is in proportion to it.
     contact = scene.contact
     return FloorFriction(
         contact.floor_static, contact.floor_kinetic, STUCK_SHARE * contact.floor_kinetic * scene.gravity_m_s2 * dt_s

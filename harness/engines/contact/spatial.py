@@ -26,6 +26,7 @@ def planar(up: Array, spin: Array) -> tuple[Array, Array]:
     """θ = atan2(ẑ·x̂, ẑ·ẑ), unwrapped, and its rate, from the statue's axis (n, 3) and its angular velocity (n, 3)."""
     theta = np.unwrap(np.arctan2(up[:, 0], up[:, 2]))
     change = np.cross(spin, up)
+    # d atan2(x, z)/dt of the axis, which moves with ω × ẑ; an axis that lies across the plane has no rotation in it.
     size = up[:, 0] ** 2 + up[:, 2] ** 2
     rate: Array = (up[:, 2] * change[:, 0] - up[:, 0] * change[:, 2]) / np.where(size > 0.0, size, 1.0)
     return theta, rate

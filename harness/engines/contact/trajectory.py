@@ -34,6 +34,7 @@ class Trajectory:
 
     def until(self, count: int) -> Trajectory:
         """The first `count` samples."""
+        # A gravity belongs to the step between two samples: there is one fewer.
         per_step = self.gravity_xz_m_s2[: max(count - 1, 0)]
         cut = {
             name: None if value is None else value[:count]

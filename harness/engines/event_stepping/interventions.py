@@ -39,6 +39,7 @@ class Account:
 
     def energy(self, change_j: float) -> None:
         """Count a change of energy."""
+        # Apart, as one sum would hide a correction that gives as often as it takes.
         if change_j > 0.0:
             self.given_j += change_j
         else:

@@ -125,6 +125,7 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
     states = states[: _until_fallen(states)]
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
+    # A soft contact gives g τ² under the weight, τ being its time constant; over the base's width that is a rotation.
     settling = scene.gravity_m_s2 * (own.stiff_steps * own.dt_s) ** 2
     report = Report(
         engine=name,

@@ -26,6 +26,7 @@ def model_xml(scene: Scene, dt_s: float, stiff_steps: float) -> str:
     impedance = IMPEDANCE[pedestal is not None]
     stiff = f'solref="{stiff_steps * dt_s:.9g} 1" solimp="{impedance} {impedance} 0.001 0.5 2"'
     i = statue.inertia_tensor_kg_m2
+    # 17 digits keep every bit of a number on its way through the text.
     inertia = " ".join(f"{value:.17g}" for value in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]))
     feet, pairs = [], []
     support = "floor" if pedestal is None else "pedestal"

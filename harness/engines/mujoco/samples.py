@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 def _back(quaternion: Array, rate: Array, half_s: float) -> tuple[Array, Array]:
     """Rotations (n, 3, 3) taken back by half a step, and angular velocities (n, 3) in the world; `rate` is the body's own."""
+    # MuJoCo moves places by the new velocities (semi-implicit Euler): they lead by half a step; to first order, as it is itself.
     turn = rotation_matrices(quaternion)
     nothing = np.zeros(len(rate))
     x, y, z = rate.T

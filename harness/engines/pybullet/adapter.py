@@ -82,6 +82,7 @@ class Bullet3D(Engine):
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer level's settings with the expert's step."""
+        # A coarser level's solver would leave more than this step errs by: the next finer one is taken.
         refinement_levels = _levels(scene)
         level = next((item for item in refinement_levels if item.dt_s <= dt_s * (1.0 + 1e-9)), refinement_levels[-1])
         return replace(level, dt_s=dt_s, expected_error_rad=level.expected_error_rad * dt_s / level.dt_s)

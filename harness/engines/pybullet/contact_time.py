@@ -39,6 +39,7 @@ class ContactTimeEstimate:
         now = closing + gained * (state.t_s - state.kick_s)
         if gained <= 0.0:
             return gap / now if now > self.touch.least_m_s else math.inf
+        # The first t with gap = now t + gained t²/2.
         return (math.sqrt(now * now + 2.0 * gained * max(gap, 0.0)) - now) / gained
 
     def speeds(self) -> tuple[float, float]:

@@ -77,6 +77,7 @@ def rest(statue: Statue) -> Rest:
     centroid = np.array([0.0, 0.0, statue.centroid_height_m])
     normals = hull.equations[:, :3]
     lean = np.arccos(np.clip(-normals[:, 2], -1.0, 1.0))
+    # From the least lean on: the first that carries the centroid is nearest to upright.
     for facet in np.argsort(lean):
         if lean[facet] > REST_LEAN_RAD:
             break

@@ -44,6 +44,7 @@ def after_impact(state: StepState, touch: ContactGaps) -> HalfCycle | None:
     heights = touch.heights(state.row, stepper.table_place[2], stepper.table_rate[2])
     foot = min(range(len(heights)), key=lambda index: heights[index][1])
     gap, closing = heights[foot]
+    # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
     soonest_s = -2.0 * closing / float(touch.bounds[foot])
     if abs(gap) > NEAR_M or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
         return None

@@ -29,6 +29,7 @@ def halves(scene: Scene) -> bool:
 
 def halved(feet_m: Array) -> Array:
     """Feet (n, 3) in the plane: one for each pair of `feet_m` (k, 3), one for each foot that lies in it."""
+    # The two feet of a pair agree to rounding only.
     first = np.unique(np.round(feet_m[:, [0, 2]] / SAME), axis=0, return_index=True)[1]
     return np.asarray(feet_m[np.sort(first)] * np.array([1.0, 0.0, 1.0]))
 

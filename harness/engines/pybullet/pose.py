@@ -79,6 +79,7 @@ def about_y(theta_rad: float) -> Array:
 def quaternion(rotation: Array) -> tuple[float, float, float, float]:
     """Quaternion (x, y, z, w), w ≥ 0, of a rotation matrix (3, 3)."""
     trace = float(np.trace(rotation))
+    # From the largest of the four: it is divided by (Shepperd, Journal of Guidance and Control 1, 1978).
     square = np.array([*(1.0 - trace + 2.0 * np.diag(rotation)), 1.0 + trace])
     k = int(np.argmax(square))
     size = math.sqrt(float(square[k]))

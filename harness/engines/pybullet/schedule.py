@@ -42,6 +42,7 @@ class Schedule:
     def coarse(self) -> list[Vector]:
         """Gravity of every whole step that follows a whole step, from number `first` on."""
         middles = (np.arange(self.first, self.count) + 0.5) * self.step_s
+        # From the middle of one step to that of the next; the first begins at its own instant, with half the time.
         edges_s = np.concatenate([[self.first * self.step_s], middles])
         share = np.diff(edges_s)[:, None] / self.step_s
         if self.moving:

@@ -36,6 +36,7 @@ class BulletSettings(Settings):
 
     def residual_for(self) -> float:
         """Threshold for this level's step."""
+        # A step changes velocities by forces times Δt, so the squares that are compared go with Δt².
         return self.residual * (self.dt_s / REFERENCE_DT_S) ** 2
 
     def erp_for(self, step_s: float) -> float:

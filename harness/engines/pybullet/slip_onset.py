@@ -23,6 +23,7 @@ def coefficient(stepper: Stepper, record: StepLog, step_s: float) -> float:
     if len(kicks) < 3 or min(kicks[-1] - kicks[-2], kicks[-2] - kicks[-3]) < WHOLE * step_s:
         return 0.5 * (static + kinetic)
     before, last = (_held(stepper, record, index) for index in (-2, -1))
+    # Both forces are means over their steps: they belong to the middles, half of the two steps apart.
     slope = (last - before) / (0.5 * (kicks[-1] - kicks[-3]))
     now = last + 0.5 * slope * (kicks[-1] - kicks[-2])
     if now + slope * step_s < static:

@@ -86,6 +86,7 @@ class Munk2D(Engine):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[MunkSettings, ...]:
         """Less than half the step, with the bodies added in the other order and the iterations of that step."""
         own = own_settings(self.name, MunkSettings, settings)
+        # Step and order of the bodies change together: the answer depends on both, and each alone may agree by chance.
         iterations = max(self.settings_for_dt(scene, FINER * own.dt_s).iterations, own.iterations)
         return (
             replace(

@@ -32,6 +32,7 @@ def base_vertices(scene: Scene) -> Array:
 def fall_rad_s2(scene: Scene) -> float:
     """Greatest acceleration of a statue that stands on one corner of its base, under its weight."""
     statue = scene.statue
+    # The lever of the weight about a corner is longest upright: a lean onto that corner shortens it.
     arms = ((statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
     return max(statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
 

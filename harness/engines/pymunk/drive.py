@@ -106,6 +106,7 @@ def record(drive: RunState, t_s: float, lag_s: float | None = None) -> None:
 def advance(drive: RunState, move_s: float, kick_s: float, *, hard: bool = False) -> None:
     """One engine step that moves positions by `move_s` and velocities by `kick_s`; `hard` with an impact's iterations."""
     space, dt = native.space_of(drive.world.space), drive.settings.dt_s
+    # Chipmunk always moves places by a whole step: what this one must not move is taken back before it.
     back = move_s - dt
     for writer in drive.writers:
         writer.shift(back)

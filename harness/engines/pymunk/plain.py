@@ -143,6 +143,7 @@ def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> tup
             if wanted != acting:
                 native.set_friction(floor, wanted)
                 acting = wanted
+        # Looked at once in a block: a statue that has fallen stays down, and each look is a call into the library.
         if steps % BLOCK_STEPS == 0:
             states.append(recorder.take())
             angle = native.get_angle(statue)

@@ -25,6 +25,7 @@ def trajectory(scene: Scene, world: World, states: Array, t_s: Array, lag_s: Arr
     moving = scene.table == "moving"
     if moving:
         speed = frame.table_velocity(scene, t_s)[:, ::2]
+        # Places are older than velocities by the lag: the table's own is taken at that instant and brought forward alike.
         shift = frame.table_displacement(scene, t_s - lag_s)[:, ::2] + forward * speed
         place, rate = place - shift, rate - speed
     slip, slip_rate = np.zeros(t_s.size), np.zeros(t_s.size)

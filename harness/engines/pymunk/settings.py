@@ -28,4 +28,5 @@ class MunkSettings(Settings):
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain values: all of them are."""
+        # No field is a record of its own: there is nothing for the recursion of `asdict` to find.
         return dict(vars(self))

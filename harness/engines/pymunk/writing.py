@@ -38,6 +38,7 @@ class BodyWriter:
         if x != x0 or z != z0:
             set_place(self.body, (x, z))
             account.moved_m += math.hypot(x - x0, z - z0)
+            # A lift is potential energy, a changed velocity kinetic: the account holds both to tell energy from nowhere.
             joules = self.mass_kg * self.gravity_m_s2 * (z - z0)
         if angle != angle0:
             set_angle(self.body, angle)

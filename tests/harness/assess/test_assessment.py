@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from analytic import Pulse
 from harness import engines
 from harness.assess.assessment import assess
-from harness.assess.by_model import assess_model
+from harness.assess.by_model import assess_models
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
+from harness.assess.words import summary
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
+from harness.model.scene import BaseExcitation
+from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
-from tests.scenes_for_tests import PAESTUM, paestum, scene
+from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
 SINGLES = 40
@@ -24,8 +29,9 @@ SINGLES = 40
 
 def test_the_shipped_pedestal_scene_falls_in_two_of_five() -> None:
     """0.396 by 20 000 draws of another implementation with friction 15 %, strength 10 %, frequency 5 %."""
-    found = assess_model(load_scene(SCENES / "paestum_pedestal.toml"))
-    assert found is not None
+    answers = assess_models(load_scene(SCENES / "paestum_pedestal.toml"))
+    assert list(answers) == ["analytic"]
+    found = answers["analytic"]
     assert found.probability_overturned == pytest.approx(0.396, abs=budget.MODEL_OWN)
     assert found.low < found.probability_overturned < found.high
     assert found.draws == found.engine_runs == 10_000
@@ -43,7 +49,7 @@ def test_the_sweep_says_of_every_draw_what_a_single_run_says() -> None:
 
 
 def test_a_scene_that_knows_everything_has_no_probability() -> None:
-    assert assess_model(scene(PAESTUM, theta_rad=0.04, duration_s=1.0)) is None
+    assert assess_models(scene(PAESTUM, theta_rad=0.04, duration_s=1.0)) == {}
 
 
 def test_an_assessment_holds_what_the_contract_names() -> None:
@@ -59,3 +65,32 @@ def test_an_assessment_holds_what_the_contract_names() -> None:
     assert record.difference_from_model["pymunk"].low <= record.difference_from_model["pymunk"].high
     assert np.all(np.diff(record.fragility.factor) > 0.0)
     assert set(record.indices) <= {item.key for item in record.uncertainty}
+
+
+def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() -> None:
+    """Pushed across its plane alone, a block that the planar model never moves falls; on a pedestal nobody answers that."""
+    push = Pulse("rectangular", 0.8 * 9.81, 0.5)
+    given = scene(rectangle(0.4, 1.4, depth_m=0.3), mu_statue=0.6, duration_s=2.0)
+    shaken = given.but(base_excitation=BaseExcitation(y=push))
+    answers = assess_models(shaken, draws=40)
+    assert answers["analytic"].probability_overturned == 0.0
+    assert answers["analytic"].sentence.endswith("the shaking across its plane left out")
+    assert answers["spatial"].probability_overturned > 0.9
+    assert tone_of_answers({"analytic": answers["analytic"]}) == "differ"
+    assert worse_tone(answers, "agree") == "failed"
+    record = assess(shaken, ["analytic"], draws=40).record
+    assert set(record.answers) == {"analytic", "spatial"}
+    assert record.difference_from_model["spatial"].high < -0.5
+    assert not any("Nothing need be done" in line for line in summary(record).splitlines())
+    on_pedestal = paestum(0.429, 3.0, duration_s=1.0)
+    excitation = replace(on_pedestal.base_excitation, y=push)
+    assert list(assess_models(on_pedestal.but(base_excitation=excitation), draws=20)) == ["analytic"]
+
+
+def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:
+    """`[motion] scale` is what is uncertain where nobody says otherwise, not one."""
+    text = (SCENES / "paestum_block.toml").read_text().replace("[motion.x]", "[motion]\nscale = 0.2\n\n[motion.x]")
+    (tmp_path / "weak.toml").write_text(text)
+    weak = load_scene(tmp_path / "weak.toml")
+    assert {item.key: item.value for item in uncertain_inputs(weak)}["motion.scale"] == 0.2
+    assert assess_models(weak, draws=200)["analytic"].probability_overturned == 0.0

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import trimesh
 
 from harness import assess_cli
 from harness.assess.assessment import assess
@@ -14,7 +15,7 @@ from harness.assess.engine_runs import overturns
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
-from harness.command import Asked, Sampling
+from harness.command import Asked, Known, Sampling, Surroundings
 from harness.model.errors import InputError
 from tests.scenes_for_tests import paestum
 
@@ -95,3 +96,24 @@ def test_wrong_options_of_the_command_are_told_and_leave_nothing(tmp_path: Path)
         with pytest.raises(InputError):
             assess_cli.run(SCENE, folder, asked, SAMPLING, quiet=True, **more)
     assert not folder.exists()
+
+
+def test_a_scan_and_a_record_are_assessed_and_their_scene_is_kept(tmp_path: Path) -> None:
+    scan, motion, folder = tmp_path / "block.ply", tmp_path / "quake.csv", tmp_path / "a" / "out"
+    # A block is prepared in no time.
+    box = trimesh.creation.box((0.3, 0.5, 1.4))
+    box.export(scan)
+    motion.write_text("t_s,x [m/s2]\n" + "".join(f"{0.02 * k:.2f},{(-3.0) ** (k % 2)}\n" for k in range(60)))
+    scanned = assess_cli.Scanned(motion, Known(unit="m", up="z"), Surroundings(friction=0.5))
+    asked, more = Asked(["analytic"]), {"no_options": True, "quiet": True}
+    record = assess_cli.run(scan, folder, asked, SAMPLING, scanned=scanned, **more)
+    again = assess_cli.run(folder / "scene.toml", tmp_path / "again", asked, SAMPLING, **more)
+    assert record.assessment == again.assessment
+    assert {"scene.toml", "scene_statue.ply"} <= set(record.files or ())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "again", "block.ply", "quake.csv"]
+    wrong = [(scan, assess_cli.Scanned()), (SCENE, scanned), (SCENE, assess_cli.Scanned(known=Known(height_m=2.0)))]
+    for path, given in wrong:
+        with pytest.raises(InputError, match="--motion"):
+            assess_cli.run(path, tmp_path / "none", asked, SAMPLING, scanned=given, **more)
+    with pytest.raises(InputError, match="another folder"):
+        assess_cli.run(folder / "scene.toml", folder, asked, SAMPLING, **more)

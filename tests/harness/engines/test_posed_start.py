@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.assess.assessment import assess
-from harness.assess.by_model import assess_model
+from harness.assess.by_model import assess_models
 from harness.engines.base import Engine
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -161,7 +161,7 @@ def test_a_start_is_perturbed_by_its_velocities() -> None:
 def test_no_probability_is_stated_by_a_model_that_does_not_see_the_pose() -> None:
     unknown = (Uncertain("statue.mass_kg", "lognormal", 1000.0, 0.1),)
     on = thrown(Pose((0.0, 0.0, 0.8)), 0.1).but(uncertainty=unknown)
-    assert assess_model(on, draws=10) is None
+    assert assess_models(on, draws=10) == {}
     with pytest.raises(InputError, match=r"initial\.position_m: wanted a start in the rocking plane"):
         assess(on, draws=10)
 

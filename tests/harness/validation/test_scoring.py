@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ import pytest
 from harness.comparison.statistics.outcomes import FELL
 from harness.model.history import Outcome
 from harness.records.study import CaseRun
-from harness.validation.fit import Choice, choose
+from harness.validation.fit import DESIGN, Choice, choose, design
 from harness.validation.motions import Intensity
 from harness.validation.scenes import GRAVITY_M_S2, Variant
 from harness.validation.scoring import (
@@ -183,6 +185,27 @@ def test_no_test_helps_to_predict_itself() -> None:
     others = score_baseline(trials[1:], trials[:1], shaking)
     assert others.probability.brier is not None
     assert others.probability.brier > 0.5
+
+
+def test_inputs_that_explain_the_tests_together_alone_are_fitted() -> None:
+    """Only tolerance 1 with inset 1 is right: of each alone no change is better, so that one after another stays at the first."""
+    tests = [replace(trial(f"t{k}", True), contact_tolerances_m=(1e-3, 2e-3), insets_m=(0.0, 0.01)) for k in range(3)]
+
+    def ask(pairs: Sequence[tuple[Trial, Variant]]) -> dict[tuple[str, Variant], CaseRun]:
+        return {(each.name, one): answer(one.tolerance == one.inset == 1) for each, one in pairs}
+
+    found = choose(tests, ask)
+    assert found.bodies["a"] == Variant(tolerance=1, inset=1)
+    assert (found.accuracy, found.runs) == (1.0, 12)
+
+
+def test_a_design_of_many_inputs_is_small_and_holds_every_value() -> None:
+    counts = {"azimuth": 9, "tolerance": 3, "inset": 4}
+    rows = design(counts)
+    assert rows[0] == dict.fromkeys(counts, 0)
+    assert len(rows) <= DESIGN
+    assert all({row[name] for row in rows} == set(range(count)) for name, count in counts.items())
+    assert len(design({"azimuth": 4, "tolerance": 4})) == DESIGN
 
 
 def test_what_is_undecided_counts_neither_as_standing_nor_as_fallen() -> None:

@@ -1,0 +1,157 @@
+"""Studies of very many cases by the analytic model alone: blocks of neighbouring cases, each run in two compiled sweeps."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from analytic.errors import AnalyticInputError
+from analytic.excitation import SampledAcceleration
+from harness import engines
+from harness.accuracy.refinement import first_level
+from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.campaign.column_store import as_bytes, installed
+from harness.campaign.task import Answer, Task
+from harness.engines import analytic as twoblock
+from harness.studies import case_selection as selection
+from harness.studies.case_columns import Columns, Shaken, Values, columns_of_record, swept, table_of, varied_column
+from harness.studies.case_scenes import CaseScenes
+from harness.studies.case_tasks import CaseRun, run_case, run_key
+from harness.studies.cases import Base, Case, expand
+from harness.studies.file import StudyFile
+
+LEAST_RUNS: Final = 50_000
+"""From so many runs on a study's results stand in columns: rows of a kilobyte each would take most of the time."""
+BLOCK: Final = 16_384
+"""Cases of a block: some seconds of work, a megabyte to send."""
+MOST_SAMPLES: Final = 4_000_000
+"""Samples of records that are run together, 64 MB of them."""
+
+
+def in_columns(study: StudyFile, base: Base) -> bool:
+    """Whether a study's results stand in columns: very many runs of the analytic model, for their outcomes alone."""
+    own = {name for variant in study.variant for name in variant.engines} == {selection.REFERENCE}
+    bare = study.ask.cases == "all" and not study.ask.histories and study.claims is None
+    # A file that a case names is no part of its block's name, and what begins from a pose fails run by run.
+    values = [value for item in study.vary for value in item.values or ()]
+    named = any(isinstance(value, str) and value not in ("keep", "none") for value in values)
+    initial = base.content.get("initial")
+    posed = isinstance(initial, Mapping) and "position_m" in initial
+    return study.runs >= LEAST_RUNS and own and bare and not named and not posed and installed()
+
+
+def accuracy_rad(study: StudyFile) -> float:
+    """The accuracy that the study asks of the analytic model."""
+    return {str(name): value for name, value in study.accuracy.items()}.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
+
+
+def columns_name(study: StudyFile, base: Base) -> str:
+    """What names a study's columns: its content, its scene's (files included), accuracy and versions."""
+    engine, asked = engines.load(selection.REFERENCE), accuracy_rad(study)
+    keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
+    text = json.dumps([study.model_dump_json(), base.content, keys], sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Neighbouring cases of a study: everything that a worker on another machine needs."""
+
+    study: StudyFile
+    base: Base
+    numbers: range
+
+
+def block_tasks(study: StudyFile, base: Base) -> Iterator[Task]:
+    """The blocks of a study, in order."""
+    for start in range(0, study.runs, BLOCK):
+        numbers = range(start, min(start + BLOCK, study.runs))
+        yield Task(f"{start:012d}", run_block, Block(study, base, numbers), selection.REFERENCE, runs=len(numbers))
+
+
+def run_block(block: Block) -> Answer:
+    """Run every case of a block; its columns travel as the file that the store keeps."""
+    begin = time.perf_counter()
+    cases = list(expand(block.study, block.base, block.numbers))
+    runs = _Runs(block)
+    for place, case in enumerate(cases):
+        runs.add(place, case)
+    varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
+    named: Values = {"number": np.array(block.numbers), "variant": [case.variant for case in cases]}
+    table = table_of({**named, **varied, **runs.columns()})
+    seconds = time.perf_counter() - begin
+    described = {"settings": json.dumps(runs.settings), "seconds": repr(seconds)}
+    data = as_bytes(table.replace_schema_metadata(described))
+    return Answer("columns", {}, seconds, inside_s=runs.inside_s, failed=runs.failed, table=data)
+
+
+class _Runs:
+    """Cases that are gathered and run together; one that the model refuses is run, and fails, as any single run does."""
+
+    def __init__(self, block: Block) -> None:
+        self._block, self._asked = block, accuracy_rad(block.study)
+        levels = engines.load(selection.REFERENCE).refinement_levels(block.base.scene({}))
+        chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
+        self.settings = twoblock.stated_settings(chosen)
+        self._scenes = _scenes(block.base, min(twoblock.RELIABLE_RAD, chosen.accuracy_rad))
+        self._gathered: list[Shaken] = []
+        self._samples = 0
+        self._parts: list[Columns] = []
+        self.inside_s = 0.0
+        self.failed = 0
+
+    def add(self, place: int, case: Case) -> None:
+        """Gather a case, or run it. Raises `InputError` for a case that is no scene."""
+        try:
+            shaken = Shaken(place, self._scenes.still(case.setting), self._scenes.motion(case.setting))
+        except AnalyticInputError:
+            self._run_single(place, case)
+            return
+        self._gathered.append(shaken)
+        axes = shaken.motion.x, shaken.motion.z
+        self._samples += sum(item.t_s.size for item in axes if isinstance(item, SampledAcceleration))
+        if self._samples > MOST_SAMPLES:
+            self._run()
+
+    def columns(self) -> Columns:
+        """All that was added, in order."""
+        self._run()
+        order = np.argsort(np.concatenate([part["place"] for part in self._parts]), kind="stable")
+        return {
+            name: np.concatenate([part[name] for part in self._parts])[order]
+            for name in self._parts[0]
+            if name != "place"
+        }
+
+    def _run(self) -> None:
+        """Run what was gathered in two sweeps."""
+        if not self._gathered:
+            return
+        start = time.perf_counter()
+        self._parts.append(swept(self._gathered))
+        self.inside_s += time.perf_counter() - start
+        self._gathered, self._samples = [], 0
+
+    def _run_single(self, place: int, case: Case) -> None:
+        run = CaseRun(selection.REFERENCE, self._block.base, tuple(case.setting.items()), self._asked, False, False)
+        answer = run_case(run)
+        self.failed += answer.failed
+        self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
+
+
+_REMEMBERED: Final[dict[str, CaseScenes]] = {}
+"""The scenes of the study at work: what its blocks share is read once in each worker."""
+
+
+def _scenes(base: Base, accuracy: float) -> CaseScenes:
+    name = json.dumps([str(base.path), base.content, accuracy], default=str)
+    if name not in _REMEMBERED:
+        _REMEMBERED.clear()
+        _REMEMBERED[name] = CaseScenes(base, accuracy)
+    return _REMEMBERED[name]

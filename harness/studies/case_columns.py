@@ -1,0 +1,199 @@
+"""Cases of a study by the analytic model as columns, and columns as the records that a store of single runs holds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.certified_rows import CertifiedRows, certify_rows
+from analytic.results import LEFT_BY
+from analytic.solution import OUTCOMES
+from harness.engines import analytic as twoblock
+from harness.model.history import Outcome
+from harness.model.scene import BaseExcitation
+from harness.records.base import Plain
+from harness.studies.case_scenes import Still
+from harness.studies.file import StudyFile, Value
+
+if TYPE_CHECKING:
+    import pyarrow
+
+Columns = dict[str, NDArray[Any]]
+Values = dict[str, NDArray[Any] | list[str]]
+RUN: Final = {
+    "overturn_time_s": "overturn_time_s",
+    "peak_slip_m": "peak_slip_m",
+    "peak_time_s": "peak_time_s",
+}
+VALIDITY: Final = {
+    "energy_gained_j": "energy_gained_j",
+    "energy_lost_j": "energy_lost_j",
+    "floor_normal_least_n": "least_floor_normal_n",
+    "left_domain_s": "left_domain_s",
+    "statue_friction_needed": "pivot_friction",
+    "statue_friction_needed_at_impact": "pivot_friction_at_impact",
+    "statue_normal_least_n": "least_pivot_normal_n",
+}
+TIPPING: Final = {
+    "pedestal_tipping_margin_at_impact_m": "tipping_margin_at_impact_m",
+    "pedestal_tipping_margin_m": "tipping_margin_m",
+}
+"""Names of a run's record, and of what the kernel leaves behind; the last only where there is a pedestal."""
+WORK: Final = {"events": "events", "impacts": "impacts", "taylor_coefficients": "coefficients"}
+OF_RUN: Final = (
+    "end_s", "no_return_time_s", "numerical_uncertainty_rad", "outcome", "peak_theta_rad", "reliable_until_s",
+    "residual_slip_m", "skipped", "slip_uncertainty_m", "steps", "warnings", *RUN,
+)  # fmt: skip
+"""Columns that stand in the record itself."""
+LISTS: Final = ("skipped", "warnings")
+OF_VALIDITY: Final = ("left_domain_by", "peak_over_slenderness", *VALIDITY)
+
+
+class Shaken(NamedTuple):
+    """A case as the model reads it, and its place among others."""
+
+    place: int
+    still: Still
+    motion: BaseExcitation
+
+
+def swept(cases: Sequence[Shaken]) -> Columns:
+    """Run the cases; what their records hold, as columns (n,), with their places."""
+    stills = list({id(case.still): case.still for case in cases}.values())
+    numbers = {id(still): k for k, still in enumerate(stills)}
+    which = np.array([numbers[id(case.still)] for case in cases])
+    motions = [(case.motion.x, case.motion.z) for case in cases]
+    rows = certify_rows([still.body for still in stills], which, motions, twoblock.RELIABLE_RAD)
+    slender = np.array([[still.scene.statue.slenderness_rad(side) for side in (-1, 1)] for still in stills])[which]
+    pedestal = np.array([still.scene.pedestal is not None for still in stills])[which]
+    warnings, skipped = _sentences(rows)
+    said = [(*item, *twoblock.left_out(case.motion)) for item, case in zip(warnings, cases, strict=True)]
+    return {
+        "place": np.array([case.place for case in cases]),
+        **_numbers(rows, slender, pedestal),
+        "motion_axes": _texts(["".join(case.motion.axes(2)) for case in cases]),
+        "warnings": _texts(said),
+        "skipped": _texts(skipped),
+        "record": _texts([None] * len(cases)),
+    }
+
+
+def _sentences(rows: CertifiedRows) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Each row's warnings, and what it left out: alike for all of which there is nothing to say but whether they fell."""
+    first = rows.first
+    own = rows.doubtful | (first.results["skipped_s"] > 0.0) | (first.counts["energy_endings"] > 0)
+    fell = np.isfinite(first.results["overturn_time_s"])
+    shared: dict[bool, tuple[tuple[str, ...], tuple[str, ...]]] = {}
+    said = []
+    for k, (alone, overturned) in enumerate(zip(own.tolist(), fell.tolist(), strict=True)):
+        if alone or overturned not in shared:
+            certified = rows.certified(k)
+            both = certified.warnings, twoblock.skipped(certified.solution, keep=False)
+            if not alone:
+                shared[overturned] = both
+        said.append(both if alone else shared[overturned])
+    return [item[0] for item in said], [item[1] for item in said]
+
+
+def _texts(values: Sequence[object]) -> NDArray[np.object_]:
+    column = np.empty(len(values), dtype=object)
+    column[:] = [list(value) if isinstance(value, tuple) else value for value in values]
+    return column
+
+
+def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal: NDArray[np.bool_]) -> Columns:
+    """Of α (n, 2) the left and the right side."""
+    states, results, counts = rows.first.states, rows.first.results, rows.first.counts
+    signed = results["peak_theta_rad"]
+    peak = np.abs(signed)
+    falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
+    columns: Columns = {
+        "outcome": _texts([OUTCOMES[code].value for code in states["outcome"].tolist()]),
+        "end_s": states["time_s"],
+        "peak_theta_rad": peak,
+        "residual_slip_m": states["slip_m"],
+        "no_return_time_s": np.where(falls, results["no_return_time_s"], np.nan),
+        "numerical_uncertainty_rad": rows.uncertainty_rad,
+        "slip_uncertainty_m": rows.slip_uncertainty_m,
+        "reliable_until_s": rows.reliable_until_s,
+        "steps": counts["steps"],
+        "left_domain_by": _texts([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
+        "peak_over_slenderness": peak / np.where(signed > 0.0, slenderness_rad[:, 1], slenderness_rad[:, 0]),
+        "on_pedestal": pedestal,
+    }
+    columns |= {name: results[source] for name, source in {**RUN, **VALIDITY}.items()}
+    columns |= {name: np.where(pedestal, results[source], np.nan) for name, source in TIPPING.items()}
+    return columns | {name: counts[source] for name, source in WORK.items()}
+
+
+def columns_of_record(record: Plain) -> Columns:
+    """One run's record as columns of one row: what of it other rows have too, and the whole as text."""
+    numbers = {name: record.get(name) for name in OF_RUN}
+    own = {name: np.array([np.nan if value is None else value]) for name, value in numbers.items()}
+    lists = {name: _texts([record[name]]) for name in LISTS}
+    words = {"outcome": record["outcome"], "left_domain_by": "", "motion_axes": "", "record": json.dumps(record)}
+    texts = {name: _texts([value]) for name, value in words.items()}
+    nothing = {name: np.array([np.nan]) for name in (*VALIDITY, *TIPPING, "peak_over_slenderness")}
+    counts = {name: np.array([0]) for name in WORK}
+    return {**own, **nothing, **counts, **texts, **lists, "on_pedestal": np.array([False])}
+
+
+def varied_column(study: StudyFile, key: str, values: list[Value]) -> NDArray[Any] | list[str]:
+    """What varies as a column: numbers of one kind as they are, anything else as JSON; alike in every block of the study."""
+    given = next((item.values for item in study.vary if item.key == key), None)
+    kinds = {type(value) for value in given} if given is not None else {float}
+    return np.array(values) if kinds in ({float}, {int}) else [json.dumps(value) for value in values]
+
+
+def table_of(columns: Mapping[str, NDArray[Any] | list[str]]) -> pyarrow.Table:
+    """The columns as a table; a number that is not finite is null, as it is in a record."""
+    import pyarrow
+
+    def column(name: str, values: NDArray[Any] | list[str]) -> pyarrow.Array:
+        if isinstance(values, np.ndarray) and values.dtype.kind == "f":
+            return pyarrow.array(np.ascontiguousarray(values), mask=~np.isfinite(values))
+        if name in LISTS:
+            return pyarrow.array(values, pyarrow.list_(pyarrow.string()))
+        if isinstance(values, list) or values.dtype == object:
+            return pyarrow.array(values, pyarrow.string())
+        return pyarrow.array(np.ascontiguousarray(values))
+
+    return pyarrow.table({name: column(name, values) for name, values in columns.items()})
+
+
+def rows_of(table: pyarrow.Table, wanted: Sequence[str]) -> Iterator[tuple[int, dict[str, Value], Plain]]:
+    """Number, what varies (`wanted`: its keys) and record of each row: the record that a store of single runs would hold."""
+    settings = json.loads((table.schema.metadata or {})[b"settings"])
+    named = {name: table.column(name).to_pylist() for name in table.column_names}
+    for k, number in enumerate(named["number"]):
+        row = {name: values[k] for name, values in named.items()}
+        varied = {key: json.loads(row[key]) if isinstance(row[key], str) else row[key] for key in wanted}
+        record = _record(row, settings) if row["record"] is None else json.loads(row["record"])
+        # By name, as a store has them.
+        yield number, dict(sorted({"variant": row["variant"], **varied}.items())), dict(sorted(record.items()))
+
+
+def _record(row: Plain, settings: Plain) -> Plain:
+    """The record of one run; what it has that no outcome of the model has is empty."""
+    validity: Plain = {name: row[name] for name in OF_VALIDITY}
+    if row["on_pedestal"]:
+        validity |= {name: row[name] for name in TIPPING}
+    return {
+        "engine": twoblock.TwoBlock.name,
+        "impact_times_s": [],
+        "interventions": {},
+        "labels": [],
+        "message": "",
+        "motion_axes": list(str(row["motion_axes"])),
+        "outcome_sentence": Outcome(str(row["outcome"])).sentence,
+        "patterns": [],
+        "settings": settings,
+        "uplift_times_s": [],
+        "validity": {**validity, "impact_ratios": [], "several_joint_states_s": []},
+        "work": {name: row[name] for name in WORK},
+        **{name: row[name] for name in OF_RUN},
+    }

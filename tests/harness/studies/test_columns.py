@@ -1,0 +1,238 @@
+"""A study in columns holds, row for row, what a store of single runs holds; what was finished outlives a kill."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from analytic.errors import AnalyticInputError
+from harness import study_cli
+from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
+from harness.campaign.runner import InlinePool
+from harness.campaign.store import STORE_NAME, PlannedRow, Store
+from harness.model.errors import InputError
+from harness.records.study import StudyRecord
+from harness.studies import case_blocks
+from harness.studies.case_scenes import CaseScenes
+from harness.studies.column_rows import ColumnRows, table, thinned
+from harness.studies.file import load_study
+from harness.studies.study_run import run_in_columns, run_study, study_name
+from tests.harness.studies.small_study import BLOCK, STUDY, written
+
+pytest.importorskip("pyarrow", reason="columns need the extra [parquet]")
+
+VARIED = """
+title = "a study of all that varies"
+scene = "block.toml"
+samples = 2
+[[vary]]
+key = "motion.x.amplitude_g"
+start = 0.0
+stop = 0.6
+count = 3
+[[vary]]
+key = "motion.scale"
+values = ["keep", 2.0, "none"]
+[[vary]]
+key = "pedestal"
+values = ["keep", "none"]
+[[vary]]
+key = "motion.x.frequency_hz"
+values = [1, 2.5]
+also = { "motion.z.amplitude_g" = 0.1 }
+[[scatter]]
+key = "contact.floor_static"
+distribution = "uniform"
+low = 0.16
+high = 0.4
+[[scatter]]
+key = "gravity_m_s2"
+distribution = "uniform"
+low = 9.7
+high = 9.9
+[[variant]]
+name = "own"
+engines = ["analytic"]
+[[variant]]
+name = "paper"
+engines = ["analytic"]
+set = { "contact.restitution" = 0.9, "model.preset" = "paper", "wall.side" = "left", "wall.distance_m" = 0.5 }
+"""
+SHAKEN = """
+[motion]
+scale = 1.5
+[motion.z]
+kind = "pulse"
+shape = "one_sine"
+amplitude_g = 0.1
+duration_s = 0.7
+[uncertainty]
+"motion.scale" = { kind = "lognormal", cov = 0.1 }
+"statue.mass_kg" = { kind = "lognormal", cov = 0.1 }
+"""
+RECORD = '[motion.x]\nkind = "record"\nfile = "shaking.csv"\nunit = "g"\n'
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(case_blocks, "LEAST_RUNS", 1)
+    monkeypatch.setattr(case_blocks, "BLOCK", 25)
+
+
+def columns(path: Path, folder: Path) -> ColumnRows:
+    study, store = load_study(path), ColumnStore(folder)
+    summary = run_in_columns(study, path, store, InlinePool())
+    assert (summary.cases, summary.computed + summary.found) == (study.runs, study.runs)
+    return ColumnRows(store, study)
+
+
+def both(path: Path, folder: Path) -> tuple[list[PlannedRow], list[PlannedRow]]:
+    study = load_study(path)
+    with Store(folder / "rows.sqlite") as store:
+        run_study(study, path, store, InlinePool())
+        single = list(store.rows(study_name(study)))
+    return single, list(columns(path, folder / "columns").rows(""))
+
+
+def parts(row: PlannedRow) -> tuple[object, ...]:
+    return row.number, row.engine, row.reason, row.varied, row.run
+
+
+@pytest.mark.parametrize("kind", ["grid", "varied", "record"])
+def test_rows_are_those_of_single_runs(tmp_path: Path, kind: str) -> None:
+    path = written(tmp_path, STUDY if kind == "grid" else VARIED)
+    if kind == "varied":
+        (tmp_path / "block.toml").write_text(BLOCK + SHAKEN)
+    if kind == "record":
+        shaking = "\n".join(f"{0.02 * k:.2f},{0.4 * (-1) ** (k // 9) * (k % 9) / 9:.4f}" for k in range(90))
+        (tmp_path / "shaking.csv").write_text(f"t_s,a\n{shaking}\n")
+        (tmp_path / "block.toml").write_text(BLOCK.partition("[motion.x]")[0] + "[motion]\nscale = 1.0\n" + RECORD)
+        text = STUDY.replace("motion.x.amplitude_g", "motion.scale").replace(
+            "motion.x.frequency_hz", "pedestal.mass_kg"
+        )
+        path.write_text(text.replace("start = 1.0\nstop = 4.0", "start = 100.0\nstop = 400.0"))
+    single, rows = both(path, tmp_path)
+    assert len(rows) == len(single) > 50
+    for row, other in zip(rows, single, strict=True):
+        assert parts(row) == parts(other)
+
+
+def test_a_case_that_the_model_refuses_fails_as_a_single_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(self: CaseScenes, setting: object) -> object:
+        raise AnalyticInputError("this body cannot rock")
+
+    monkeypatch.setattr(CaseScenes, "still", refused)
+    single, rows = both(written(tmp_path), tmp_path)
+    assert [parts(row) for row in rows] == [parts(row) for row in single]
+
+
+def test_a_case_that_is_no_scene_is_refused_in_the_same_words(tmp_path: Path) -> None:
+    path = written(tmp_path, STUDY.replace("stop = 4.0", "stop = 4e9"))
+    said = []
+    for run in (lambda: columns(path, tmp_path / "c"), lambda: both(path, tmp_path)):
+        with pytest.raises(InputError) as error:
+            run()
+        said.append(str(error.value))
+    assert said[0] == said[1]
+    assert "frequency_hz" in said[0]
+
+
+def test_an_export_is_the_same_file(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    for name, store in (("columns", None), ("rows", STORE_NAME)):
+        if store is not None:
+            (tmp_path / name).mkdir()
+            with Store(tmp_path / name / store):
+                pass
+        study_cli.run(
+            path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.csv", witness=False
+        )
+        study_cli.run(
+            path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.parquet", witness=False
+        )
+    assert (tmp_path / "columns" / COLUMNS_NAME).is_dir()
+    assert not (tmp_path / "rows" / COLUMNS_NAME).exists()
+    assert (tmp_path / "columns.csv").read_bytes() == (tmp_path / "rows.csv").read_bytes()
+    from pyarrow import parquet
+
+    assert parquet.read_table(tmp_path / "columns.parquet").equals(parquet.read_table(tmp_path / "rows.parquet"))
+
+
+def test_a_record_holds_a_coarser_grid_and_counts_all(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    rows = columns(path, tmp_path / "c")
+    some = thinned(rows.store, rows.study, most=12)
+    shown, every = list(some.rows("")), {row.number: parts(row) for row in rows.rows("")}
+    assert 3 <= len(shown) <= 12
+    assert all(parts(row) == every[row.number] for row in shown)
+    counted = table(rows.store, rows.study, len(shown))
+    assert (counted.rows, sum(counted.outcomes.values()), counted.shown) == (60, 60, len(shown))
+    record, _ = study_cli.run(path, tmp_path / "out", pool=InlinePool(), quiet=True)
+    assert isinstance(record, StudyRecord)
+    assert record.table is not None
+    assert record.table.outcomes == counted.outcomes
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from harness import study_cli
+from harness.campaign.runner import InlinePool
+from harness.studies import case_blocks
+case_blocks.LEAST_RUNS, case_blocks.BLOCK = 1, 3
+study_cli.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)
+"""
+
+
+def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    process = subprocess.Popen([sys.executable, "-c", SCRIPT, str(path), str(out)])
+    until_s = time.monotonic() + 60.0
+    while len(list(out.rglob("[0-9]*.parquet"))) < 2 and time.monotonic() < until_s:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    before = {part: part.stat().st_mtime_ns for part in out.rglob("[0-9]*.parquet")}
+    assert len(before) >= 2
+    torn = min(before)
+    torn.write_bytes(torn.read_bytes()[:-40])
+    (torn.parent / ".writing-half.parquet").write_bytes(torn.read_bytes()[:100])
+    monkeypatch.setattr(case_blocks, "BLOCK", 3)
+    study_cli.run(path, out, pool=InlinePool(), quiet=True, resume=True)
+    assert all(part.stat().st_mtime_ns == at for part, at in before.items() if part != torn), "what was whole is kept"
+    study = load_study(path)
+    rows = list(ColumnRows(ColumnStore(next((out / COLUMNS_NAME).iterdir())), study).rows(""))
+    assert [parts(row) for row in rows] == [parts(row) for row in columns(path, tmp_path / "whole").rows("")]
+
+
+def test_what_was_changed_is_refused(tmp_path: Path) -> None:
+    rows = columns(written(tmp_path), tmp_path / "c")
+    part = sorted(rows.store.folder.iterdir())[0]
+    data = bytearray(part.read_bytes())
+    data[len(data) // 4] ^= 0xFF
+    part.write_bytes(bytes(data))
+    with pytest.raises(InputError, match=part.name):
+        list(rows.rows(""))
+
+
+def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = written(tmp_path)
+    base = case_blocks.Base(path, {})
+    assert case_blocks.in_columns(load_study(path), base)
+    for old, new in (
+        ('engines = ["analytic"]', 'engines = ["analytic", "pymunk"]'),
+        ("[[variant]]", "[ask]\nhistories = true\n[[variant]]"),
+        ("[[variant]]", 'claims = "pedestal"\n[[variant]]'),
+        ("values = [0.85, 0.9]", 'values = ["momentum", 0.9]'),
+    ):
+        text = new.replace("[[variant]]", "") + STUDY if new.startswith("claims") else STUDY.replace(old, new)
+        path.write_text(text)
+        assert not case_blocks.in_columns(load_study(path), base), new
+    path.write_text(STUDY)
+    monkeypatch.setattr(case_blocks, "LEAST_RUNS", 61)
+    assert not case_blocks.in_columns(load_study(path), base)

@@ -1,0 +1,77 @@
+"""A wall or a second body scanned with the statue: seen, refused with the cut that leaves the statue, else no alarm."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness import mesh_cli
+from harness.command import Known
+from harness.model.errors import InputError
+from meshes import MeshError, Solid
+from meshes.beside import attached_beside
+from meshes.mesh import RawMesh
+from meshes.prepare import Wanted, prepare_mesh
+from meshes.repair import Part, union
+from tests.budgets_meshes import CUT_VOLUME_REL
+from tests.meshes.loft import loft
+from tests.meshes.scanner import write
+
+
+def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Part:
+    corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
+    return loft(np.stack([np.column_stack([corners, np.full(4, height)]) for height in z]))
+
+
+@pytest.fixture(scope="module")
+def bodies(statue: Solid) -> dict[str, RawMesh]:
+    """The generated statue with a wall (closed, turned, as a scanner sees it), a second statue and a column at its side."""
+    vertices, faces = np.array(statue.vertices_m), np.array(statue.faces)
+    back, right = float(vertices[:, 1].min()), float(vertices[:, 0].max())
+    walled, faces_walled = union([(vertices, faces), box((-1.5, 1.5), (back - 0.08, back + 0.02), (0.0, 3.0))])
+    turn = np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
+    wall = RawMesh(walled, faces_walled, "wall")
+    front = wall.with_faces(faces_walled[walled[faces_walled][:, :, 1].min(axis=1) > back - 0.07])
+    column = union([(vertices, faces), box((right - 0.02, right + 0.35), (-0.2, 0.2), (0.0, 1.0))])
+    return {
+        "a wall": wall,
+        "a turned wall": wall.moved(walled @ turn.T),
+        "the front of a wall": front,
+        "a column": RawMesh(*column, "column"),
+    }
+
+
+@pytest.mark.parametrize("name", ["a wall", "a turned wall", "the front of a wall", "a column"])
+def test_what_hangs_on_a_statue_is_refused_with_the_cut_that_takes_it_off(
+    name: str, bodies: dict[str, RawMesh], statue: Solid, tmp_path: Path
+) -> None:
+    file = write(bodies[name], tmp_path / "scan.ply")
+    what = "a second body" if name == "a column" else "a wall"
+    with pytest.raises(InputError, match=what) as caught:
+        mesh_cli.inspect(file, Known(unit="m", up="z"))
+    told = re.search(r"--cut-beyond (\S+) \(--cut-beyond none says", str(caught.value))
+    assert told is not None
+    found = mesh_cli.inspect(file, Known(unit="m", up="z", cut_beyond=told.group(1)))
+    assert found.solid is not None
+    assert found.solid.mass_kg == pytest.approx(statue.mass_kg, rel=CUT_VOLUME_REL)
+    assert found.solid.height_m == pytest.approx(statue.height_m, rel=CUT_VOLUME_REL)
+    assert "cut: all farther than" in str(found)
+
+
+def test_what_is_the_statue_s_own_is_kept_when_told(bodies: dict[str, RawMesh]) -> None:
+    mesh = prepare_mesh(bodies["a column"], Wanted(unit="m", up="z", cut_beyond=(0.0, np.inf))).mesh
+    assert float(mesh.vertices[:, 0].max()) == pytest.approx(float(bodies["a column"].vertices[:, 0].max()))
+    with pytest.raises(MeshError, match="a cut between"):
+        prepare_mesh(bodies["a column"], Wanted(unit="m", up="z", cut_beyond=(0.0, 9.0)))
+    with pytest.raises(InputError, match=r"--cut-beyond: wanted an azimuth in degrees and a distance"):
+        mesh_cli.inspect(Path("any.ply"), Known(cut_beyond="north"))
+
+
+def test_a_statue_alone_raises_no_alarm(statue: Solid) -> None:
+    vertices, faces = np.array(statue.vertices_m), np.array(statue.faces)
+    for angle in (0.0, 0.3, 1.1):
+        turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+        assert attached_beside(vertices @ turn.T, faces) is None
