@@ -17,8 +17,8 @@ from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
 from reports.charts.event import MOVED_SHARE, event_s
+from reports.charts.packed import packed_array
 from reports.charts.palette import HAIRLINE, MUTED, look
-from reports.pages.assets import packed_array
 from reports.text.glossary import score_rows
 from reports.text.wording import Verdict
 
@@ -82,6 +82,6 @@ def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ..
     shown, style = kept_samples(values), look(name, names)
     return {
         "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
-        "x": packed_array(t_s[shown], "f4"), "y": packed_array(values[shown], "f4"),
+        "x": packed_array(t_s[shown]), "y": packed_array(values[shown]),
         "line": {"color": style.colour, "dash": style.dash, "width": style.width},
     }  # fmt: skip
