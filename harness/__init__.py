@@ -67,5 +67,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """The public names too, loaded or not."""
-    return sorted({*globals(), *__all__})
+    """The public names, loaded or not, and none of what this file imports."""
+    return sorted({*(name for name in globals() if name.startswith("__")), *__all__})
