@@ -16,42 +16,24 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.accuracy.simulation import simulate
-    from harness.comparison.comparator import compare
-    from harness.comparison.history_files import compare_files
-    from harness.input.history_file import read_history
-    from harness.input.scene_file import load_scene
-    from harness.model.errors import InputError, Mistake
-    from harness.model.history import History, Outcome
-    from harness.model.options import RunOptions
-    from harness.model.run import Run
-    from harness.model.scene import Scene
-    from harness.records.kinds import read_result
-    from harness.records.run import RunRecord
-    from harness.records.scores import Scores, Verdict
-    from harness.records.study import StudyRecord
-    from harness.scene_run.scene_run import run_scene
-
-__all__ = [
-    "History",
-    "InputError",
-    "Mistake",
-    "Outcome",
-    "Run",
-    "RunOptions",
-    "RunRecord",
-    "Scene",
-    "Scores",
-    "StudyRecord",
-    "Verdict",
-    "compare",
-    "compare_files",
-    "load_scene",
-    "read_history",
-    "read_result",
-    "run_scene",
-    "simulate",
-]
+    from harness.accuracy.simulation import simulate as simulate
+    from harness.comparison.comparator import compare as compare
+    from harness.comparison.history_files import compare_files as compare_files
+    from harness.input.history_file import read_history as read_history
+    from harness.input.scene_file import load_scene as load_scene
+    from harness.model.errors import InputError as InputError
+    from harness.model.errors import Mistake as Mistake
+    from harness.model.history import History as History
+    from harness.model.history import Outcome as Outcome
+    from harness.model.options import RunOptions as RunOptions
+    from harness.model.run import Run as Run
+    from harness.model.scene import Scene as Scene
+    from harness.records.kinds import read_result as read_result
+    from harness.records.run import RunRecord as RunRecord
+    from harness.records.scores import Scores as Scores
+    from harness.records.scores import Verdict as Verdict
+    from harness.records.study import StudyRecord as StudyRecord
+    from harness.scene_run.scene_run import run_scene as run_scene
 
 _HOMES = {
     "compare": "harness.comparison.comparator",
@@ -73,6 +55,7 @@ _HOMES = {
     "StudyRecord": "harness.records.study",
     "Verdict": "harness.records.scores",
 }
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> object:
@@ -84,5 +67,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """The public names too, loaded or not."""
-    return sorted({*globals(), *__all__})
+    """The public names, loaded or not, and none of what this file imports."""
+    return sorted({*(name for name in globals() if name.startswith("__")), *__all__})

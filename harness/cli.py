@@ -11,7 +11,7 @@ import typer
 
 from harness.campaign.progress import ProgressMessages
 from harness.command import Asked, JsonOnly, Saying, Target, command
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, nearest
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
@@ -189,16 +189,13 @@ def explain(scene: Scene, names: Sequence[str] | None, no_skip: Sequence[str] | 
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:
     """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
-    from difflib import get_close_matches
-
     from harness.model.options import SKIPS, RunOptions
 
     off = set(no_skip or ())
     unknown = [name for name in off if name not in SKIPS and name != "all"]
     if unknown:
-        near = get_close_matches(unknown[0], SKIPS, n=1)
-        advice = f"did you mean {near[0]}?" if near else ""
-        raise InputError(Mistake("--no-skip", "", f"all or one of {', '.join(SKIPS)}", repr(unknown[0]), advice))
+        wanted = f"all or one of {', '.join(SKIPS)}"
+        raise InputError(Mistake("--no-skip", "", wanted, repr(unknown[0]), nearest(unknown[0], SKIPS)))
     return RunOptions(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
 
 

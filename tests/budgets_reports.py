@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-PAGE_BYTES: Final = 2_000_000
-"""Of the page of a run with a replay: 1.7 MB are measured (docs/bench.md); a fifth more for another mesh."""
+PAGE_BYTES: Final = 1_200_000
+"""Of the page of a run with a replay: 0.99 MB are measured (docs/bench.md); a fifth more for another mesh."""
 
-DRAWN_RAD: Final = 1e-6
-"""Curves are stored in single precision: 2⁻²⁴ of the largest rotation drawn, 1.5 rad, is 9e-8; ten times that."""
+DRAWN_RAD: Final = 4e-6
+"""Curves are stored in steps of 2⁻¹⁸ of their range: half of one is 3.8e-6 where they reach 2 rad."""
 
 POSE_M: Final = 1e-12
 """Poses are rotations of points within 10 m in double precision: some 10 roundings of 1e-16 × 10 m."""

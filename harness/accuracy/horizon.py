@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -24,51 +24,31 @@ TOLERANCE_RAD: Final = 0.01
 """Rotation to which a prediction is asked: 1.5 cm at the top of a statue of 1.5 m."""
 
 
-@dataclass(frozen=True)
-class Horizon:
-    """Until when perturbed runs of one model stay within `tolerance_rad` of the unperturbed one, by the perturbation's size.
-
-    `until_s` (one for each of `perturbations`) is `duration_s` where they always do. `growth_per_s` is the mean rate at which
-    the largest difference grows, from its size to the tolerance, over the perturbations that reach it (None: none does).
-    `outcomes` are the distinct outcomes among the runs: more than one says that the outcome itself is not predictable.
-    """
-
-    tolerance_rad: float
-    duration_s: float
-    perturbations: tuple[float, ...]
-    until_s: tuple[float, ...]
-    growth_per_s: float | None
-    outcomes: tuple[Outcome, ...]
-    failed: int
-
-    def until(self, uncertainty: float) -> float:
-        """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.
-
-        Beyond the largest one no prediction is claimed: the horizon is then 0.
-        """
-        known = [t for size, t in zip(self.perturbations, self.until_s, strict=True) if size >= uncertainty]
-        return known[0] if known else 0.0
-
-    @property
-    def intrinsic_s(self) -> float:
-        """The horizon of the problem itself, from the least perturbation: beyond it no two programs need agree."""
-        return self.until_s[0]
-
-    @property
-    def sentence(self) -> str:
-        """Until when the rotation can be predicted, for the least and the largest perturbation."""
-        first, last = self.perturbations[0], self.perturbations[-1]
-        text = f"rotation predictable to {self.tolerance_rad:g} rad "
-        if self.until_s[-1] >= self.duration_s:
-            return f"{text}throughout, even if start and motion are known to {last:g} only"
-        text += f"until {self.until_s[-1]:.3g} s if start and motion are known to {last:g}"
-        if self.until_s[0] >= self.duration_s:
-            return f"{text}, throughout if to {first:g}"
-        return f"{text}, until {self.until_s[0]:.3g} s even if to {first:g}"
-
-    def record(self) -> HorizonRecord:
-        """The horizon as it stands in a record."""
-        return HorizonRecord(**vars(self), intrinsic_s=self.intrinsic_s, sentence=self.sentence)
+def stated(
+    tolerance_rad: float,
+    duration_s: float,
+    perturbations: Sequence[float],
+    until_s: Sequence[float],
+    growth_per_s: float | None,
+    outcomes: Sequence[Outcome],
+    failed: int,
+) -> HorizonRecord:
+    """The horizon from its numbers, with the sentence for the least and the largest perturbation."""
+    first, last = perturbations[0], perturbations[-1]
+    text = f"rotation predictable to {tolerance_rad:g} rad "
+    if until_s[-1] >= duration_s:
+        text += f"throughout, even if start and motion are known to {last:g} only"
+    else:
+        text += f"until {until_s[-1]:.3g} s if start and motion are known to {last:g}"
+        finer = (
+            f"throughout if to {first:g}"
+            if until_s[0] >= duration_s
+            else f"until {until_s[0]:.3g} s even if to {first:g}"
+        )
+        text += f", {finer}"
+    return HorizonRecord(
+        tolerance_rad, duration_s, perturbations, until_s, growth_per_s, outcomes, failed, until_s[0], text
+    )
 
 
 def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
@@ -110,7 +90,7 @@ def horizon(
     *,
     tolerance_rad: float = TOLERANCE_RAD,
     perturbations: Sequence[float] = PERTURBATIONS,
-) -> Horizon:
+) -> HorizonRecord:
     """The horizon of a model, `run` being that model with its settings; perturbed runs that fail are left out and counted.
 
     Raises `EngineFailure` when the unperturbed run has no history.
@@ -139,7 +119,7 @@ def horizon(
     # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
     least = np.minimum.accumulate(until)
     growth = float(np.mean(rates)) if rates else None
-    return Horizon(
+    return stated(
         tolerance_rad,
         scene.duration_s,
         sizes,
@@ -168,13 +148,13 @@ def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:
     return both.end_s if shorter else None
 
 
-def horizon_of(engine: Engine, scene: Scene, settings: Settings, **keywords: Any) -> Horizon:
+def horizon_of(engine: Engine, scene: Scene, settings: Settings, **keywords: Any) -> HorizonRecord:
     """The horizon of an engine with its settings (see `horizon`)."""
     options = RunOptions(history=True)
     return horizon(scene, lambda each: engine.simulate(each, settings, options), **keywords)
 
 
-def horizon_beside(engine: Engine, scene: Scene, run: Run) -> Horizon:
+def horizon_beside(engine: Engine, scene: Scene, run: Run) -> HorizonRecord:
     """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
     if engine.capabilities.certifies:
         return horizon_of(engine, scene, engine.refinement_levels(scene)[-1])

@@ -53,4 +53,5 @@ def needed(statue: Statue, theta_rad: Array, slip_m: Array) -> tuple[float, floa
     pivot = np.where(theta_rad >= 0.0, statue.corner_right_m, -statue.corner_left_m)[:, None]
     turn = theta_rad[:, None]
     places = pivot + (x - pivot) * np.cos(turn) + z * np.sin(turn) + slip_m[:, None]
-    return float(places.max() - x.max()), float(x.min() - places.min())
+    # At rest rounding may say less than nothing.
+    return max(float(places.max() - x.max()), 0.0), max(float(x.min() - places.min()), 0.0)

@@ -45,7 +45,42 @@ def _assumed(key: str, value: float) -> Uncertain:
 
 def draw(inputs: Sequence[Uncertain], count: int, seed: int) -> dict[str, Array]:
     """Values (count,) of every input by its key; more draws of one seed begin with the same values."""
-    return {item.key: _values(item, count, np.random.default_rng([seed, k])) for k, item in enumerate(inputs)}
+    linked = {name for group in groups(inputs) if len(group) > 1 for name in group}
+    values: dict[str, Array] = {}
+    scores: dict[str, Array] = {}
+    for k, item in enumerate(inputs):
+        random = np.random.default_rng([seed, k])
+        if item.key not in linked:
+            values[item.key] = _values(item, count, random)
+            continue
+        own = random.standard_normal(count)
+        other = scores.get(item.correlated_with or "")
+        scores[item.key] = own if other is None else item.rho * other + math.sqrt(1.0 - item.rho**2) * own
+        values[item.key] = _of_score(item, scores[item.key])
+    return values
+
+
+def groups(inputs: Sequence[Uncertain]) -> list[list[str]]:
+    """The keys that depend on each other, each group independent of all others."""
+    by_key: dict[str, list[str]] = {}
+    for item in inputs:
+        by_key[item.key] = by_key.get(item.correlated_with or "", [])
+        by_key[item.key].append(item.key)
+    return [group for key, group in by_key.items() if group[0] == key]
+
+
+def _of_score(item: Uncertain, score: Array) -> Array:
+    """The input at normal scores (n,): the same distribution as `_values` draws, by its quantiles."""
+    from scipy.special import ndtr, ndtri
+
+    if item.kind == "lognormal":
+        return np.asarray(item.value * np.exp(math.sqrt(math.log1p(item.width**2)) * score))
+    least = LEAST_SHARE * item.value if item.value > 0.0 else -math.inf
+    if item.kind == "uniform":
+        low = max(item.value - item.width, least)
+        return np.asarray(low + (item.value + item.width - low) * ndtr(score))
+    cut = ndtr((least - item.value) / item.width)
+    return np.asarray(item.value + item.width * ndtri(cut + (1.0 - cut) * ndtr(score)))
 
 
 def _values(item: Uncertain, count: int, random: np.random.Generator) -> Array:

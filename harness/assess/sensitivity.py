@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.assess.inputs import draw
+from harness.assess.inputs import draw, groups
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import file_scale
 from harness.model.scene import Scene, Uncertain
@@ -53,6 +53,7 @@ def _crossing(rising: Array, asked: float) -> float | None:
 def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Index]:
     """First and total variance-based index of every input for whether the statue overturns (Saltelli 2010, Jansen 1999).
 
+    Inputs that correlate have one index together: only groups that are independent divide the variance.
     The first is the share of the variance that goes when this input is known; the total the share that stays when all others are.
     """
     a, b = draw(inputs, INDEX_DRAWS, seed), draw(inputs, INDEX_DRAWS, seed + OTHER_SEED)
@@ -61,11 +62,11 @@ def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, I
     if variance == 0.0:
         return {}
     result = {}
-    for item in inputs:
-        fell = _fell(scene, {**a, item.key: b[item.key]})
+    for group in groups(inputs):
+        fell = _fell(scene, {**a, **{key: b[key] for key in group}})
         first = 1.0 - float(np.mean((fell_b - fell) ** 2)) / (2.0 * variance)
         total = float(np.mean((fell_a - fell) ** 2)) / (2.0 * variance)
-        result[item.key] = Index(first, total)
+        result[" with ".join(group)] = Index(first, total)
     return result
 
 

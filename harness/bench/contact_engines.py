@@ -1,14 +1,12 @@
-"""Numbers of the contact engines for `rockcheck bench`: error and cost for each setting, cost of the harness."""
+"""Numbers of the contact engines for `rockcheck bench`: kinds of scene, the model's answer, cost of the harness."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from harness import engines
-from harness.bench.differences import errors
-from harness.bench.standard_scenes import PAPER, paper_scene
+from harness.bench.standard_scenes import paper_scene
 from harness.engines.base import Settings
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -23,36 +21,6 @@ KINDS: Final = (
     ("imposed 0.90", True, 0.20, 0.90),
 )
 """Kinds of scene: pedestal, static friction, imposed ratio."""
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """An engine's largest errors over the paper's cases at one step, and the cost of a step; or why it is not here."""
-
-    engine: str
-    kind: str
-    missing: str | None = None
-    dt_s: float | None = None
-    error_rad: float | None = None
-    error_slip_m: float | None = None
-    us_per_step: float | None = None
-
-
-def accuracy_rows(names: Sequence[str], steps_s: Sequence[float]) -> Iterator[Accuracy]:
-    """For each engine, step and kind of scene: largest error against the analytic model in the first second, and the cost."""
-    for kind, pedestal, static, ratio in KINDS:
-        scenes = [paper_scene(a, f, pedestal=pedestal, static=static, ratio=ratio) for a, f in PAPER]
-        exact = [analytic_run(scene) for scene in scenes]
-        for name in names:
-            engine = engines.load(name)
-            if engine.missing() is not None:
-                yield Accuracy(name, kind, engine.missing())
-                continue
-            for dt in steps_s:
-                runs = [engine.simulate(scene, engine.settings_for_dt(scene, dt), RunOptions()) for scene in scenes]
-                worst = [max(pair) for pair in zip(*map(errors, exact, runs), strict=True)]
-                cost = 1e6 * sum(run.wall_s for run in runs) / sum(run.steps for run in runs)
-                yield Accuracy(name, kind, None, dt, worst[0], worst[1], cost)
 
 
 def analytic_run(scene: Scene) -> Run:

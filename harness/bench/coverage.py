@@ -14,10 +14,10 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.differences import error_rad, errors
 from harness.bench.precision import TARGET_RAD
 from harness.bench.seeded_scenes import random_scene
 from harness.campaign.parts import Row
+from harness.comparison.distance import error_rad, errors
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

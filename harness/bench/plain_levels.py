@@ -12,9 +12,9 @@ from typing import Final
 
 from harness import engines
 from harness.bench.contact_engines import analytic_run
-from harness.bench.differences import errors
 from harness.bench.pages import renew, table
 from harness.bench.standard_scenes import PAPER, paper_scene
+from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.run import Run

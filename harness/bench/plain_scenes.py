@@ -14,11 +14,11 @@ from harness import engines
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement, truth_of
-from harness.bench.differences import error_rad
 from harness.bench.pages import renew, table
 from harness.bench.random_scenes import FINEST_S, counted
 from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
 from harness.bench.seeded_scenes import wide_scene
+from harness.comparison.distance import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement

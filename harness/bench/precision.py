@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import Standard, standard_set
 from harness.bench.timing import Cost, cost, costs
 from harness.campaign.parts import Row
+from harness.comparison.distance import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions

@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness.bench.contact_engines import KINDS
-from harness.bench.differences import errors
 from harness.bench.pages import renew, table
 from harness.bench.standard_scenes import PAPER, paper_scene, resolved, standard_set
+from harness.comparison.distance import errors
 from harness.engines import load
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run

@@ -72,7 +72,8 @@ class ColumnStore:
                 raise InputError(Mistake(str(path), "", wanted, str(error), advice)) from error
 
     def _files(self, key: str = "") -> list[Path]:
-        return sorted(self.folder.glob(f"{key or '*'}-*{SUFFIX}"))
+        # A write that was killed leaves a file whose name begins with a dot.
+        return sorted(path for path in self.folder.glob(f"{key or '*'}-*{SUFFIX}") if not path.name.startswith("."))
 
     def _is_whole(self, path: Path) -> bool:
         import pyarrow

@@ -4,12 +4,12 @@ Azimuths are directions in the statue's own frame, counter-clockwise from x seen
 floor shakes. The statue is turned, not the floor: shaking stays along x, so every planar model sees its own section.
 """
 
-from harness.effects3d.conditions import BASELINE, CONDITIONS, Condition, amplified, changed_scene, turned, with_solid
+from harness.effects3d.conditions import CONDITIONS, Condition, amplified, changed_scene, turned, with_solid
 from harness.effects3d.departure import departure, tilt_along
 from harness.effects3d.file import asked
 from harness.effects3d.search import Search, find, start_factor
 from harness.effects3d.study import run_effects
-from harness.records.effects3d import Amplitude, Departure
+from harness.records.effects3d import BASELINE, Amplitude, Departure
 
 __all__ = [
     "BASELINE",

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.effects3d.conditions import BASELINE, GEOMETRY_REL, changed_scene
+from harness.effects3d.conditions import GEOMETRY_REL, changed_scene
 from harness.effects3d.search import STEPS, Search, peak_g, start_factor
 from harness.model.scene import Scene
-from harness.records.effects3d import Band
+from harness.records.effects3d import BASELINE, Band
 
 SIGMAS: Final = 2.0
 """The stated uncertainty of a length or an inertia is this many standard deviations."""

@@ -12,13 +12,11 @@ from analytic.excitation import ZeroExcitation
 from harness.input.mesh_statue import statue_of
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
-from harness.records.effects3d import Group
+from harness.records.effects3d import BASELINE, Group
 from meshes import MeshError, Solid
 from meshes.roughening import ragged
 from meshes.survey import adjusted
 
-BASELINE: Final = "shaken along one direction"
-"""What every condition is compared with: the scene's motion along x alone."""
 GEOMETRY_REL: Final = 0.03
 """Uncertainty of centroid height, corners and inertia: a few per cent, as surveys of one statue differ."""
 FRICTION_REL: Final = 0.10

@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.effects3d.conditions import BASELINE, amplified, changed_scene, solid_of
+from harness.effects3d.conditions import amplified, changed_scene, solid_of
 from harness.effects3d.search import peak_g, run_once
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.model.scene import Scene
-from harness.records.effects3d import Departure
+from harness.records.effects3d import BASELINE, Departure
 
 Array = NDArray[np.float64]
 

@@ -7,15 +7,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from harness.effects3d.conditions import BASELINE, CONDITIONS
+from harness.effects3d.conditions import CONDITIONS
 from harness.effects3d.search import Search
 from harness.input.mistakes import Contradiction
 from harness.input.tables import Table, kind_of, read_model
+from harness.records.effects3d import BASELINE, SOLID
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
-SOLID = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
-"""Engines that compute in three dimensions."""
 
 
 class SearchTable(Table):

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from harness.effects3d.conditions import BASELINE, amplified, changed_scene
+from harness.effects3d.conditions import amplified, changed_scene
 from harness.effects3d.search import peak_g
 from harness.model.scene import Scene
-from harness.records.effects3d import Amplitude, Departure, ReplayRecord
+from harness.records.effects3d import BASELINE, Amplitude, Departure, ReplayRecord
 from harness.scene_run.scene_run import run_scene, write_result
 from harness.statics.standstill import motion_sized
 

@@ -16,9 +16,9 @@ from harness.campaign.runner import Pool
 from harness.campaign.store import STORE_NAME, Store
 from harness.campaign.task import Answer, Task
 from harness.effects3d.band import band
-from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of, without_meaning
+from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import departure
-from harness.effects3d.file import SOLID, EffectsFile, load_effects
+from harness.effects3d.file import EffectsFile, load_effects
 from harness.effects3d.replay import PLANAR, write_replay
 from harness.effects3d.search import Search, find, peak_g
 from harness.effects3d.space import EXACT
@@ -28,7 +28,16 @@ from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
 from harness.model.scene import Scene
 from harness.records.base import as_file, part
-from harness.records.effects3d import Amplitude, AskedRecord, Band, Departure, EffectsRecord, EffectsSummary
+from harness.records.effects3d import (
+    BASELINE,
+    SOLID,
+    Amplitude,
+    AskedRecord,
+    Band,
+    Departure,
+    EffectsRecord,
+    EffectsSummary,
+)
 from harness.records.result_folder import listing
 from harness.records.scene import SceneRecord
 from harness.studies.cases import Base, base_of_scene

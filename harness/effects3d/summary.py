@@ -8,9 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from harness.effects3d.conditions import BASELINE, CONDITIONS, solid_of
+from harness.effects3d.conditions import CONDITIONS, solid_of
 from harness.model.scene import Scene
-from harness.records.effects3d import Amplitude, Change, Effect, StaticLimit
+from harness.records.effects3d import BASELINE, Amplitude, Change, Effect, StaticLimit
 from meshes import footprint
 from meshes.orientation import turn_axis
 from meshes.solid import turn_about_z

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Final
 
 from harness.engines.base import Engine
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, nearest
 from harness.model.scene import Scene
 
 REGISTRY: Final[Mapping[str, str]] = {
@@ -38,9 +37,8 @@ def default_engines(scene: Scene) -> tuple[str, ...]:
 def load(name: str) -> Engine:
     """The engine of that name; raises `InputError` with the nearest known name."""
     if name not in REGISTRY:
-        near = get_close_matches(name, REGISTRY, n=1)
-        advice = f"did you mean {near[0]}?" if near else ""
-        raise InputError(Mistake("--engine", "", f"one of {', '.join(REGISTRY)}", repr(name), advice))
+        wanted = f"one of {', '.join(REGISTRY)}"
+        raise InputError(Mistake("--engine", "", wanted, repr(name), nearest(name, REGISTRY)))
     # Its module brings its simulator along: only who asks for the engine pays for that.
     module, _, attribute = REGISTRY[name].partition(":")
     engine: Engine = getattr(import_module(module), attribute)()

@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any, Final, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from harness.model.errors import Mistake
+from harness.model.errors import Mistake, nearest
 
 _WANTED: Mapping[str, str] = {
     "missing": "this key",
@@ -86,9 +85,8 @@ def _mistake(path: tuple[str, ...], details: list[ErrorDetails], model: type[Bas
     advice = ""
     if detail["type"] == UNKNOWN:
         known = sorted(owner.model_fields) if owner is not None else []
-        near = get_close_matches(path[-1], known, n=1)
         wanted = f"a known key ({', '.join(known)})" if known else "no such key"
-        advice = f"did you mean {near[0]}?" if near else ""
+        advice = nearest(path[-1], known)
         got = "an unknown key"
     else:
         wanted = " or ".join(dict.fromkeys(wanted_of(item) for item in details))

@@ -25,7 +25,7 @@ PACKED: Final = {
     b"7z\xbc\xaf": "a 7z archive",
 }
 UTF16_MARKS: Final = (b"\xff\xfe", b"\xfe\xff")
-_FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
+FOREIGN: Final = re.compile(r"[^0-9+\-.eE \t]")
 """What no decimal number holds. Python's float also takes underscores, "nan", "infinity" and the digits of other scripts."""
 _BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$|(?<=\.)([0-9]*)([+-][0-9]{1,2})$")
 """Fortran leaves the E out where an exponent takes three digits; some programs always do (1.234+5)."""
@@ -33,14 +33,14 @@ _BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]{3})$|(?<=\.)([0-9]*)([+-][0-
 
 def decimal(text: str) -> float:
     """The decimal number that `text` is, blanks around it allowed; ValueError for anything else."""
-    if _FOREIGN.search(text):
+    if FOREIGN.search(text):
         raise ValueError(f"{text!r} is no decimal number")
     return float(text)
 
 
 def decimals(texts: Sequence[str]) -> list[float]:
     """`decimal` of each."""
-    if _FOREIGN.search(" ".join(texts)):
+    if FOREIGN.search(" ".join(texts)):
         raise ValueError("one of these is no decimal number")
     return [float(text) for text in texts]
 

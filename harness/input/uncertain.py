@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -20,9 +21,11 @@ WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
 
 
 class _Spread(BaseModel):
-    """Strict, frozen, without unknown keys; infinities and NaN are refused."""
+    """Strict, frozen, without unknown keys; infinities and NaN are refused. `rho` goes with the earlier key that it names."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    correlated_with: str | None = None
+    rho: Annotated[float | None, Field(gt=-1.0, lt=1.0)] = None
 
 
 class Lognormal(_Spread):
@@ -57,7 +60,17 @@ Distribution = Annotated[Lognormal | Normal | Uniform | Assumed, Field(discrimin
 
 def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
     """What `[uncertainty]` says, each with the scene's own value. Raises `Contradiction` for a key without a number."""
-    return tuple(_uncertain(model, key, spread) for key, spread in model.uncertainty.items())
+    inputs: list[Uncertain] = []
+    for key, spread in model.uncertainty.items():
+        before, other = [item.key for item in inputs], spread.correlated_with
+        if (other is None) != (spread.rho is None):
+            raise Contradiction(f'uncertainty."{key}"', "correlated_with and rho together", "one of them")
+        if other is not None and other not in before:
+            wanted = f"correlated_with an earlier key of the table ({', '.join(before) or 'this is the first'})"
+            raise Contradiction(f'uncertainty."{key}"', wanted, repr(other))
+        item = _uncertain(model, key, spread)
+        inputs.append(replace(item, correlated_with=other, rho=spread.rho or 0.0))
+    return tuple(inputs)
 
 
 def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:

@@ -28,6 +28,15 @@ class Mistake:
         return printable(f"{text} — {self.advice}" if self.advice else text)
 
 
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The advice for a name that is not known: the nearest of those that are; "" where none is near."""
+    # Needed for a mistake only: who makes none does not load it.
+    from difflib import get_close_matches
+
+    near = get_close_matches(name, list(known), n=1)
+    return f"did you mean {near[0]}?" if near else ""
+
+
 class InputError(ValueError):
     """The user's input is wrong; carries all mistakes found (the command prints them and exits with 2)."""
 

@@ -190,12 +190,16 @@ class Initial:
 class Uncertain:
     """One number that is not known: its dotted `key`, its distribution's `kind`, the scene's `value` (a lognormal's median, else
     the mean) and the distribution's `width` (`cov`, `sd` or `half_width`).
+
+    Its normal score correlates by `rho` with that of the earlier key `correlated_with` (a Gaussian copula).
     """
 
     key: str
     kind: Literal["lognormal", "normal", "uniform"]
     value: float
     width: float
+    correlated_with: str | None = None
+    rho: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)

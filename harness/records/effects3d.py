@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from harness.model.history import Outcome
 from harness.model.run import OMITTED
 from harness.records.base import Record, Table
 from harness.records.scene import SceneRecord
 
+BASELINE: Final = "shaken along one direction"
+"""What every condition is compared with: the scene's motion along x alone."""
+SOLID: Final = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
+"""Engines that compute in three dimensions."""
 Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "numerical"]
 
 

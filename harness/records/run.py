@@ -79,9 +79,15 @@ class EngineRunRecord:
         return len(self.impact_times_s) or int(self.work.get("impacts", 0))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class HorizonRecord:
-    """Until when one model can predict the scene (`harness.accuracy.horizon.Horizon`)."""
+    """Until when perturbed runs of one model stay within `tolerance_rad` of the unperturbed one, by the perturbation's size.
+
+    `until_s` (one for each of `perturbations`) is `duration_s` where they always do; the first of it, `intrinsic_s`, is the
+    horizon of the problem itself: beyond it no two programs need agree. `growth_per_s` is the mean rate at which the largest
+    difference grows, from its size to the tolerance, over the perturbations that reach it (None: none does). `outcomes` are the
+    distinct outcomes among the runs: more than one says that the outcome itself is not predictable.
+    """
 
     tolerance_rad: float
     duration_s: float
@@ -92,6 +98,14 @@ class HorizonRecord:
     failed: int
     intrinsic_s: float
     sentence: str
+
+    def until(self, uncertainty: float) -> float:
+        """The horizon for an uncertainty of the start or the motion: that of the least perturbation that is as large.
+
+        Beyond the largest one no prediction is claimed: the horizon is then 0.
+        """
+        known = [t for size, t in zip(self.perturbations, self.until_s, strict=True) if size >= uncertainty]
+        return known[0] if known else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
@@ -10,6 +11,7 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
+from harness.comparison.distance import errors
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -69,11 +71,12 @@ def reasons(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores])
 
 def _reason(scene: Scene, plane: Run, space: Run, scores: Scores) -> list[str]:
     until_s = min(plane.bounded_until_s, space.bounded_until_s, plane.end_s, space.end_s)
-    with_all = _apart_rad(plane, space, until_s)
+    with_all = errors(plane, space, until_s)[0]
     changed = {what: taken for what, take in TAKEN_AWAY.items() if (taken := take(scene)) is not None}
-    apart = {what: _apart_rad(plane, _again(taken, space, until_s), until_s) for what, taken in changed.items()}
-    known = {what: value for what, value in apart.items() if value is not None}
-    if with_all is None or not known:
+    again = {what: _again(taken, space, until_s) for what, taken in changed.items()}
+    apart = {what: errors(plane, run, until_s)[0] for what, run in again.items() if run is not None}
+    known = {what: value for what, value in apart.items() if math.isfinite(value)}
+    if not (math.isfinite(with_all) and known):
         return []
     pair = f"{space.engine} and {plane.engine}"
     each = ", ".join(f"{value:.2g} rad without {what}" for what, value in known.items())
@@ -92,11 +95,3 @@ def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
         return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
     except EngineFailure:
         return None
-
-
-def _apart_rad(plane: Run, space: Run | None, until_s: float) -> float | None:
-    """Largest difference of two rotations up to a time; None without histories."""
-    if space is None or plane.history is None or space.history is None:
-        return None
-    times = plane.history.t_s[plane.history.t_s <= min(until_s, space.end_s)]
-    return float(np.max(np.abs(plane.history.at(times) - space.history.at(times)), initial=0.0))

@@ -9,7 +9,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, check_target, simulate_with
@@ -21,7 +21,7 @@ from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
-from harness.records.run import EngineRunRecord, RunRecord
+from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
 from harness.records.witness import Witness
@@ -29,9 +29,6 @@ from harness.scene_run.confirmation import FINER, doubted
 from harness.scene_run.left_out import reasons
 from harness.statics.plan import Step, plan
 from harness.statics.standstill import standstill
-
-if TYPE_CHECKING:
-    from harness.accuracy.horizon import Horizon
 
 KILLED_S: Final = 0.05
 """Between two looks whether a process that was killed is gone."""
@@ -46,7 +43,7 @@ class Result:
     scores: Mapping[str, Scores]
     plan: Sequence[Step]
     seconds: float
-    horizons: Mapping[str, Horizon] = field(default_factory=dict)
+    horizons: Mapping[str, HorizonRecord] = field(default_factory=dict)
     assessment: Mapping[str, Assessment] = field(default_factory=dict)
     witness: Mapping[str, Witness] = field(default_factory=dict)
 
@@ -70,7 +67,7 @@ class Result:
             runs={name: EngineRunRecord.of(run) for name, run in self.runs.items()},
             histories=[name for name, run in self.runs.items() if run.history is not None],
             scores=self.scores,
-            horizons={name: horizon.record() for name, horizon in self.horizons.items()},
+            horizons=self.horizons,
             assessment=self.assessment,
             witness=self.witness,
             plan=self.plan,
@@ -223,7 +220,9 @@ def _assessed(scene: Scene, on_progress: Callable[[str], None]) -> dict[str, Ass
         return {}
 
 
-def _scores(scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, Horizon], iso: bool) -> dict[str, Scores]:
+def _scores(
+    scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, HorizonRecord], iso: bool
+) -> dict[str, Scores]:
     """The scores of each pair, up to their horizons."""
     from harness.comparison.comparator import compare
 
@@ -238,7 +237,7 @@ def _scores(scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, Horizo
 
 def _horizons(
     scene: Scene, runs: Sequence[Run], on_progress: Callable[[str], None], *, every: bool
-) -> dict[str, Horizon]:
+) -> dict[str, HorizonRecord]:
     from harness.accuracy.horizon import horizon_beside
 
     horizons = {}

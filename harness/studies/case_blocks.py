@@ -26,8 +26,8 @@ from harness.studies.case_tasks import CaseRun, run_case, run_key
 from harness.studies.cases import Base, Case, expand
 from harness.studies.file import StudyFile
 
-LEAST_RUNS: Final = 200_000
-"""From so many runs on a study's results stand in columns: rows of a kilobyte each would take minutes to write and to read."""
+LEAST_RUNS: Final = 50_000
+"""From so many runs on a study's results stand in columns: rows of a kilobyte each would take most of the time."""
 BLOCK: Final = 16_384
 """Cases of a block: some seconds of work, a megabyte to send."""
 MOST_SAMPLES: Final = 4_000_000

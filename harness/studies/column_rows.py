@@ -19,8 +19,10 @@ from harness.studies import case_selection as selection
 from harness.studies.case_columns import rows_of
 from harness.studies.file import StudyFile
 
+MOST_WHOLE: Final = 110_000
+"""Rows that a page and its record still hold whole: a map of 330 × 330, a record of 110 MB; beyond it"""
 MOST_SHOWN: Final = 20_000
-"""Rows of a page and its record: a map of 140 × 140, and a record of some 20 MB."""
+"""they hold a coarser grid of so many."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,9 @@ class ColumnRows:
         return np.asarray(np.logical_and.reduce(chosen))
 
 
-def thinned(store: ColumnStore, study: StudyFile, most: int = MOST_SHOWN) -> ColumnRows:
-    """The rows of a coarser grid of at most so many, every axis thinned where it is longest."""
+def thinned(store: ColumnStore, study: StudyFile, most: int | None = None) -> ColumnRows:
+    """All rows of a study that is shown whole, else those of a coarser grid of at most so many, thinned where it is longest."""
+    most = most or (study.runs if study.runs <= MOST_WHOLE else MOST_SHOWN)
     sizes = _sizes(study)
     strides = [1] * len(sizes)
     while math.prod(-(-n // k) for n, k in zip(sizes, strides, strict=True)) * len(study.variant) > most:
@@ -73,10 +76,11 @@ def table(store: ColumnStore, study: StudyFile, shown: int) -> TableRecord:
     rows = outcomes.total()
     fallen = sum(count for name, count in outcomes.items() if Outcome(name).overturned)
     folder = f"{store.folder.parent.name}/{store.folder.name}"
-    sentence = (
-        f"{rows} cases stand in {folder}; {fallen} of them ({fallen / max(rows, 1):.2%}) overturn. "
-        f"Maps, curves and counts of this page are those of {shown} of them, a coarser grid of the same ranges."
-    )
+    sentence = f"{rows} cases stand in {folder}; {fallen} of them ({fallen / max(rows, 1):.2%}) overturn."
+    if shown < rows:
+        sentence += (
+            f" Maps, curves and counts of this page are those of {shown} of them, a coarser grid of the same ranges."
+        )
     return TableRecord(folder, rows, shown, dict(sorted(outcomes.items())), seconds, sentence)
 
 

@@ -7,14 +7,13 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.input import paths
 from harness.input.text_file import decimal, decoded, read_bytes
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, nearest
 from harness.model.history import Outcome
 
 COLUMNS: Final[Mapping[str, str]] = {
@@ -138,9 +137,8 @@ def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
     mistakes = []
     for name in names:
         if name not in COLUMNS:
-            near = get_close_matches(name, COLUMNS, n=1)
-            advice = f"did you mean {near[0]}?" if near else ""
-            mistakes.append(Mistake(str(path), "header", f"a known column ({', '.join(COLUMNS)})", repr(name), advice))
+            wanted = f"a known column ({', '.join(COLUMNS)})"
+            mistakes.append(Mistake(str(path), "header", wanted, repr(name), nearest(name, COLUMNS)))
     mistakes += [
         Mistake(str(path), "header", "each column once", f"{name} {names.count(name)} times")
         for name in dict.fromkeys(names)
@@ -249,8 +247,7 @@ class _Row:
         cell = self._cell(column) or otherwise
         if cell in known or (cell == otherwise and column != "observed"):
             return cell
-        near = get_close_matches(cell, known, n=1)
-        self._wrong(column, f"one of {', '.join(known)}", repr(cell), f"did you mean {near[0]}?" if near else "")
+        self._wrong(column, f"one of {', '.join(known)}", repr(cell), nearest(cell, known))
         return otherwise or known[0]
 
     def _numbers(self, column: str, above: float = -math.inf) -> list[float]:

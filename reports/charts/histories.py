@@ -13,9 +13,9 @@ from harness.records.scene import MotionRecord
 from reports.charts import Json
 from reports.charts.decimate import Array, kept_samples
 from reports.charts.event import run_event_s
+from reports.charts.packed import packed_array
 from reports.charts.palette import HAIRLINE, INK, MUTED, faint, look
 from reports.charts.patterns import pattern_strip
-from reports.pages.assets import packed_array
 from reports.source import RunSource
 from reports.text.wording import horizon_s, prediction_s
 
@@ -86,7 +86,7 @@ def _axes(rows: Mapping[str, float]) -> tuple[dict[str, str], dict[str, tuple[fl
 
 def _line(history: History, values: Any, most: int | None = None) -> tuple[Json, Json]:
     shown = kept_samples(values) if most is None else kept_samples(values, most)
-    return packed_array(history.t_s[shown], "f4"), packed_array(values[shown], "f4")
+    return packed_array(history.t_s[shown]), packed_array(values[shown])
 
 
 def _rotation(source: RunSource, name: str, history: History, names: list[str], axis: str) -> list[Json]:
@@ -133,7 +133,7 @@ def _band(run: EngineRunRecord, history: History) -> tuple[Json, Json] | None:
     shown = kept_samples(theta, BAND_SAMPLES)
     t_s, theta = t_s[shown], theta[shown]
     around = np.concatenate([theta + size, (theta - size)[::-1]])
-    return packed_array(np.concatenate([t_s, t_s[::-1]]), "f4"), packed_array(around, "f4")
+    return packed_array(np.concatenate([t_s, t_s[::-1]])), packed_array(around)
 
 
 def _lower(name: str, history: History, values: Array, words: str, names: list[str], axis: str) -> Json:
@@ -148,10 +148,10 @@ def _lower(name: str, history: History, values: Array, words: str, names: list[s
 
 
 def _floor(motion: MotionRecord, gravity_m_s2: float, axis: str) -> list[Json]:
-    t_s = packed_array(motion.t_s, "f4")
+    t_s = packed_array(motion.t_s)
     return [
         {
-            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(accel) / gravity_m_s2, "f4"),
+            "type": "scatter", "x": t_s, "y": packed_array(np.asarray(accel) / gravity_m_s2),
             "yaxis": axis, "mode": "lines", "name": f"floor {name}", "legend": "legend3",
             "line": {"color": AXIS_COLOURS[name], "width": 1.0}, "hovertemplate": f"floor {name} %{{y:.3f}} g<extra></extra>",
         }
@@ -258,20 +258,16 @@ def _annotations(source: RunSource, axis: str) -> list[Json]:
             (-statue.slenderness_left_rad, "left", "top"),
         )
     ]  # fmt: skip
-    until = horizon_s(source)
-    if until is not None and until < end:
-        texts.append(
-            {
-                "xref": "x", "x": until, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "bottom", "showarrow": False, "text": f" error bounded until {until:.3g} s", "font": small,
-            }
-        )  # fmt: skip
-    horizon = prediction_s(source)
-    if horizon is not None and horizon < end:
-        texts.append(
-            {
-                "xref": "x", "x": horizon, "xanchor": "left", "yref": f"{axis} domain", "y": 0,
-                "yanchor": "top", "showarrow": False, "text": f" horizon of prediction {horizon:.3g} s", "font": small,
-            }
-        )  # fmt: skip
+    marks = (
+        (horizon_s(source), "bottom", "error bounded until"),
+        (prediction_s(source), "top", "horizon of prediction"),
+    )
+    for at, anchor, words in marks:
+        if at is not None and at < end:
+            texts.append(
+                {
+                    "xref": "x", "x": at, "xanchor": "left", "yref": f"{axis} domain", "y": 0, "yanchor": anchor,
+                    "showarrow": False, "text": f" {words} {at:.3g} s", "font": small,
+                }
+            )  # fmt: skip
     return texts

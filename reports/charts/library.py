@@ -12,7 +12,9 @@ from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from reports.pages.assets import CHART_KINDS, pack_text, package_folder
+from markupsafe import Markup
+
+from reports.pages.assets import CHART_KINDS, LETTERS, pack_text, package_folder
 from reports.pages.made_once import made_once
 
 _NAME: Final = r"[\w$]+"
@@ -21,9 +23,19 @@ _LAST: Final = re.compile(
     rf"{_NAME}\.exports=\3\}}\);return \1\(\);\}}\)\(\);"
 )
 """The module that registers the kinds of chart, and the bundle's end."""
+_REGISTERED: Final = re.compile(rf"\(\[((?:{_NAME}\(\),?)+)\]\)")
 _CALLED: Final = re.compile(rf"{_NAME}(?=\(\))")
 _KIND: Final = re.compile(r'moduleType:"trace",name:"(\w+)"')
 _PASSED_ON: Final = re.compile(rf'(?:"use strict";)?{_NAME}\.exports=({_NAME})\(\)\}}\);$')
+
+
+_COMPONENT: Final = re.compile(r'moduleType:"component",name:"(\w+)"')
+UNUSED_COMPONENTS: Final = frozenset(
+    {"annotations3d", "images", "rangeselector", "rangeslider", "sliders", "updatemenus"}
+)
+"""Parts of a layout that no chart of the pages has; the library asks for each by name and goes on without it."""
+_MAP_STYLE: Final = re.compile(r"`\.maplibregl-map\{[^`]*`")
+"""The style sheet of the maps, which are left out."""
 
 
 class Bundle(NamedTuple):
@@ -38,10 +50,14 @@ class Bundle(NamedTuple):
 
 
 @cache
-def chart_library() -> str:
+def chart_library() -> Markup:
     """The reduced library as a script that sets `window.Plotly`, packed; to reduce it takes half a second, so it is kept."""
-    state = [_bundle().read_bytes(), Path(__file__).read_bytes(), repr(sorted(CHART_KINDS)).encode()]
-    return made_once("chart-library", b"".join(state), lambda: pack_text(reduced(whole_library())))
+    state = [
+        _bundle().read_bytes(),
+        Path(__file__).read_bytes(),
+        repr((sorted(CHART_KINDS), LETTERS.tobytes())).encode(),
+    ]
+    return Markup(made_once("chart-library", b"".join(state), lambda: pack_text(reduced(whole_library()))))
 
 
 def whole_library() -> str:
@@ -58,11 +74,18 @@ def reduced(text: str) -> str:
     bundle = _parts(text)
     if bundle is None:
         return text
-    kinds = {name: _kind(bundle, name) for name in _CALLED.findall(bundle.registered)}
+    kinds = {name: _named(bundle, name, _KIND) for name in _CALLED.findall(bundle.registered)}
     if not CHART_KINDS - {"scatter"} <= set(kinds.values()):
         return text
     wanted = ",".join(f"{name}()" for name, kind in kinds.items() if kind in CHART_KINDS)
-    modules = bundle.modules | {bundle.last: bundle.modules[bundle.last].replace(bundle.registered, wanted)}
+    modules = {name: _MAP_STYLE.sub("``", source) for name, source in bundle.modules.items()}
+    modules[bundle.last] = modules[bundle.last].replace(bundle.registered, wanted)
+    for name, source in modules.items():
+        for calls in _REGISTERED.findall(source) if name != bundle.last else ():
+            parts = [
+                call for call in _CALLED.findall(calls) if _named(bundle, call, _COMPONENT) not in UNUSED_COMPONENTS
+            ]
+            modules[name] = modules[name].replace(f"[{calls}]", f"[{','.join(f'{call}()' for call in parts)}]")
     needed = _reached(bundle._replace(modules=modules))
     opening = bundle.head.find("var Plotly=")
     licence = text[: text.find("*/") + 2] if text.startswith("/*") else ""
@@ -88,10 +111,10 @@ def _parts(text: str) -> Bundle | None:
     return Bundle(text[: places[0]], modules, text[end:], name, registered, helper)
 
 
-def _kind(bundle: Bundle, name: str) -> str | None:
-    """The kind of chart that a registered module adds; modules may pass another one on."""
+def _named(bundle: Bundle, name: str, kind_of: re.Pattern[str]) -> str | None:
+    """The kind of chart, or the component, that a registered module adds; modules may pass another one on."""
     while name in bundle.modules:
-        kind = _KIND.search(bundle.modules[name])
+        kind = kind_of.search(bundle.modules[name])
         if kind is not None:
             return kind.group(1)
         onward = _PASSED_ON.search(bundle.modules[name])
@@ -105,10 +128,17 @@ def _reached(bundle: Bundle) -> set[str]:
     """The modules that the last one can reach; those with code of their own beside them are always among these."""
     helpers = [name for name in re.findall(rf"[;{{]var ({_NAME})=\(", bundle.head) if name != bundle.helper]
     beside = re.compile("|".join(rf"(?<![\w$.]){re.escape(name)}\(" for name in helpers))
-    reached = {bundle.last} | {name for name, source in bundle.modules.items() if beside.search(source)}
-    waiting = list(reached)
+    own = {name: match.start() for name, source in bundle.modules.items() if (match := beside.search(source))}
+    # Of a module that nothing calls only the code beside it runs.
+    starts = own | {bundle.last: 0}
+    waiting: list[str] = list(starts)
+    reached: set[str] = set()
     while waiting:
-        called = set(_CALLED.findall(bundle.modules[waiting.pop()])) & bundle.modules.keys()
+        name = waiting.pop()
+        called = set(_CALLED.findall(bundle.modules[name][starts.get(name, 0) :])) & bundle.modules.keys()
+        # A module that is called after all is read whole.
+        for other in called - reached:
+            starts.pop(other, None)
         waiting += called - reached
         reached |= called
-    return reached
+    return reached | own.keys() | {bundle.last}

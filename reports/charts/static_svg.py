@@ -11,9 +11,10 @@ import numpy as np
 from markupsafe import Markup
 
 from reports.charts import Json
-from reports.charts.decimate import kept_samples
+from reports.charts.decimate import thinned_px
+from reports.charts.packed import numbers
 from reports.charts.palette import HAIRLINE, INK, MUTED, solid
-from reports.charts.static_svg_axes import MARGIN, Array, Axis, axes, numbers
+from reports.charts.static_svg_axes import MARGIN, Array, Axis, axes
 from reports.charts.static_svg_heatmap import heatmap
 from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, area, box, line
 
@@ -126,23 +127,19 @@ def _curve(trace: Json, x: Axis, y: Axis, points: int) -> list[Shape]:
     if trace.get("fill") == "toself":
         fill, opacity = solid(trace.get("fillcolor", HAIRLINE))
         edge = np.column_stack([px, np.clip(py, low - 1.0, high + 1.0)])
-        return [area(_thinned(edge, 2 * points), fill, opacity=opacity)]
+        return [area(thinned_px(edge, points), fill, opacity=opacity)]
     shapes: list[Shape] = []
     if "lines" in mode and width > 0:
         for piece in np.split(inside, np.flatnonzero(np.isnan(inside[:, 1]))):
             finite = piece[np.isfinite(piece[:, 1])]
             if len(finite) > 1:
-                shapes.append(Path(_thinned(finite, points), colour, width, dash))
+                shapes.append(Path(thinned_px(finite, points), colour, width, dash))
     if "markers" in mode:
         bars = [
             bar for axis, letter in ((x, "x"), (y, "y")) for bar in _error_bars(trace, inside, axis, letter, colour)
         ]
         shapes += [*bars, *_marks(trace, inside, seen, colour)]
     return shapes
-
-
-def _thinned(points_px: Array, most: int) -> Array:
-    return points_px[kept_samples(points_px[:, 1], most)]
 
 
 def _marks(trace: Json, points_px: Array, seen: Any, colour: str) -> list[Shape]:

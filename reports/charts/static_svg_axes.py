@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts import Json
+from reports.charts.packed import numbers
 from reports.drawing.shapes import LETTER
 from reports.text.numbers import short
 
@@ -68,14 +68,6 @@ def nice_ticks(low: float, high: float, most: int) -> list[float]:
             ends.append((max(last - first - most, 0), first - last, first, last, step))
     _, _, first, last, step = min(ends)
     return [round(k * step, 12) for k in range(first, last + 1)]
-
-
-def numbers(values: Any) -> Any:
-    """The values of a trace: packed arrays unpacked, lists as they are."""
-    if isinstance(values, Mapping):
-        raw = base64.b64decode(values["bdata"])
-        return np.frombuffer(raw, dtype=np.dtype(values["dtype"]).newbyteorder("<")).astype(np.float64)
-    return values
 
 
 def axes(figure: Json, width: float, height: float) -> dict[str, Axis]:

@@ -11,11 +11,11 @@ from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.records.study import Panel
 from reports.charts import Json
+from reports.charts.packed import packed_array
 from reports.charts.palette import HAIRLINE, Look, faint, look
 from reports.charts.static_svg import picture_of
 from reports.drawing.effects_figures import Curve, rose_of
 from reports.drawing.shapes import Picture, titled
-from reports.pages.assets import packed_array
 from reports.text.numbers import heading
 from reports.text.study_rows import Condition, family
 
@@ -48,7 +48,7 @@ def panel_data(panels: Sequence[Panel]) -> Json:
         for model, settings in panel.curves.items():
             models[model] = None
             curves[model] = {
-                setting: {name: packed_array(values, "f4") for name, values in vars(curve).items()}
+                setting: {name: packed_array(values) for name, values in vars(curve).items()}
                 for setting, curve in settings.items()
             }
         place = {"amplitude_g": panel.amplitude_g, "frequency_hz": panel.frequency_hz}
@@ -159,11 +159,11 @@ def _fragility(model: str, style: Look, levels: Mapping[float, Sequence[bool]]) 
         return [points]
     plain = {"type": "scatter", "mode": "lines", "legendgroup": model, "showlegend": False, "hoverinfo": "skip"}
     around = {
-        "x": packed_array(np.concatenate([xs, xs[::-1]]), "f4"), "y": packed_array(np.concatenate([high, low[::-1]]), "f4"),
+        "x": packed_array(np.concatenate([xs, xs[::-1]])), "y": packed_array(np.concatenate([high, low[::-1]])),
         "fill": "toself", "fillcolor": faint(style.colour, 0.12), "line": {"width": 0},
     }  # fmt: skip
     fitted = {
-        "x": packed_array(xs, "f4"), "y": packed_array(curve.probability(xs), "f4"),
+        "x": packed_array(xs), "y": packed_array(curve.probability(xs)),
         "line": {"color": style.colour, "dash": style.dash, "width": style.width},
     }  # fmt: skip
     return [plain | around, plain | fitted, points]

@@ -9,6 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from harness.records.scene import MotionRecord, SceneRecord
+from reports.charts.palette import INK
 from reports.charts.static_svg_axes import nice_ticks
 from reports.charts.study_figures import FLOOR_COLOUR, PEDESTAL_COLOUR
 from reports.drawing.floor_plan import Plan
@@ -26,7 +27,6 @@ MOST_RINGS: Final = 4
 """As many circles as a reader can tell apart by their numbers."""
 SAFE: Final = "#0b6e4f"
 SHAKING: Final = "#c2185b"
-INK: Final = "#1c2430"
 
 
 def reach_svg(source: RunSource, extremes: Sequence[tuple[float, float]], title: str, say: Language) -> Markup:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.records.effects3d import Band, Effect, EffectsRecord
+from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg_axes import nice_ticks
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
@@ -26,7 +26,6 @@ RINGS: Final = 6
 """Most rings of a rose."""
 KEY_ROW: Final = 20.0
 """Height of a name in a rose's key."""
-BASELINE: Final = "shaken along one direction"
 SIDES_COLOUR: Final = "#8a6d00"
 
 Point = tuple[float, float | None]

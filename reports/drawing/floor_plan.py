@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import History
+from meshes.footprint import convex_hull, lower_chain
 from reports.charts.decimate import kept_samples
 from reports.drawing.display_mesh import read_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, Array, posed_in_space_m, section
@@ -59,9 +60,10 @@ def _body(source: RunSource) -> Array:
 
 
 def _in_plane(source: RunSource, body: Array, history: History) -> Array:
+    """Each corner moves along one line: the ends of its way are all that the outline needs."""
     chosen = _chosen([history.theta_rad, history.slip_m])
     x = section(source.scene).posed_m(body[:, [0, 2]], history.theta_rad[chosen], history.slip_m[chosen])[:, :, 0]
-    return np.column_stack([x.ravel(), np.tile(body[:, 1], len(chosen))])
+    return np.column_stack([np.concatenate([x.min(axis=0), x.max(axis=0)]), np.tile(body[:, 1], 2)])
 
 
 def _in_space(source: RunSource, body: Array, history: History) -> Array:
@@ -69,7 +71,9 @@ def _in_space(source: RunSource, body: Array, history: History) -> Array:
     corner = source.scene.statue.corner_right_m
     return np.vstack(
         [
-            _hull(posed_in_space_m(body, corner, {name: float(values[k]) for name, values in columns.items()})[:, :2])
+            convex_hull(
+                posed_in_space_m(body, corner, {name: float(values[k]) for name, values in columns.items()})[:, :2]
+            )
             for k in _chosen([history.theta_rad, *columns.values()])
         ]
     )
@@ -80,7 +84,6 @@ def _chosen(columns: Sequence[Array]) -> Any:
 
 
 def _hull(points: Array) -> Array:
-    """The corners of the convex hull of points (n, 2), counter-clockwise."""
-    from scipy.spatial import ConvexHull
-
-    return np.asarray(points[ConvexHull(points).vertices])
+    """The corners of the convex hull of points (n, 2), counter-clockwise: its lower chain, and that of the points turned over."""
+    corners = np.vstack([lower_chain(points), -lower_chain(-points)])
+    return corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.history import History
-from harness.model.run import to_plain
 from harness.records.scene import MotionRecord
 from reports.charts.event import run_event_s
+from reports.charts.packed import packed_array
 from reports.charts.palette import look
 from reports.drawing.display_mesh import display_mesh
 from reports.drawing.kinematics import SOLID_COLUMNS, section
-from reports.pages.assets import pack_text, packed_array
+from reports.pages.assets import packed_json
 from reports.source import RunSource
 
 Array = NDArray[np.float64]
@@ -23,6 +22,10 @@ Array = NDArray[np.float64]
 FRAME_S: Final = 0.005
 """Step of the frames kept; the page interpolates between them, so that slow replay stays smooth."""
 MOST_FRAMES: Final = 20_000
+MESH_LEVELS: Final = 2**13
+"""Steps over each extent of the mesh: a quarter of a millimetre in 2 m, a fifth of a pixel."""
+NORMAL_STEPS: Final = 40
+"""Steps of a unit normal's parts: shading that is right to a degree."""
 POSE_COLUMNS: Final = (*SOLID_COLUMNS, "statue_slip_m", "pedestal_tilt_rad", "pedestal_yaw_rad", "pedestal_y_m")
 """Further columns of a history that move the statue or the pedestal in the replay, where an engine records them."""
 
@@ -47,9 +50,9 @@ def replay_payload(source: RunSource) -> str:
         "pedestal": pedestal,
         "wall": source.scene.wall,
         "mesh": {
-            "positions": packed_array(mesh.vertices_m, "f4"),
-            "normals": packed_array(np.round(127.0 * mesh.normals), "i1"),
-            "index": packed_array(mesh.faces, "u2" if len(mesh.vertices_m) <= 2**16 else "u4"),
+            "positions": [packed_array(column, MESH_LEVELS) for column in mesh.vertices_m.T],
+            "normals": [packed_array(column) for column in np.round(NORMAL_STEPS * mesh.normals.T).astype(np.int64)],
+            "index": [packed_array(column) for column in mesh.faces.T],
             "faces": len(mesh.faces),
             "source_faces": mesh.source_faces,
             "own": source.mesh is not None,
@@ -60,7 +63,7 @@ def replay_payload(source: RunSource) -> str:
         ],
         "floor": _floor(source.record.motion, source.scene.gravity_m_s2, step, end),
     }
-    return pack_text(json.dumps(to_plain(payload), separators=(",", ":"), allow_nan=False))
+    return packed_json(payload)
 
 
 def _frames(history: History, step_s: float) -> dict[str, Any]:
@@ -70,14 +73,14 @@ def _frames(history: History, step_s: float) -> dict[str, Any]:
     columns |= {name: history.extra[name] for name in POSE_COLUMNS if name in history.extra}
     sampled = {name: np.interp(t_s, history.t_s, values) for name, values in columns.items()}
     used = {name: values for name, values in sampled.items() if name == "theta_rad" or np.any(values)}
-    return {"end_s": end, "frames": {name: packed_array(values, "f4") for name, values in used.items()}}
+    return {"end_s": end, "frames": {name: packed_array(values) for name, values in used.items()}}
 
 
 def _floor(motion: MotionRecord, gravity_m_s2: float, step_s: float, end_s: float) -> dict[str, Any]:
     """The floor's acceleration in g, for the arrow; absent directions are at rest."""
     t_s = np.arange(0.0, end_s + step_s, step_s)
     return {
-        axis: packed_array(np.interp(t_s, motion.t_s, np.asarray(accel) / gravity_m_s2), "f4")
+        axis: packed_array(np.interp(t_s, motion.t_s, np.asarray(accel) / gravity_m_s2))
         for axis, accel in motion.accel_m_s2.items()
     }
 

@@ -107,7 +107,8 @@ def _said(item: Uncertain, assumed: bool) -> str:
 
 def _width(item: Uncertain) -> str:
     words = {"lognormal": "coefficient of variation", "normal": "standard deviation", "uniform": "half width"}
-    return f"{words[item.kind]} {digits(item.width)}"
+    linked = "" if item.correlated_with is None else f", correlated by {item.rho:g} with {item.correlated_with}"
+    return f"{words[item.kind]} {digits(item.width)}{linked}"
 
 
 def _options(record: OptionsRecord) -> dict[str, object]:

@@ -17,13 +17,13 @@ from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import as_written, owned
 from reports.charts.decimate import kept_samples
 from reports.charts.event import MOVED_SHARE, event_s
+from reports.charts.packed import packed_array
 from reports.charts.palette import HAIRLINE, MUTED, look
-from reports.pages.assets import packed_array
 from reports.text.glossary import score_rows
 from reports.text.wording import Verdict
 
-DIFFERENCE: Final = "difference"
-ROWS: Final = (((0.46, 1.0), "rotation θ  [rad]"), ((0.24, 0.40), "first − second  [rad]"), ((0.0, 0.18), "slip  [mm]"))
+DIFFERENCE: Final = "difference, first less second"
+ROWS: Final = (((0.52, 1.0), "rotation θ  [rad]"), ((0.27, 0.47), "difference  [rad]"), ((0.0, 0.21), "slip  [mm]"))
 """Share of the chart's height and title of each row, from above."""
 
 
@@ -68,7 +68,7 @@ def compare_figure(names: tuple[str, str], a: History, b: History) -> dict[str, 
     layout: dict[str, object] = {
         "xaxis": {"title": {"text": "time  [s]"}, "anchor": "y3" if slips else "y2", "gridcolor": HAIRLINE, "zeroline": False,
             "range": list(event_s((a, b), MOVED_SHARE * float(np.abs(b.theta_rad).max(initial=0.0)), float(both.t_s[-1])))},
-        "hovermode": "x unified", "height": 560, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
+        "hovermode": "x unified", "height": 620, "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
     for number, (domain, title) in enumerate(ROWS[: 3 if slips else 2], start=1):
         layout[f"yaxis{number if number > 1 else ''}"] = {
@@ -82,6 +82,6 @@ def _curve(name: str, t_s: Array, values: Array, axis: str, names: tuple[str, ..
     shown, style = kept_samples(values), look(name, names)
     return {
         "type": "scatter", "mode": "lines", "name": name, "yaxis": axis, "legendgroup": name,
-        "x": packed_array(t_s[shown], "f4"), "y": packed_array(values[shown], "f4"),
+        "x": packed_array(t_s[shown]), "y": packed_array(values[shown]),
         "line": {"color": style.colour, "dash": style.dash, "width": style.width},
     }  # fmt: skip

@@ -64,7 +64,7 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
     )
     open_ = [say("chance.undecided", share=left)] if item.undecided else []
     plane = [say("chance.plane")] if item.plane_only else []
-    return say("chance.falls", share=share, low=low, high=high), tone, [given, say("chance.cases"), *open_, *plane]
+    return say("chance.falls", share=share, low=low, high=high), tone, [say("chance.cases"), *open_, *plane, given]
 
 
 def _nominal(source: RunSource, answered: Mapping[str, EngineRunRecord], say: Language) -> tuple[str, str]:

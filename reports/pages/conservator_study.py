@@ -54,12 +54,19 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     ends = {model: _ends(cases, model) for model in models}
     ends = {model: outcomes for model, outcomes in ends.items() if outcomes}
     said = [*_asked(record, models, say), *_by_variant(ends, say), *_bore(cases, say), *_agree(models, cases, say)]
+    said.append(say("chance.unknown"))
     return {
         "headline": _headline(ends, say),
-        "tone": tone_of_outcomes([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
+        "tone": _tone([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
         "points": said,
         "pictures": _pictures(record, models, cases, say),
     }
+
+
+def _tone(families: Sequence[str]) -> str:
+    """The colour of a study's outcomes: without a probability of a fall never green, however many situations it stands."""
+    tone = tone_of_outcomes(families)
+    return "differ" if tone == "agree" else tone
 
 
 def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:

@@ -10,16 +10,15 @@ from typing import Final
 
 import numpy as np
 
-from harness.records.effects3d import Band, EffectsRecord
+from harness.records.effects3d import BASELINE, SOLID, Band, EffectsRecord
 from reports.charts.palette import look
-from reports.drawing.effects_figures import BASELINE, changes, curves, rose
+from reports.drawing.effects_figures import changes, curves, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import replay_values
 from reports.source import run_source
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
 
-SOLID: Final = ("spatial", "pybullet", "mujoco", "pybullet:plain", "mujoco:plain")
 NEAR: Final = 0.05
 """Amplitudes within this share of each other count as the same: a survey's errors move them as much."""
 GROUPS: Final = {

@@ -3,14 +3,33 @@
 const rockcheck = { charts: {}, whenReady: [], time: 0 };
 window.rockcheck = rockcheck;
 
-rockcheck.bytes = (base64) => {
-  const letters = atob(base64), bytes = new Uint8Array(letters.length);
-  for (let k = 0; k < bytes.length; k += 1) bytes[k] = letters.charCodeAt(k);
+/* Two letters of 91 hold 13 bits; the number of bytes stands first (pages/assets.py). */
+rockcheck.bytes = (text) => {
+  const [size, letters] = text.split(" "), bytes = new Uint8Array(Number(size)), values = new Uint8Array(127);
+  for (let code = 33, value = 0; code < 127; code += 1) if (!"<&>".includes(String.fromCharCode(code))) values[code] = value++;
+  for (let k = 0, at = 0, bits = 0, held = 0; at < bytes.length; k += 2) {
+    held |= (values[letters.charCodeAt(k)] + 91 * values[letters.charCodeAt(k + 1)]) << bits;
+    for (bits += 13; bits >= 8 && at < bytes.length; bits -= 8, held >>>= 8) bytes[at++] = held & 255;
+  }
   return bytes;
 };
 rockcheck.unpack = async (holder) => {
   const packed = rockcheck.bytes(holder.textContent);
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+};
+
+/* Arrays come as differences of whole multiples of a step (charts/packed.py); columns of one table come one after another. */
+const summed = ({ step, order, deltas }) => {
+  const values = Float64Array.from(deltas);
+  for (let k = 0; k < order; k += 1) for (let n = 1; n < values.length; n += 1) values[n] += values[n - 1];
+  return values.map((value) => value * step);
+};
+rockcheck.data = async (holder, coloured = (text) => text) => JSON.parse(
+  coloured(await rockcheck.unpack(holder)), (key, value) => (value && value.deltas ? summed(value) : value));
+rockcheck.interleaved = (columns, kind) => {
+  const table = new kind(columns.length * columns[0].length);
+  columns.forEach((column, letter) => column.forEach((value, row) => { table[row * columns.length + letter] = value; }));
+  return table;
 };
 
 rockcheck.run = async (id) => {
@@ -60,7 +79,9 @@ rockcheck.live = (chart) => {
 
 const config = { responsive: true, displaylogo: false, scrollZoom: false, doubleClick: "reset",
   modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
-  toImageButtonOptions: { format: "svg" } };
+  toImageButtonOptions: { format: "svg" },
+  /* Without a pointer that hovers the bar would lie over the legend for ever. */
+  ...(matchMedia("(hover: none)").matches && { displayModeBar: false }) };
 
 /* What is in sight comes first; the browser may answer the reader between two charts. */
 const breath = () => new Promise((done) => setTimeout(done, 0));
@@ -70,7 +91,7 @@ rockcheck.draw = async () => {
   for (const [, holder] of holders.sort((a, b) => a[0] - b[0])) {
     const name = holder.dataset.chart;
     const box = rockcheck.live(document.getElementById(`chart-${name}`));
-    const figure = JSON.parse(rockcheck.coloured(await rockcheck.unpack(holder)));
+    const figure = await rockcheck.data(holder, rockcheck.coloured);
     /* Curves over the same times share one array of them. */
     for (const trace of figure.data) for (const letter of ["x", "y"]) {
       if (trace[letter] && trace[letter].same) trace[letter] = figure.data[trace[letter].same[0]][trace[letter].same[1]];

@@ -10,7 +10,7 @@ rockcheck.whenReady.push(async () => {
     type: "scatter", mode: "lines", x: curve.t_s, y: scale === 1 ? curve[name] : scaled(curve[name], scale), xaxis: `x${axis}`, yaxis: `y${axis}`,
     line: { color: colour, width: 1.3 }, name: words, showlegend: false, hovertemplate: `${words} %{y:.4f}<extra></extra>`,
   });
-  const scaled = ({ bdata }, scale) => Array.from(new Float32Array(rockcheck.bytes(bdata).buffer), (value) => value * scale);
+  const scaled = (values, scale) => values.map((value) => value * scale);
   const figure = () => {
     const panels = data.groups[group].panels;
     const amplitudes = [...new Set(panels.map((panel) => panel.amplitude_g))].sort((a, b) => a - b);
@@ -42,7 +42,7 @@ rockcheck.whenReady.push(async () => {
     return [traces, fitted(layout)];
   };
   const draw = async () => {
-    data = JSON.parse(rockcheck.coloured(await rockcheck.unpack(holder)));
+    data = await rockcheck.data(holder, rockcheck.coloured);
     const [traces, layout] = figure();
     await Plotly.react(rockcheck.live(chart), traces, layout, config);
   };

@@ -13,9 +13,7 @@ rockcheck.whenReady.push(async () => {
     wait.textContent = "This browser cannot draw in 3D (no WebGL); the histories below show the same motion.";
     return;
   }
-  const data = JSON.parse(await rockcheck.unpack(document.getElementById("replay-data")));
-  const kinds = { f4: Float32Array, i1: Int8Array, u2: Uint16Array, u4: Uint32Array };
-  const array = ({ dtype, bdata }) => new kinds[dtype](rockcheck.bytes(bdata).buffer);
+  const data = await rockcheck.data(document.getElementById("replay-data"));
 
   /* the scene */
   const scene = new THREE.Scene();
@@ -63,13 +61,13 @@ rockcheck.whenReady.push(async () => {
 
   /* one figure per model: a group at its pivot, the mesh behind it */
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(array(data.mesh.positions), 3));
-  geometry.setAttribute("normal", new THREE.BufferAttribute(array(data.mesh.normals), 3, true));
-  geometry.setIndex(new THREE.BufferAttribute(array(data.mesh.index), 1));
+  geometry.setAttribute("position", new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.positions, Float32Array), 3));
+  geometry.setAttribute("normal", new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.normals, Float32Array), 3));
+  geometry.setIndex(new THREE.BufferAttribute(rockcheck.interleaved(data.mesh.index, Uint32Array), 1));
   geometry.computeBoundingSphere();
   const figures = new Map();
   for (const model of data.models) {
-    const frames = Object.fromEntries(Object.entries(model.frames).map(([name, packed]) => [name, array(packed)]));
+    const frames = model.frames;
     const body = new THREE.Mesh(geometry, null);
     const tilt = new THREE.Group(), whole = new THREE.Group();
     tilt.rotation.order = "ZYX";
@@ -164,7 +162,7 @@ rockcheck.whenReady.push(async () => {
   const play = root.querySelector("[data-replay=play]");
   const clock = root.querySelector(".clock");
   const cells = new Map([...root.querySelectorAll("[data-theta]")].map((cell) => [cell.dataset.theta, cell]));
-  const floorValues = Object.fromEntries(Object.entries(data.floor).map(([axis, packed]) => [axis, array(packed)]));
+  const floorValues = data.floor;
   const stats = { frames: 0, script_ms: 0, worst_ms: 0 };
   let playing = false, seen = true, moveCursor = () => {}, before = 0, speed = 1;
   const floorAt = (axis) => {

@@ -246,3 +246,7 @@ def test_the_example_notebook_runs(root: Path, monkeypatch: pytest.MonkeyPatch) 
             exec(compile(ast.Module([last], []), "example", "exec"), names)
     assert len(cells) >= 6
     assert isinstance(names["scores"], harness.Scores)
+
+
+def test_tab_completion_shows_the_library_and_nothing_else() -> None:
+    assert [name for name in dir(harness) if not name.startswith("_")] == harness.__all__

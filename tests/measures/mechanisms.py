@@ -18,9 +18,9 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.bench.differences import errors
 from harness.bench.seeded_scenes import random_scene, wide_scene
 from harness.bench.standard_scenes import PAPER, paper_scene
+from harness.comparison.distance import errors
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

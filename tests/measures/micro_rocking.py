@@ -13,8 +13,8 @@ from typing import Final
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
 from harness.bench.contact_engines import analytic_run
-from harness.bench.differences import errors
 from harness.bench.seeded_scenes import random_scene
+from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene

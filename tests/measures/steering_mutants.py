@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from harness import engines
-from harness.bench.differences import error_rad
 from harness.bench.seeded_scenes import random_scene
+from harness.comparison.distance import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run

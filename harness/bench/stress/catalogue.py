@@ -10,11 +10,10 @@ from typing import Any, Final
 from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic
 from harness.bench.stress import checks
 from harness.bench.stress.checks import BASIC, Check
+from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 
 ALL: Final = ("analytic", "pymunk", "pybullet")
 CONTACT: Final = ("pymunk", "pybullet")
-STANDARD_GRAVITY_M_S2: Final = 9.80665
-"""The g of a motion's amplitude: with it as weight, −1 g leaves none."""
 ALPHA_RAD: Final = math.atan(0.2)
 """Slenderness of the column."""
 
@@ -136,6 +135,7 @@ SHAKEN: Final = {"statue": COLUMN, "contact": {"statue": 10.0}, "motion": harmon
 
 
 def _motions() -> list[Hard]:
+    # The g of a motion's amplitude: with it as weight, −1 g leaves none.
     drop = {
         "duration_s": 2.0, "gravity_m_s2": STANDARD_GRAVITY_M_S2, "statue": COLUMN,
         "motion": {

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.bench.differences import error_rad as difference_rad
+from harness.comparison.distance import error_rad as difference_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
 

@@ -14,12 +14,12 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import engines
-from harness.bench.differences import error_rad
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import ALL, CONTACT, leaning
 from harness.bench.stress.hard_scenes import solution
 from harness.campaign.parts import Row
+from harness.comparison.distance import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.options import RunOptions

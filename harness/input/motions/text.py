@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.text_file import decoded, fortran
+from harness.input.text_file import FOREIGN, decoded, fortran
 from harness.model.errors import InputError, Mistake
 
 WIDEST: Final = 64
@@ -22,8 +22,6 @@ _NUMBERS = re.compile(_NUMBER)
 NUMERIC: Final = re.compile(r"[\s0-9.+\-eEdD]*[0-9][\s0-9.+\-eEdD]*")
 """A line of numbers, whatever their form."""
 _WHOLE = re.compile(r"[+-]?[0-9]+")
-_FOREIGN = re.compile(r"[^0-9+\-.eE \t]")
-"""What no number of Fortran's holds once its D is an E: numpy, too, would take 1_0 and infinity for numbers."""
 
 
 def mistake(where: str, key: str, wanted: str, got: str, advice: str = "") -> InputError:
@@ -96,7 +94,8 @@ def _plain(line: str) -> str:
 
 def _floats(text: str, fields: Sequence[str]) -> NDArray[np.float64]:
     """Words or columns of `text` as numbers; ValueError where it holds what no number of Fortran's does."""
-    if _FOREIGN.search(text):
+    # numpy, too, would take 1_0 and infinity for numbers.
+    if FOREIGN.search(text):
         raise ValueError("not a number")
     try:
         return np.array(fields, dtype=np.float64)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.accuracy.horizon import Horizon, horizon, parted_s, perturbed
+from harness.accuracy.horizon import horizon, parted_s, perturbed, stated
 from harness.engines.base import EngineFailure
 from harness.model.history import History, Outcome
 from harness.model.run import Run
@@ -63,7 +63,7 @@ def test_a_stable_model_is_predictable_to_the_end() -> None:
 
 
 def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation() -> None:
-    found = Horizon(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0)
+    found = stated(TOLERANCE, 10.0, (1e-9, 1e-5), (6.0, 3.0), GROWTH, ("stands",), 0)
     assert [found.until(u) for u in (0.0, 1e-9, 1e-7, 1e-5, 1e-4)] == [6.0, 6.0, 3.0, 3.0, 0.0]
 
 
@@ -76,7 +76,7 @@ def test_the_horizon_of_an_uncertainty_is_that_of_the_next_larger_perturbation()
     ],
 )
 def test_a_horizon_says_what_it_takes_to_predict(until_s: tuple[float, float], says: str) -> None:
-    found = Horizon(TOLERANCE, 10.0, (1e-9, 1e-5), until_s, GROWTH, ("stands",), 0)
+    found = stated(TOLERANCE, 10.0, (1e-9, 1e-5), until_s, GROWTH, ("stands",), 0)
     assert found.sentence == f"rotation predictable to 0.01 rad {says}"
 
 

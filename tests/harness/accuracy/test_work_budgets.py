@@ -12,10 +12,10 @@ import pytest
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import Scene
 from tests import budgets_bench as budgets
+from tests.engines_for_tests import ready
 
 NONE = RunOptions(skips=frozenset())
 STEP_S = 2.5e-4
@@ -78,14 +78,6 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
 
 
-def ready(name: str) -> Engine:
-    """The engine, or a skip that says why it cannot run here."""
-    engine = engines.load(name)
-    if engine.missing():
-        pytest.skip(engine.missing() or "")
-    return engine
-
-
 HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
 NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
@@ -110,7 +102,8 @@ def modules(code: str) -> set[str]:
 def test_help_imports_no_simulator() -> None:
     loaded = modules("import reports.cli")
     assert not loaded & HEAVY
-    assert len(loaded) <= budgets.MODULES_OF_HELP
+    later = budgets.MODULES_OF_LATER_PYTHON if sys.version_info >= (3, 12) else 0
+    assert len(loaded) <= budgets.MODULES_OF_HELP + later
     more = modules("import reports.cli, scipy.integrate")
     assert len(more) > budgets.MODULES_OF_HELP, "the budget does not see a library: it sees nothing"
 

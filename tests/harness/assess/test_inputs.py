@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import spearmanr
 
-from harness.assess.inputs import draw, uncertain_inputs
+from harness.assess.inputs import draw, groups, uncertain_inputs
 from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
@@ -48,6 +50,9 @@ def test_a_file_says_what_is_uncertain(tmp_path: Path) -> None:
         ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
         ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "cov"),
         ('"motion.scale" = { kind = "gamma", cov = 0.1 }', "lognormal"),
+        ('"motion.scale" = { kind = "normal", sd = 0.1, rho = 0.5 }', "correlated_with and rho together"),
+        ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "motion.scale", rho = 0.5 }', "earlier key"),
+        ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "contact.floor", rho = 1.0 }', "less than 1"),
     ],
 )
 def test_what_is_no_distribution_of_a_number_is_refused(tmp_path: Path, line: str, wanted: str) -> None:
@@ -106,3 +111,33 @@ def test_one_factor_scales_every_axis(tmp_path: Path) -> None:
     assert twice.base_excitation.x.peak_m_s2 == 2.0 * scene.base_excitation.x.peak_m_s2
     back = varied(twice, {"motion.scale": 1.0})
     assert back.base_excitation.x.peak_m_s2 == pytest.approx(scene.base_excitation.x.peak_m_s2, rel=budget.ROUNDING)
+
+
+def test_correlated_inputs_keep_their_distributions(tmp_path: Path) -> None:
+    """Spreads are those of independent draws, whatever the kind; the rank correlation is that of the copula."""
+    lines = [
+        '"statue.mass_kg" = { kind = "lognormal", cov = 0.1 }',
+        '"contact.floor" = { kind = "normal", sd = 0.02, correlated_with = "statue.mass_kg", rho = 0.8 }',
+        '"initial.theta_rad" = { kind = "uniform", half_width = 0.01, correlated_with = "contact.floor", rho = -0.5 }',
+        '"motion.scale" = { kind = "lognormal", cov = 0.1 }',
+    ]
+    given = load_scene(stated(tmp_path, "\n".join(["", "[uncertainty]", *lines, ""]))).uncertainty
+    assert groups(given) == [["statue.mass_kg", "contact.floor", "initial.theta_rad"], ["motion.scale"]]
+    tied, free = (
+        draw(given, budget.DRAWS, 0),
+        draw([replace(item, correlated_with=None) for item in given], budget.DRAWS, 1),
+    )
+    for item in given:
+        assert np.std(tied[item.key]) == pytest.approx(np.std(free[item.key]), rel=2.0 * budget.SPREAD_REL)
+    # Spearman's coefficient of two normal scores that correlate by r is 6/π asin(r/2).
+    for one, other, rho in (
+        ("statue.mass_kg", "contact.floor", 0.8),
+        ("contact.floor", "initial.theta_rad", -0.5),
+        ("statue.mass_kg", "initial.theta_rad", -0.4),
+        ("statue.mass_kg", "motion.scale", 0.0),
+    ):
+        wanted = 6.0 / np.pi * np.arcsin(0.5 * rho)
+        assert spearmanr(tied[one], tied[other]).statistic == pytest.approx(wanted, abs=budget.RANK)
+    assert {key: values[:5].tolist() for key, values in draw(given, 5, 0).items()} == {
+        key: values[:5].tolist() for key, values in tied.items()
+    }

@@ -13,18 +13,11 @@ from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
 from tests.scenes_for_tests import paestum
 
 MUNK_WRITES = ("set_place", "set_angle", "set_velocity", "set_spin")
 BULLET_WRITES = ("resetBasePositionAndOrientation", "resetBaseVelocity", "changeDynamics", "setPhysicsEngineParameter")
-
-
-def ready(name: str) -> Engine:
-    engine = engines.load(name)
-    reason = engine.missing()
-    if reason is not None:
-        pytest.skip(reason)
-    return engine
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, module: Any, names: tuple[str, ...]) -> dict[str, int]:

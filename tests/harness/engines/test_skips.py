@@ -21,6 +21,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.statics.plan import plan
 from tests import budgets_bench as budgets
+from tests.engines_for_tests import ready
 
 NAMES = tuple(engines.REGISTRY)
 CASES = [(name, skip) for name in NAMES for skip in sorted(engines.load(name).capabilities.skips)]
@@ -68,13 +69,6 @@ def recorded(name: str) -> Scene:
     accel = np.where((t >= begin) & (t < end), 0.28, 0.02) * 9.81 * np.sin(4.0 * np.pi * t)
     still = scene_of(name, {"duration_s": duration, "statue": COLUMN})
     return replace(still, base_excitation=BaseExcitation(x=SampledAcceleration(t, accel)))
-
-
-def ready(name: str) -> Engine:
-    engine = engines.load(name)
-    if engine.missing():
-        pytest.skip(engine.missing() or "")
-    return engine
 
 
 def run(engine: Engine, scene: Scene, options: RunOptions) -> Run:

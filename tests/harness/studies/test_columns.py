@@ -193,7 +193,7 @@ def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.M
     path, out = written(tmp_path), tmp_path / "out"
     process = subprocess.Popen([sys.executable, "-c", SCRIPT, str(path), str(out)])
     until_s = time.monotonic() + 60.0
-    while len(list(out.rglob("*.parquet"))) < 2 and time.monotonic() < until_s:
+    while len(list(out.rglob("[0-9]*.parquet"))) < 2 and time.monotonic() < until_s:
         time.sleep(0.005)
     process.send_signal(signal.SIGKILL)
     process.wait()
@@ -201,6 +201,7 @@ def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.M
     assert len(before) >= 2
     torn = min(before)
     torn.write_bytes(torn.read_bytes()[:-40])
+    (torn.parent / ".writing-half.parquet").write_bytes(torn.read_bytes()[:100])
     monkeypatch.setattr(case_blocks, "BLOCK", 3)
     study_cli.run(path, out, pool=InlinePool(), quiet=True, resume=True)
     assert all(part.stat().st_mtime_ns == at for part, at in before.items() if part != torn), "what was whole is kept"

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 
 import pytest
 
 from reports.charts.library import chart_library, reduced, whole_library
-from reports.pages.assets import CHART_KINDS, packed_array, packed_chart
+from reports.charts.packed import packed_array
+from reports.pages.assets import CHART_KINDS, pack_text, packed_chart
 from tests.budgets_reports import LIBRARY_SHARE
+from tests.reports.unpacking import unpacked
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def whole() -> str:
 
 
 def test_it_is_a_fraction_of_the_wheels(whole: str) -> None:
-    kept = gzip.decompress(base64.b64decode(chart_library())).decode("utf-8")
+    kept = unpacked(chart_library())
     assert len(kept) < LIBRARY_SHARE * len(whole)
     assert kept == reduced(whole), "the same wheel always gives the same library"
 
@@ -57,8 +57,14 @@ def test_curves_over_the_same_times_share_one_array() -> None:
         {"type": "scatter", "x": times, "y": other},
         {"type": "scatter", "x": dict(times), "y": packed_array([3.0, 4.0])},
     ]
-    written = json.loads(gzip.decompress(base64.b64decode(packed_chart({"data": traces, "layout": {}}))))["data"]
+    written = json.loads(unpacked(packed_chart({"data": traces, "layout": {}})))["data"]
     assert written[0]["x"] == times
     assert written[1]["x"] == {"same": [0, "x"]}
     assert written[1]["y"] == traces[1]["y"]
     assert traces[1]["x"] == times, "the figure itself stays whole: its still picture is drawn from it"
+
+
+@pytest.mark.parametrize("text", ["", "a", "θ ≤ α", "0123456789" * 997])
+def test_packed_text_comes_back_and_ends_no_script(text: str) -> None:
+    assert unpacked(pack_text(text)) == text
+    assert not set("<&>") & set(pack_text(text))

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from reports.charts.histories import histories_figure
+from reports.charts.packed import packed_array
 from reports.charts.static_svg import still
 from reports.charts.static_svg_axes import axes, nice_ticks
-from reports.pages.assets import packed_array
 from reports.source import run_source
 from tests.budgets_reports import STILL_PX
 from tests.reports.invented_run import write_invented

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import re
 from pathlib import Path
@@ -18,6 +16,7 @@ from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict as Difference
+from reports.charts.packed import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
@@ -25,6 +24,7 @@ from reports.source import run_source
 from reports.text.wording import run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES
 from tests.reports.invented_run import write_invented
+from tests.reports.unpacking import unpacked
 
 
 @pytest.fixture(scope="module")
@@ -44,17 +44,13 @@ def without_data(html: str) -> str:
 def figure_of(html: str) -> Any:
     found = re.search(r'data-chart="histories">(.*?)</script>', html, re.S)
     assert found is not None
-    figure = json.loads(gzip.decompress(base64.b64decode(found[1])))
+    figure = json.loads(unpacked(found[1]))
     for trace in figure["data"]:
         for letter in "xy":
             if isinstance(trace.get(letter), dict) and "same" in trace[letter]:  # as page.js reads it
                 number, axis = trace[letter]["same"]
                 trace[letter] = figure["data"][number][axis]
     return figure
-
-
-def numbers(packed: dict[str, str]) -> Any:
-    return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=packed["dtype"])
 
 
 def test_it_is_one_file_that_asks_for_nothing(html: str) -> None:
@@ -117,10 +113,12 @@ def test_uncertainty_bands_have_the_recorded_width(html: str) -> None:
 def test_the_replay_holds_the_mesh_and_every_models_motion(folder: Path, html: str) -> None:
     found = re.search(r'id="replay-data">(.*?)</script>', html, re.S)
     assert found is not None
-    payload = json.loads(gzip.decompress(base64.b64decode(found[1])))
+    payload = json.loads(unpacked(found[1]))
     assert payload["mesh"]["own"] is True
     assert payload["mesh"]["faces"] <= MOST_FACES < payload["mesh"]["source_faces"]
-    assert numbers(payload["mesh"]["index"]).max() < len(numbers(payload["mesh"]["positions"])) // 3
+    assert max(numbers(column).max() for column in payload["mesh"]["index"]) < len(
+        payload["mesh"]["positions"][0]["deltas"]
+    )
     for model in payload["models"]:
         history = run_source(folder).histories[model["name"]]
         theta = numbers(model["frames"]["theta_rad"])

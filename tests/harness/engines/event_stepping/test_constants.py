@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -21,6 +22,7 @@ FIFTH = 0.2
 MODULES = {
     "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "support_vertex", "uplift"),
     "pybullet": ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch"),
+    "mujoco": ("adapter", "model"),
 }
 BOUNDS = {"MOST_AHEAD": 3.0, "APPROACH": 1.0, "SHORT": 1.0, "SATURATED": 1.0, "MOST_FRICTION": 1.0}
 """Constants that must stay below a bound, as a split impact takes three steps and an approach ends before its event: of these
@@ -82,6 +84,29 @@ def test_a_fifth_more_or_less_moves_no_result_by_its_error(
                 moved = [np.max(np.abs(a.theta_rad - b.at(a.t_s))) for a, b in zip(own, histories(name), strict=True)]
             for scene, by_rad, limit_rad in zip(SCENES, moved, limits, strict=True):
                 assert by_rad <= limit_rad, f"{constant} {value:g} -> {other:g} moves {scene!r} by {by_rad:.1e} rad"
+
+
+@pytest.mark.parametrize("name", list(MODULES))
+def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> None:
+    """What a level's settings hold is a default of theirs, out of a module's reach: stiffness, residuals, depths, reach."""
+    engine = engines.load(name)
+    reason = engine.missing()
+    if reason is not None:
+        pytest.skip(reason)
+    scene = SCENES["two coefficients"]
+    settings = engine.settings_for_dt(scene, STEP_S)
+    own = engine.simulate(scene, settings, RunOptions()).history
+    assert own is not None
+    numbers = {key: value for key, value in vars(settings).items() if isinstance(value, float)}
+    for key in set(numbers) - {"dt_s", "expected_error_rad"}:
+        for change in (-FIFTH, FIFTH):
+            other = replace(settings, **{key: numbers[key] * (1.0 + change)})  # type: ignore[arg-type]
+            history = engine.simulate(scene, other, RunOptions()).history
+            assert history is not None
+            by_rad = np.max(np.abs(own.theta_rad - history.at(own.t_s)))
+            assert by_rad <= settings.expected_error_rad, (
+                f"{key} x {1.0 + change:g} moves the rotation by {by_rad:.1e} rad"
+            )
 
 
 def test_constants_are_found() -> None:

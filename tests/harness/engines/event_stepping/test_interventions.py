@@ -11,13 +11,14 @@ import pytest
 
 from harness import engines
 from harness.bench.coverage import random_scene
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import EngineFailure
 from harness.engines.event_stepping.interventions import Ledger
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.records import base
 from harness.records.run import EngineRunRecord
 from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
 from tests.scenes_for_tests import paestum
 
 PLACES = {
@@ -76,14 +77,6 @@ def test_a_write_elsewhere_is_seen() -> None:
     assert writes("def f(data):\n    data.qvel[:6] = 0\n") == {"f"}
     assert writes("def f(pybullet):\n    pybullet.resetBaseVelocity(1)\n") == {"f"}
     assert writes("def f(body):\n    return body.velocity\n") == set()
-
-
-def ready(name: str) -> Engine:
-    engine = engines.load(name)
-    reason = engine.missing()
-    if reason is not None:
-        pytest.skip(reason)
-    return engine
 
 
 @pytest.mark.parametrize("name", list(engines.REGISTRY))

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.bench.seeded_scenes import GENERATORS
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed
 from tests.measures.steering_mutants import MUTANTS, STEP_S
 from tests.scenes_for_tests import paestum
 
 CASES = [(name, mutant) for name, mutants in MUTANTS.items() for mutant in mutants]
-
-
-def ready(name: str) -> Engine:
-    engine = engines.load(name)
-    reason = engine.missing()
-    if reason is not None:
-        pytest.skip(reason)
-    return engine
 
 
 @pytest.fixture(params=[(0.429, 3.0), (0.334, 2.0)], ids=["0.429 g", "0.334 g"])

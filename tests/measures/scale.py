@@ -1,6 +1,6 @@
 """What a study of a million runs costs on a Dask cluster of processes here: time, memory of each process, bytes.
 
-`python -m harness.bench.scale STUDY FOLDER [--kill-at RUNS] [--workers N]`: a scheduler and workers in their own processes, the
+`python -m tests.measures.scale STUDY FOLDER [--kill-at RUNS] [--workers N]`: a scheduler and workers in their own processes, the
 study as a command of its own; with `--kill-at` it is killed once, when so many runs are stored, and given again with --resume.
 """
 

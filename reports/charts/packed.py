@@ -1,0 +1,57 @@
+"""Arrays as a page carries them: whole multiples of a step, as differences, which compress to a byte or two for each sample."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from reports.charts import Json
+
+LEVELS: Final = 2**18
+"""Steps over an array's range: a value on a page is at most a 500 000th of the range beside the record's."""
+ON_CLOCK: Final = 1e-3
+"""Samples this near to multiples of their spacing, as a share of it, are taken as such: times cost nothing then."""
+
+
+def packed_array(values: ArrayLike, levels: int = LEVELS) -> Json:
+    """Finite values (n,) or, flattened, (n, k) as `{step, order, deltas}`: `deltas` summed `order` times, times `step`.
+
+    Whole numbers, and times on a clock, come back as they are.
+    """
+    array = np.asarray(values).ravel()
+    step = 1.0 if array.dtype.kind in "iu" else _step(array.astype(np.float64), levels)
+    steps = np.round(array / step).astype(np.int64)
+    first = np.diff(steps, prepend=0)
+    second = np.diff(first, prepend=0)
+    order, deltas = min((1, first), (2, second), key=lambda choice: int(np.abs(choice[1]).sum()))
+    return {"step": step, "order": order, "deltas": deltas.tolist()}
+
+
+def _step(array: Any, levels: int) -> float:
+    """The spacing of samples on a clock, for others the range over `levels`."""
+    apart = np.diff(array)
+    spacing = float(np.median(apart)) if len(apart) else 0.0
+    if spacing > 0.0:
+        # A clock's spacing has few digits; a median of differences carries their rounding.
+        spacing = float(f"{spacing:.9g}")
+        if np.abs(array / spacing - np.round(array / spacing)).max() < ON_CLOCK:
+            return spacing
+    return float(np.ptp(array)) / levels if len(array) > 1 and np.ptp(array) > 0.0 else _alone(array)
+
+
+def _alone(array: Any) -> float:
+    """A step of which one value, or the same again and again, is a multiple."""
+    return float(abs(array[0])) if len(array) and array[0] else 1.0
+
+
+def numbers(values: Any) -> Any:
+    """The values of a trace: packed arrays unpacked (n,), lists as they are."""
+    if not isinstance(values, Mapping):
+        return values
+    steps = np.asarray(values["deltas"], dtype=np.int64)
+    for _ in range(values["order"]):
+        steps = np.cumsum(steps)
+    return steps * values["step"]
