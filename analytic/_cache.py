@@ -13,13 +13,17 @@ import os
 import shutil
 import stat
 import tempfile
+import warnings
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Final
 
 KEPT: Final = 2
 """Folders kept: this state of the sources and the one before, to which one may go back."""
 PREFIX: Final = "compiled-"
+KERNEL: Final = Path(__file__).resolve().parent / "kernel"
+"""The room whose sources every other room of compiled code uses."""
 OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
 """Bits of a mode that let others write."""
 
@@ -56,6 +60,16 @@ def folder(sources: Path, *shared: Path) -> Path | None:
             prune(home)
         return chosen
     return None
+
+
+@cache
+def home_of(room: Path = KERNEL) -> Path | None:
+    """Folder of the compiled code of a room's very sources; None, with a warning, where nothing can be written."""
+    chosen = folder(room, *([] if room == KERNEL else [KERNEL]))
+    if chosen is None:
+        message = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
+    return chosen
 
 
 def prune(home: Path, most: int = KEPT) -> None:

@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.certainty import FINER, PARTED, SAFETY, Certified, certified, longest_step_s, rounding
-from analytic.encode import encode, encode_motion
+from analytic.encode import encode, encode_base, encode_motion
 from analytic.excitation import Excitation
-from analytic.kernel.entries import run_rows
-from analytic.kernel.layout import BASE, MOTION_PARAMS, PARAMS, TASK, row
-from analytic.kernel.records import Base, Counts, Params, Records, Results, State
+from analytic.kernel.layout import BASE, MOTION_PARAMS, PARAMS, row
+from analytic.kernel.records import Counts, Params, Records, Results, State
 from analytic.problem import Options, Problem
 from analytic.results import solution_of
 from analytic.solution import Solution
-from analytic.sweep import Out
+from analytic.sweep import Out, run_rows
 
 Array = NDArray[np.float64]
 Motions = tuple[Excitation, Excitation]
@@ -88,7 +87,7 @@ def certify_rows(
     `accuracy_rad` is the error up to which a peak counts as reliable, as in ``certify``.
     """
     encoded = _encoded(motions)
-    bases = np.array([row(_base(one)) for one in bodies], BASE)[body]
+    bases = np.array([row(encode_base(one.problem.block)) for one in bodies], BASE)[body]
     params = np.array([row(one.params) for one in bodies], PARAMS)[body]
     first = _run(params, encoded.x, encoded.z, bases)
     finer = np.array([row(one.checked) for one in bodies], PARAMS)[body]
@@ -120,7 +119,6 @@ def _encoded(motions: Sequence[Motions]) -> _Encoded:
     def values(motion: Excitation) -> tuple[object, ...]:
         if id(motion) not in known:
             params, times, accels = encode_motion(motion)
-            params.times, params.samples, params.n_samples = times.ctypes.data, accels.ctypes.data, times.size
             samples.extend((times, accels))
             known[id(motion)] = row(params)
         return known[id(motion)]
@@ -129,14 +127,9 @@ def _encoded(motions: Sequence[Motions]) -> _Encoded:
     return _Encoded(sides[0], sides[1], samples)
 
 
-def _base(one: Body) -> Base:
-    x, z, facets = one.problem.block.arrays
-    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size)
-
-
 def _run(params: Records, x: Records, z: Records, bases: Records) -> Out:
     out = Out.of(params.size)
-    run_rows(np.zeros(1, TASK), params, x, z, bases, 0, params.size, *out)
+    run_rows(params, x, z, bases, 0, params.size, out)
     return out
 
 

@@ -7,10 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from analytic.block import Block
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
-from analytic.kernel.records import MAX_ORDER, Floats, MotionParams, Params
+from analytic.kernel.records import MAX_ORDER, Base, Floats, MotionParams, Params
 from analytic.problem import Options, Problem
 
 LOCAL_SHARE: Final = 1e-2
@@ -36,7 +37,8 @@ def _params(kind: int, peak: float, omega: float = 0.0, phase: float = 0.0, ramp
 
 
 def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
-    """The motion's numbers, and its samples' times (n,) and accelerations (n,), empty unless it is a record.
+    """The motion's numbers, and its samples' times (n,) and accelerations (n,), empty unless it is a record: the numbers hold
+    their addresses, so the caller keeps them alive.
 
     Raises AnalyticInputError for a motion that the kernel does not know.
     """
@@ -50,12 +52,20 @@ def encode_motion(motion: Excitation) -> tuple[MotionParams, Floats, Floats]:
         params.start_s, params.end_s = motion.start_s, motion.end_s
         return params, _EMPTY, _EMPTY
     if isinstance(motion, SampledAcceleration):
-        # Copies: a read-only array is another type, for which the whole kernel would be compiled again.
-        return _params(SAMPLED, motion.peak_m_s2), np.array(motion.t_s), np.array(motion.samples_m_s2)
+        times, samples = (np.ascontiguousarray(each, np.float64) for each in (motion.t_s, motion.samples_m_s2))
+        params = _params(SAMPLED, motion.peak_m_s2)
+        params.times, params.samples, params.n_samples = times.ctypes.data, samples.ctypes.data, times.size
+        return params, times, samples
     known = ", ".join(each.__name__ for each in (ZeroExcitation, Harmonic, Pulse, SampledAcceleration))
     raise AnalyticInputError(
         f"motion: one of {known} is wanted, {type(motion).__name__} came: sample it into the last."
     )
+
+
+def encode_base(block: Block) -> Base:
+    """Where the arrays of a block's base stand, which live as long as the block."""
+    x, z, facets = block.arrays
+    return Base(x.ctypes.data, z.ctypes.data, facets.ctypes.data, facets.size)
 
 
 def order_for(tolerance: float) -> int:

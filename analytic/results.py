@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from functools import cached_property
 from struct import Struct
@@ -11,11 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kernel.layout import EVENT_ROW, TASK, packing
-from analytic.kernel.records import Counts, EventRow, MotionParams, Params, Records, Results, State
+from analytic.kernel.records import Base, Counts, EventRow, MotionParams, Output, Params, Records, Results, State
+from analytic.machine_code import Entry
 from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
 """Sentence of each of the kernel's codes for a limit passed."""
+
+
+run: Final = Entry("analytic.kernel.entries", "run")
+ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
+"""Arguments after a task that is run as it stands."""
+
+
+def address(memory: bytearray) -> int:
+    """Where it stands, for as long as it lives."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(memory))
 
 
 def _offset(*names: str) -> int:
@@ -28,33 +40,48 @@ def _offset(*names: str) -> int:
 
 
 _PARAMS, _STATE, _RESULTS = _offset("params"), _offset("state"), _offset("results")
+_BASE, _OUTPUT = _offset("base"), _offset("output")
 _COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _offset("output", "next_sample")
 _MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
-_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, State, Results, Counts)}
+_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, Output, State, Results, Counts)}
 _INTEGER: Final = Struct("q")
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 
 
 class Prepared(NamedTuple):
-    """The memory of a task, and the arrays that the kernel's ``run`` is called with beside it."""
+    """The memory of a task, and what it knows by address only."""
 
     memory: bytearray
-    arrays: tuple[NDArray[Any], ...]
-    """Base (3), times (2) and samples (2) of the motions, history (5, n), events (m,)."""
+    history: NDArray[np.float64]
+    """Rows of t, θ, θ̇, u, u̇, (5, n)."""
+    events: Records
+    """(m,)"""
+    owners: tuple[object, ...]
+    """Whose numbers motions and base name by address: kept alive."""
 
     @classmethod
-    def of(cls, params: Params, x: MotionParams, z: MotionParams, *arrays: NDArray[Any]) -> Self:
-        """A task with its parameters written."""
+    def of(
+        cls,
+        params: Params,
+        motions: tuple[MotionParams, MotionParams],
+        base: Base,
+        instants: int,
+        event_rows: int,
+        *owners: object,
+    ) -> Self:
+        """A task with its parameters written, and room for so many instants and events."""
         memory = bytearray(TASK.itemsize)
-        for place, record in ((_PARAMS, params), (_MOTION_X, x), (_MOTION_Z, z)):
+        history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
+        output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
+        places = (_PARAMS, params), (_MOTION_X, motions[0]), (_MOTION_Z, motions[1]), (_BASE, base), (_OUTPUT, output)
+        for place, record in places:
             _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
-        return cls(memory, arrays)
+        return cls(memory, history, events, owners)
 
-    @property
-    def tasks(self) -> Records:
-        """The task as the one item of an array."""
-        return np.frombuffer(self.memory, TASK)
+    def run(self) -> None:
+        """Run the task."""
+        run(address(self.memory), *ALONE)
 
     @property
     def state(self) -> State:
@@ -166,7 +193,7 @@ class RunDetails:
 
 def read(params: Params, finished: Prepared) -> Solution:
     """The solution that a finished task holds; its arrays are read-only."""
-    history, events = finished.arrays[-2], finished.arrays[-1]
+    history, events = finished.history, finished.events
     history.setflags(write=False)
     written = history[:, : finished.n_samples], events[: finished.n_events]
     return solution_of(params, finished.state, finished.results, finished.counts, *written)

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final, Unpack
 
-import numpy as np
-
 from analytic.block import Block
-from analytic.encode import encode, encode_motion
+from analytic.encode import encode, encode_base, encode_motion
 from analytic.excitation import Excitation
-from analytic.kernel.entries import run
-from analytic.kernel.layout import EVENT_ROW
 from analytic.kernel.records import Params
 from analytic.problem import DEFAULT_OPTIONS, Keywords, Options, Problem, stated
 from analytic.results import Prepared, read
@@ -29,19 +25,20 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     z, times_z, samples_z = encode_motion(problem.motion_z)
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
-    history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
-    arrays = (*problem.block.arrays, times_x, times_z, samples_x, samples_z, history, events)
-    return Prepared.of(params, x, z, *arrays)
+    base = encode_base(problem.block)
+    return Prepared.of(
+        params, (x, z), base, instants, event_rows, problem.block, times_x, times_z, samples_x, samples_z
+    )
 
 
 def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
     """Run the model of docs/model.md, sections 1 to 5 and 8."""
     params = encode(problem, options)
     task = prepare(problem, params, FIRST_EVENTS if options.events else 0)
-    run(task.tasks, *task.arrays)
+    task.run()
     if options.events and task.n_events > FIRST_EVENTS:
         task = prepare(problem, params, task.n_events)
-        run(task.tasks, *task.arrays)
+        task.run()
     return read(params, task)
 
 

@@ -18,10 +18,10 @@ from analytic.encode import encode, encode_motion
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation
 from analytic.kernel import codes
-from analytic.kernel.entries import run_rows
 from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK, row
 from analytic.kernel.records import Floats, Records
 from analytic.problem import Keywords, Options, Problem, stated
+from analytic.results import address, run
 from analytic.solution import OUTCOMES, Outcome
 
 CHUNKS_PER_THREAD: Final = 16
@@ -175,8 +175,6 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     params = _filled(PARAMS, size, row(encode(problem, options)))
     given_x, *samples_x = encode_motion(problem.motion_x)
     given_z, *samples_z = encode_motion(problem.motion_z)
-    for given, (times, samples) in ((given_x, samples_x), (given_z, samples_z)):
-        given.times, given.samples, given.n_samples = times.ctypes.data, samples.ctypes.data, times.size
     xs, zs = _filled(MOTION_PARAMS, size, row(given_x)), _filled(MOTION_PARAMS, size, row(given_z))
     corners_x, corners_z, facets = (np.tile(each, (size, 1)) for each in block.arrays)
     for name, values in sweep.items():
@@ -261,7 +259,16 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
 
 
 def _one_piece(rows: Rows, out: Out, start: int, stop: int) -> None:
-    run_rows(np.zeros(1, TASK), rows.params, rows.motion_x, rows.motion_z, rows.bases, start, stop, *out)
+    run_rows(rows.params, rows.motion_x, rows.motion_z, rows.bases, start, stop, out)
+
+
+def run_rows(
+    params: Records, motion_x: Records, motion_z: Records, bases: Records, start: int, stop: int, out: Out
+) -> None:
+    """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
+    tables = [table.ctypes.data for table in (params, motion_x, motion_z, bases)]
+    task = bytearray(TASK.itemsize)
+    run(address(task), *tables, start, stop, *(table.ctypes.data for table in out))
 
 
 def _silent(done: int, total: int) -> None:

@@ -46,5 +46,5 @@ RESIDUAL_REL = 1e-13
 """An event's function at its root, relative to its terms: a dozen terms, each rounded once or twice (1e-16), and the root's own
 place, known to 1e-16 of a step in which the function changes by no more than its terms; measured 1.4e-16."""
 
-MODULES_OF_IMPORT: Final = 38
-"""Modules that `simulate` loads beside those of numpy and numba: 35 counted, 32 of the model itself."""
+MODULES_OF_IMPORT: Final = 29
+"""Modules that `simulate` loads beside those of numpy and of the loader of its machine code: 27 counted."""

@@ -24,8 +24,8 @@ MODULES_OF_HELP: Final = 164
 """Modules imported to answer --help: 156 counted, 743 with scipy's integrators, which a run needs and --help does not."""
 MODULES_OF_LATER_PYTHON: Final = 8
 """Modules that --help may load more on CPython 3.12 and later: 6 counted on 3.13, which divides its own library finer."""
-MODULES_OF_RUN: Final = {"pymunk": 503, "pybullet": 764, "analytic": 921}
-"""Modules that a run of one engine has loaded: 479, 728 and 877 counted, the last with the compiler's."""
+MODULES_OF_RUN: Final = {"pymunk": 503, "pybullet": 764, "analytic": 499}
+"""Modules that a run of one engine has loaded: 479, 728 and 475 counted."""
 OUTCOME_ALLOCATED_KB: Final = {"analytic": 23.4, "pymunk": 360.0, "pybullet": 520.0}
 """Peak of memory, KiB, that an outcome allocates through Python: 22.3 for 20 s of the analytic model (a frozen
 problem, its options, and one packed record of named numbers); 342 and 495 for 2 s of the

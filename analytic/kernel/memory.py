@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from numba import from_dtype, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
-from analytic.kernel.layout import EVENT_ROW
-from analytic.kernel.records import EventRow, Floats
-
-_EVENT_ROW: Any = from_dtype(EVENT_ROW)
+from analytic.kernel.layout import BASE, COUNTS, EVENT_ROW, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK
+from analytic.kernel.records import Base, Counts, EventRow, Floats, MotionParams, Params, Results, State, Task
 
 
 def _pointer(context: Any, builder: Any, address: Any, i: Any) -> Any:
@@ -43,16 +43,34 @@ def _store(typing_context: Any, address: Any, i: Any, value: Any) -> Any:
     return types.none(types.int64, types.int64, types.float64), code
 
 
-def _event_row(typing_context: Any, address: Any, i: Any) -> Any:
-    """Row i of the table of events at the address."""
+copy: Callable[..., Any] = cgutils.raw_memcpy
+
+
+def _row(record: np.dtype[np.void]) -> Any:
+    """What finds row i of a table of such records at an address."""
+    kind: Any = from_dtype(record)
+
+    def row(typing_context: Any, address: Any, i: Any) -> Any:
+        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            address, i = arguments
+            # A record is known by its address: no row is copied, and a field that is written lands in the caller's table.
+            offset = builder.mul(i, context.get_constant(types.int64, record.itemsize))
+            return builder.inttoptr(builder.add(address, offset), context.get_value_type(kind))
+
+        return kind(types.int64, types.int64), code
+
+    return row
+
+
+def _set_row(typing_context: Any, row: Any, record: Any) -> Any:
+    """Write all fields of a row of a table at once."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        address, i = arguments
-        # A record is known by its address: no row is copied, and a field that is written lands in the caller's table.
-        offset = builder.mul(i, context.get_constant(types.int64, EVENT_ROW.itemsize))
-        return builder.inttoptr(builder.add(address, offset), context.get_value_type(_EVENT_ROW))
+        target, source = arguments
+        copy(builder, target, source, context.get_constant(types.int64, record.size), 1)
+        return context.get_dummy_value()
 
-    return _EVENT_ROW(types.int64, types.int64), code
+    return types.none(row, record), code
 
 
 def _item(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -85,6 +103,14 @@ def _intrinsic(function: Any) -> Any:
 
 load_double: Callable[[int, int], float] = _intrinsic(_load)
 store_double: Callable[[int, int, float], None] = _intrinsic(_store)
-event_row: Callable[[int, int], EventRow] = _intrinsic(_event_row)
+event_row: Callable[[int, int], EventRow] = _intrinsic(_row(EVENT_ROW))
+task_row: Callable[[int, int], Task] = _intrinsic(_row(TASK))
+params_row: Callable[[int, int], Params] = _intrinsic(_row(PARAMS))
+motion_row: Callable[[int, int], MotionParams] = _intrinsic(_row(MOTION_PARAMS))
+base_row: Callable[[int, int], Base] = _intrinsic(_row(BASE))
+state_row: Callable[[int, int], State] = _intrinsic(_row(STATE))
+results_row: Callable[[int, int], Results] = _intrinsic(_row(RESULTS))
+counts_row: Callable[[int, int], Counts] = _intrinsic(_row(COUNTS))
+set_row: Callable[[Any, Any], None] = _intrinsic(_set_row)
 term: Callable[[Floats, int], float] = _intrinsic(_term)
 set_term: Callable[[Floats, int, float], None] = _intrinsic(_set_term)

@@ -27,7 +27,6 @@ from analytic import (
 )
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
-from analytic.kernel.entries import run
 from analytic.problem import Options, Problem
 from analytic.results import Prepared
 from analytic.solver import prepare
@@ -178,8 +177,8 @@ def taylor() -> tuple[list[Entry], list[SolverRow]]:
     for tolerance in HEYOKA_TOLERANCES:
         task = packed(FORCED, tolerance)
 
-        def kernel(task: Prepared = task, tasks: Any = task.tasks) -> Answer:
-            run(tasks, *task.arrays)
+        def kernel(task: Prepared = task) -> Answer:
+            task.run()
             return np.array([task.state.theta_rad]), task.counts.steps
 
         entries.append(Entry("analytic, kernel alone", tolerance, kernel))

@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
+from analytic.compiling import listen, unlisten
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
@@ -32,8 +33,10 @@ class ProgressMessages:
         self._done = Event()
         self._now = ("reading", time.monotonic())
         self._said = time.monotonic()
+        self._before: str | None = None
 
     def __enter__(self) -> ProgressMessages:
+        listen(self.compiling)
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
         elif self._bar is not None:
@@ -41,6 +44,7 @@ class ProgressMessages:
         return self
 
     def __exit__(self, *details: Any) -> None:
+        unlisten(self.compiling)
         self._done.set()
         if self._bar is not None:
             self._bar.stop()
@@ -57,6 +61,18 @@ class ProgressMessages:
             self._bar.update(self._bar.task_ids[0], description=words)
         elif self._lines:
             self.say(words)
+
+    def compiling(self, done: int, total: int) -> None:
+        """Tell how many functions of the analytic model are compiled."""
+        if self._before is None:
+            self._before = self._now[0]
+            self.now("compiling the analytic model, once after an upgrade")
+        words = f"compiling the analytic model, {done} of {total} functions"
+        if done == total:
+            words, self._before = self._before, None
+        self._now = (words, self._now[1])
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description=words)
 
     def later(self, words: str) -> None:
         """What a reminder tells from now on, without a word now."""

@@ -217,7 +217,6 @@ class Start:
     first_call_s: float
     import_ratio: float
     first_call_ratio: float
-    uncollected: Mapping[str, float]
 
 
 @dataclass(frozen=True)

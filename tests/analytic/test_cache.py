@@ -111,10 +111,10 @@ def small_package(package: Path) -> None:
 def test_a_cache_removed_under_a_running_process_does_no_harm(tmp_path: Path) -> None:
     """The compiler of one process finds its folder gone between import and first call."""
     code = """
-import shutil, analytic.kernel.compiler as c, analytic.kernel.small
-shutil.rmtree(c._home())
+import shutil, analytic._cache as c, analytic.kernel.small
+shutil.rmtree(c.home_of())
 print(analytic.kernel.small.twice(2.0))
-assert any(c._home().iterdir()), "it was written again"
+assert any(c.home_of().iterdir()), "it was written again"
 """
     small_package(tmp_path / "analytic")
     told = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -188,8 +188,8 @@ def test_what_another_user_planted_is_never_unpickled(tmp_path: Path) -> None:
 import pathlib, sys
 import analytic._cache as c
 c.homes = lambda sources: iter([pathlib.Path(sys.argv[1])])
-import analytic.kernel.compiler as compiler, analytic.kernel.small
-print(compiler._home(), analytic.kernel.small.twice(2.0))
+import analytic.kernel.small
+print(c.home_of(), analytic.kernel.small.twice(2.0))
 """
     package = tmp_path / "analytic"
     small_package(package)

@@ -89,14 +89,6 @@ def test_no_history_leaves_the_outcome_and_the_peak() -> None:
         assert bare.events == ()
 
 
-def test_every_motion_runs_the_same_compiled_code() -> None:
-    from analytic.kernel.entries import run
-
-    for motion in (RECORD, Harmonic(2.0, 2.0), Pulse("ricker", 2.0, 1.0), Rest()):
-        simulate(STATUE, motion, duration_s=1.0)
-    assert len(run.signatures) == 1  # type: ignore[attr-defined]
-
-
 def test_the_start_and_later_rests_are_skipped_each_by_its_own_switch() -> None:
     def steps(**options: bool) -> tuple[int, int, float]:
         run = simulate(STATUE, RECORD.scaled(0.3), **options, **(FLOOR | {"duration_s": 60.0}))  # type: ignore[arg-type]

@@ -19,9 +19,9 @@ from analytic import Harmonic, Pedestal, ZeroExcitation
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.kernel.compiler import entry
-from analytic.kernel.entries import run
 from analytic.kernel.events import first_event
 from analytic.kernel.integrator import _expand_step
+from analytic.kernel.layout import TASK
 from analytic.kernel.records import Records
 from analytic.kernel.track import advance
 from analytic.problem import Options, Problem
@@ -127,8 +127,8 @@ def parts_ns(repeats: int = 20_000) -> dict[str, float]:
         problem = Problem(STATUE, motion, still, until_s, pedestal=pedestal, floor_static=0.2, floor_kinetic=0.15)
         options = Options(accuracy_rad=1e-6, dt_s=None, events=False, validity=False, skip_energy=False)
         task = prepare(problem, encode(problem, options), 0)
-        tasks = task.tasks.copy()
-        run(tasks, *task.arrays)
+        task.run()
+        tasks = np.frombuffer(task.memory, TASK)
         if tasks["state"]["pivot"][0] < 0 or tasks["state"]["slide"][0] == 0:
             continue
         tasks["state"]["limit_s"] = 1e3

@@ -29,7 +29,7 @@ OURS = SolverRow("block", "analytic", 1e-9, error_rad=1e-10, seconds=1e-3)
 THEIRS = SolverRow("block", "scipy DOP853", 1e-9, error_rad=1e-10, seconds=0.2)
 RATE = Throughput(40_000, 2, 4.0, 8.0, 1e4, 11_000.0, 300.0, 1.0, 0.5)
 RATES = {"two_block": RATE, "map": RATE}
-START = Start(1.0, 1.0, 1.2, 1.9, {})
+START = Start(1.0, 1.0, 1.2, 1.9)
 GOOD = BenchRecord(
     target_rad=1e-3, rows=[ROW], choice=[CHOICE], seeded=[CHOICE], coverage={"pymunk": Covered(19, 20)}, skips=[SKIP],
     solvers=[OURS, THEIRS], throughput=RATES, startup=START, overhead={"pedestal_ratio": 1.05, "pedestal_run_s": 9.0},

@@ -78,9 +78,9 @@ def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: f
     assert sizes[True] > budgets.OUTCOME_ALLOCATED_KB[name], "the budget does not see a history: it sees nothing"
 
 
-HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
+HEAVY = {"pybullet", "pymunk", "mujoco", "numba", "llvmlite", "trimesh", "scipy", "matplotlib", "plotly", "jinja2"}
 """Libraries that cost a tenth of a second or more to import."""
-NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"numba", "scipy"}}
+NEEDED = {"pymunk": {"pymunk"}, "pybullet": {"pybullet", "scipy"}, "analytic": {"llvmlite"}}
 """Those of them that a run of one engine needs."""
 RUN = """
 from harness.accuracy.simulation import simulate
