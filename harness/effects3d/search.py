@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.accuracy.simulation import simulate
 from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
+from harness.effects3d.space import EXACT, SpaceOutcomes
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -19,7 +20,7 @@ from harness.records.effects3d import Amplitude
 from harness.statics.plan import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
-STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}
+STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}
 """Ratio of the grid's neighbouring amplitudes for each engine: finer where a run costs less."""
 BEGIN_SHARE: Final = 0.95
 """The grid begins at this share of the amplitude below which nothing can move."""
@@ -152,8 +153,11 @@ def find(
     """The least overturning amplitude; with `near_g` the one next to it, which costs a few runs. Raises `InputError`."""
     changed = changed_scene(scene, condition, azimuth_deg)
     unit, dt_s = peak_g(changed), search.dt_s * CONDITIONS[condition].step_share
+    space = SpaceOutcomes(changed) if engine == EXACT else None
 
     def outcome_at(factor: float) -> Outcome | None:
+        if space is not None:
+            return space.overturning(factor)
         outcome = run_once(amplified(changed, factor), engine, dt_s).outcome
         return outcome if outcome.overturned else None
 
@@ -164,4 +168,5 @@ def find(
     else:
         crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)
     above, below = None if crossing.above is None else crossing.above * unit, crossing.below * unit
-    return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs)
+    doubt = "" if space is None else space.doubt(crossing.above, crossing.below)
+    return Amplitude(condition, float(azimuth_deg), engine, above, below, crossing.outcome or "", crossing.runs, doubt)

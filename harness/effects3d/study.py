@@ -19,9 +19,10 @@ from harness.effects3d.band import band
 from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import departure
 from harness.effects3d.file import EffectsFile, load_effects
-from harness.effects3d.replay import write_replay
+from harness.effects3d.replay import PLANAR, write_replay
 from harness.effects3d.search import Search, find, peak_g
-from harness.effects3d.summary import effects, static_rose
+from harness.effects3d.space import EXACT
+from harness.effects3d.summary import effects, scan_directions, static_rose
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
@@ -46,7 +47,9 @@ ORDER: Final = (*SOLID, "pymunk", "pymunk:plain", "analytic")
 """Longest first keeps both ends of a pool busy."""
 LONG_SIDE: Final = 0.05
 """Sides of the footprint shorter than this share of its outline are the bend of one corner."""
-
+OWN_STEPS: Final = (
+    "the exact model chooses its steps; each of its amplitudes was asked again at a thousandth of the local error"
+)
 
 KINDS: Final[dict[type, str]] = {Amplitude: "search", Band: "band", Departure: "departure"}
 """What is asked for an answer of each class."""
@@ -145,7 +148,7 @@ def run_effects(
         file=path.name,
         **answers,
         scene=SceneRecord.of(scene),
-        notes=scene.notes,
+        notes=[scan_directions(scene), *scene.notes],
         study=part(AskedRecord, study.model_dump(), path),
         unit_g=peak_g(scene),
         replay=write_replay(scene, answers["rows"], answers["departures"], dt_s, folder / "replay"),
@@ -172,17 +175,23 @@ def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str
     """All rows of the record: the roses first, then what follows each of them."""
     search = study.wanted()
     engines = sorted(study.engines, key=ORDER.index)
-    rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in engines for a in study.azimuths_deg()])
+    first = [name for name in engines if name in (EXACT, PLANAR)] if EXACT in engines else engines
+    rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()])
+    others = [name for name in engines if name not in first]
+    rows += questions.ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
     sides = [("analytic", azimuth) for azimuth in side_azimuths(scene)]
     projected = questions.ask(Amplitude, [(BASELINE, azimuth, name, search) for name, azimuth in sides])
     near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
-    changed = questions.ask(Amplitude, list(_changed(study, wanted, engines, search, near)))
+    if EXACT in engines:
+        empty |= {name: OWN_STEPS for name in wanted if CONDITIONS[name].group == "numerical"}
+        wanted = [name for name in wanted if name not in empty]
+    changed = questions.ask(Amplitude, list(_changed(study, wanted, first, search, near)))
     bands = [(a, search, study.samples, study.seed) for a in study.azimuths_deg(study.every)] if study.samples else []
     leaving = [
         (a, name, study.share * peak, search.dt_s)
-        for name in engines
+        for name in first
         if name in SOLID
         for a in study.azimuths_deg()
         for peak in [near.get((name, a))]
@@ -216,6 +225,20 @@ def _changed(
                 begin = near.get((name, azimuth))
                 if begin is not None:
                     yield condition, azimuth, name, search, begin
+
+
+def checked_azimuths(rows: Sequence[Amplitude]) -> list[float]:
+    """Where other engines are asked beside the exact model: where it doubts its answer, and where the plane errs most."""
+    exact = {row.azimuth_deg: row for row in rows if row.engine == EXACT}
+    doubtful = {azimuth for azimuth, row in exact.items() if row.doubt}
+    errors = {
+        row.azimuth_deg: (row.peak_g or row.stands_at_g) / peak
+        for row in rows
+        if row.engine == PLANAR and row.azimuth_deg in exact
+        for peak in [exact[row.azimuth_deg].peak_g]
+        if peak is not None
+    }
+    return sorted(doubtful | {max(errors, key=lambda azimuth: errors[azimuth])} if errors else doubtful)
 
 
 def side_azimuths(scene: Scene) -> list[float]:

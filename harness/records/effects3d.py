@@ -22,7 +22,8 @@ Group = Literal["baseline", "components", "base", "inertia", "uncertainty", "num
 class Amplitude:
     """The least peak acceleration of the floor, g, at which an engine's statue overturns under a condition at an azimuth.
 
-    None: it does not overturn up to the most tried; `stands_at_g` is the largest tried below it at which it stands.
+    None: it does not overturn up to the most tried; `stands_at_g` is the largest tried below it at which it stands. `doubt` is
+    why the exact model's answer is not to be trusted alone.
     """
 
     condition: str
@@ -32,6 +33,7 @@ class Amplitude:
     stands_at_g: float
     outcome: Outcome | Literal[""]
     runs: int
+    doubt: str = ""
 
 
 @dataclass(frozen=True)

@@ -93,11 +93,6 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
     solid, planar = _peaks(record, engine), _peaks(record, "analytic")
     points: list[str] = []
     headline, tone = "The planar model was not asked", "differ"
-    unsafe = {
-        a: planar[a] / solid[a] - 1.0
-        for a in solid
-        if math.isfinite(solid[a]) and math.isfinite(planar.get(a, math.inf))
-    }
     if planar:
         over = [a for a in solid if math.isfinite(solid[a]) and planar[a] > (1.0 + NEAR) * solid[a]]
         headline = (
@@ -107,13 +102,23 @@ def effects_verdict(record: EffectsRecord) -> Verdict:
         tone = "differ" if over else "agree"
         sides = _by_sides(record, solid, engine)
         headline += f"; asked at the base's sides, it is right within {sides[0]} % in the median" if sides else ""
-        if unsafe and (share := max(unsafe.values())) > 0.0:
-            points.append(
-                f"The plane is {digits(100.0 * share, 2)} % unsafe towards {max(unsafe, key=lambda a: unsafe[a]):g}°."
-            )
-        points += [*_worst(over, solid, planar, engine), *sides[1:]]
+        points += [
+            *_unsafe(solid, planar, record.study.search.most_g),
+            *_worst(over, solid, planar, engine),
+            *sides[1:],
+        ]
     points += [*_solid_pair(record), *_least(solid, planar), *_effect_points(record, engine), *_leaving(record, engine)]
     return Verdict(headline, tone, points)
+
+
+def _unsafe(solid: Peaks, planar: Peaks, most_g: float) -> list[str]:
+    """The planar model's largest error to the unsafe side in one number; a lower bound where it never overturns."""
+    errors = {a: min(planar[a], most_g) / solid[a] - 1.0 for a in solid if math.isfinite(solid[a]) and a in planar}
+    if not errors or max(errors.values()) <= 0.0:
+        return []
+    worst = max(errors, key=lambda a: errors[a])
+    least = "at least " if math.isinf(planar[worst]) else ""
+    return [f"The plane is {least}{digits(100.0 * errors[worst], 2)} % unsafe towards {worst:g}°."]
 
 
 def _worst(over: Sequence[float], solid: Peaks, planar: Peaks, engine: str) -> list[str]:
@@ -151,18 +156,23 @@ def _by_sides(record: EffectsRecord, solid: Peaks, engine: str) -> list[str]:
 
 
 def _solid_pair(record: EffectsRecord) -> list[str]:
-    names = [name for name in SOLID if name in record.engines]
-    if len(names) < 2:
-        return []
-    one, other = (_peaks(record, name) for name in names)
-    both = [a for a in one if math.isfinite(one[a]) and math.isfinite(other.get(a, math.inf))]
-    apart = np.abs([other[a] / one[a] - 1.0 for a in both])
-    if not both:
-        return []
-    return [
-        f"The two 3D engines, {listed(names)}, are {digits(100.0 * float(np.median(apart)), 2)} % apart (median; within"
-        f" {100.0 * NEAR:g} % at {int((apart <= NEAR).sum())} of {len(both)} directions)."
-    ]
+    """Each other 3D engine against the first, and where the exact model's own answer is in doubt."""
+    first = _solid_engine(record)
+    one, said = _peaks(record, first), []
+    for name in (name for name in record.engines if name in SOLID and name != first):
+        other = _peaks(record, name)
+        both = [a for a in one if math.isfinite(one[a]) and math.isfinite(other.get(a, math.inf))]
+        apart = np.abs([other[a] / one[a] - 1.0 for a in both])
+        if both:
+            said.append(
+                f"{name} and {first} are {digits(100.0 * float(np.median(apart)), 2)} % apart (median; within"
+                f" {100.0 * NEAR:g} % at {int((apart <= NEAR).sum())} of {len(both)} directions asked of both)."
+            )
+    doubts = [row for row in record.amplitudes(first, BASELINE) if row.doubt]
+    if doubts:
+        each = listed(f"{row.azimuth_deg:g}° ({row.doubt})" for row in doubts)
+        said.append(f"The answer of {first} is in doubt at {each}.")
+    return said
 
 
 def _least(solid: Peaks, planar: Peaks) -> list[str]:
@@ -225,9 +235,15 @@ def direction_rows(record: EffectsRecord, engines: Sequence[str]) -> list[tuple[
     for item in record.static:
         azimuth = item.azimuth_deg
         values = [digits(item.lifts_g), "–" if item.projected_g is None else digits(item.projected_g)]
-        values += ["stands" if math.isinf(by[name][azimuth]) else digits(by[name][azimuth]) for name in engines]
+        values += [_peak(by[name].get(azimuth)) for name in engines]
         rows.append((f"{azimuth:g}°", [*values, _band(bands.get(azimuth)), falls.get(azimuth) or "–"]))
     return rows
+
+
+def _peak(peak_g: float | None) -> str:
+    if peak_g is None:
+        return "not asked"
+    return "stands" if math.isinf(peak_g) else digits(peak_g)
 
 
 def _band(row: Band | None) -> str:

@@ -10,6 +10,7 @@ import pytest
 import harness
 from harness.effects3d import BASELINE, Search, amplified, changed_scene, find, start_factor
 from harness.effects3d.search import first_crossing, nearest_crossing, peak_g
+from harness.effects3d.space import SpaceOutcomes
 from harness.model.scene import Scene
 
 SEARCH = Search(most_g=1.0, resolution=0.02)
@@ -54,7 +55,23 @@ def test_the_amplitude_found_overturns_and_the_one_below_stands(block: Scene) ->
     base = changed_scene(block, BASELINE, 0.0)
     for peak, outcome in ((row.peak_g, row.outcome), (row.stands_at_g, "stands")):
         assert harness.simulate(amplified(base, peak / peak_g(base)), "analytic").outcome.value == outcome
-    assert find(block, BASELINE, 180.0, "analytic", SEARCH).peak_g == row.peak_g
+    back = find(block, BASELINE, 180.0, "analytic", SEARCH)
+    assert back.peak_g == pytest.approx(row.peak_g, rel=1e-12)
+    assert back.outcome == row.outcome, "half a turn takes a block into itself"
+
+
+def test_the_exact_model_asked_in_the_plane_is_the_planar_model(block: Scene) -> None:
+    exact, planar = (find(block, BASELINE, 90.0, name, SEARCH) for name in ("spatial", "analytic"))
+    assert exact.peak_g == pytest.approx(planar.peak_g, rel=1e-12)
+    assert exact.outcome == planar.outcome
+    assert not exact.doubt
+
+
+def test_a_run_without_an_outcome_or_one_that_changes_is_told(block: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    space = SpaceOutcomes(block)
+    assert "local error" in space.doubt(1e-3, 1e-4), "neither overturns: the one above was said to"
+    monkeypatch.setattr(space, "unanswered", [0.7])
+    assert space.doubt(None, 1e-4) == "1 of its runs ended without an outcome"
 
 
 def test_below_the_start_nothing_lifts(scene: Scene) -> None:

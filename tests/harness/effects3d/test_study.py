@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,8 @@ from harness.campaign.runner import InlinePool, LocalPool
 from harness.campaign.store import Store
 from harness.effects3d import BASELINE, Search, find, turned
 from harness.effects3d.band import band
-from harness.effects3d.study import Questions, side_azimuths
-from harness.effects3d.summary import effects, static_rose
+from harness.effects3d.study import Questions, checked_azimuths, side_azimuths
+from harness.effects3d.summary import effects, scan_directions, static_rose
 from harness.model.errors import InputError
 from harness.model.scene import Scene
 from harness.records.base import plain
@@ -50,6 +51,26 @@ def test_effects_are_changes_of_the_same_direction_and_engine() -> None:
     assert found.median == pytest.approx(-0.025)
     assert (found.least, found.largest) == (pytest.approx(-0.05), pytest.approx(0.0))
     assert found.flips == 1
+
+
+def test_other_engines_are_asked_where_the_exact_model_doubts_and_where_the_plane_errs_most() -> None:
+    exact, planar = {0.0: 0.2, 90.0: 0.4, 180.0: 0.3, 270.0: None}, {0.0: 0.2, 90.0: None, 180.0: 0.9, 270.0: 0.5}
+    rows = [Amplitude(BASELINE, a, "spatial", p, 0.1, "", 1) for a, p in exact.items()]
+    rows += [Amplitude(BASELINE, a, "analytic", p, p or 1.3, "", 1) for a, p in planar.items()]
+    assert checked_azimuths(rows) == [90.0]
+    rows[3] = replace(rows[3], doubt="its runs ended without an outcome")
+    assert checked_azimuths(rows) == [90.0, 270.0]
+    assert checked_azimuths(rows[:3]) == []
+
+
+@pytest.mark.parametrize(("up", "turn_deg", "said"), [
+    ("z", 0.0, "0° points along (1, 0, 0) and 90° along (0, 1, 0)"),
+    ("z", 90.0, "0° points along (0, -1, 0) and 90° along (1, 0, 0)"),
+    ("y", 0.0, "0° points along (1, 0, 0) and 90° along (0, 0, -1)"),
+])  # fmt: skip
+def test_directions_are_named_on_the_scan_as_its_file_has_it(scene: Scene, up: str, turn_deg: float, said: str) -> None:
+    turned = scene.but(given={"statue": {"mesh": {"file": "scan.ply", "up": up, "azimuth_deg": turn_deg}}})
+    assert said in scan_directions(turned)
 
 
 def test_the_band_holds_the_model_and_narrows_without_errors(block: Scene) -> None:
@@ -105,19 +126,19 @@ def test_mistakes(scene: Scene, root: Path, tmp_path: Path) -> None:
 
 
 def test_a_whole_study_is_resumed_and_repeats_nothing(root: Path, tmp_path: Path) -> None:
-    pytest.importorskip("mujoco", reason="mujoco is an optional extra and is not installed")
     (tmp_path / "study.toml").write_text(
         'kind = "effects3d"\ntitle = "four directions"\n'
         f"scene = {json.dumps(str(root / 'scenes' / '3d_effects_base.toml'))}\n"
-        'engines = ["analytic", "mujoco"]\ndirections = 4\nevery = 2\nsamples = 5\n'
-        'conditions = ["centroid 3 % higher", "base planed flat"]\n'
+        'engines = ["analytic", "spatial"]\ndirections = 4\nevery = 2\nsamples = 5\n'
+        'conditions = ["centroid 3 % higher", "base planed flat", "half the time step"]\n'
         "[search]\nmost_g = 0.4\nresolution = 0.02\ndt_s = 2e-3\n"
     )
     out = tmp_path / "out"
     first = effects3d.run_effects(tmp_path / "study.toml", out, LocalPool(1))
     assert first.summary.failed == 0
     assert first.summary.cpu_s > 0.0
-    assert first.left_out == {"base planed flat": "the base is flat"}
+    assert first.left_out["base planed flat"] == "the base is flat"
+    assert "a thousandth of the local error" in first.left_out["half the time step"]
     assert {row.condition for row in first.rows} == {BASELINE, "centroid 3 % higher"}
     assert first.replay is not None
     assert (out / "replay" / "result.json").is_file()

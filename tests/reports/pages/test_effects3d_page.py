@@ -26,7 +26,7 @@ from harness.records.effects3d import (
 )
 from harness.records.scene import SceneRecord
 from reports.drawing.effects_figures import changes, rose
-from reports.pages.effects3d_page import effects_verdict
+from reports.pages.effects3d_page import direction_rows, effects_verdict
 from reports.pages.page import write_report
 
 AZIMUTHS = (0.0, 60.0, 180.0, 270.0)
@@ -93,6 +93,16 @@ def test_the_verdict_counts_where_the_planar_model_is_too_safe(record: EffectsRe
     assert "within 5 % at 3 of them" in text
     assert "−3.0 % to −3.0 %" in text
     assert "12\u00a0mm" in text
+    never = [
+        replace(row, peak_g=None) if (row.engine, row.azimuth_deg) == ("analytic", 60.0) else row for row in record.rows
+    ]
+    assert "The plane is at least 140 % unsafe towards 60°." in effects_verdict(replace(record, rows=never)).points
+    other = [replace(record.rows[1], engine="mujoco", peak_g=0.52), *record.rows[2:]]
+    doubted = [replace(record.rows[0], doubt="its outcomes change"), record.rows[1], *other]
+    text = " ".join(effects_verdict(replace(record, rows=doubted)).points)
+    assert "mujoco and pybullet are 4.0 % apart (median; within 5 % at 1 of 1 directions asked of both)." in text
+    assert "The answer of pybullet is in doubt at 0° (its outcomes change)." in text
+    assert "not asked" in str(direction_rows(replace(record, rows=doubted), ["pybullet", "mujoco"]))
     wrong = ("analytic", 60.0)
     rows = [replace(row, peak_g=0.5) if (row.engine, row.azimuth_deg) == wrong else row for row in record.rows]
     mended = replace(record, rows=rows)
