@@ -50,11 +50,12 @@ def other_attached(vertices: Array, faces: Faces, how: str) -> MeshError | None:
     if other is None:
         return None
     cut = f"--cut-beyond {other.azimuth_deg:.5g},{other.distance_m:.3g}"
-    return _not_alone(f"with {other}", how, cut, "--cut-beyond none")
+    lies = "; a figure that lies looks so too: then another up axis makes it a statue that stands"
+    return _not_alone(f"with {other}", how, cut, "--cut-beyond none", lies)
 
 
-def _not_alone(what: str, how: str, cut: str, keep: str) -> MeshError:
-    advice = f"cut it off: {f'{how} {cut}'.strip()} ({keep} says that it is the statue's own)"
+def _not_alone(what: str, how: str, cut: str, keep: str, more: str = "") -> MeshError:
+    advice = f"cut it off: {f'{how} {cut}'.strip()} ({keep} says that it is the statue's own){more}"
     return MeshError("a statue alone", f"one {what}", advice)
 
 

@@ -1,7 +1,7 @@
 """An engine's error against the analytic model at each step, on the paper's cases: the table of docs/pymunk.md.
 
-`python -m tests.measures.level_errors ENGINE [STEP_S...]` prints, for each kind of scene and step, the largest errors of rotation,
-rad, and slip, m, in the first second.
+`python -m tests.measures.level_errors ENGINE [STEP_S...]` prints, for each kind of scene and step, the largest errors of
+rotation, rad, and slip, m, in the first second.
 """
 
 from __future__ import annotations

@@ -236,7 +236,7 @@ def test_other_solvers_are_compared_at_equal_error() -> None:
     solvers += [solver("analytic", 1e-10, 0.001, "two blocks")]
     rate = asdict(Throughput(40_000, 2, 4.0, 8.0, 1e4, 9000.0, 300.0, 1.0, 0.5))
     rows = [
-        *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5, {}))},
+        *solvers, {"throughput": {"two_block": rate, "map": rate}}, {"startup": asdict(Start(1.0, 1.0, 1.2, 2.5))},
         {"overhead": {"no_pedestal_ratio": 0.5, "pedestal_ratio": 1.2}},
     ]  # fmt: skip
     assert other_integrators.sentences(other_integrators.collected([])) == []
