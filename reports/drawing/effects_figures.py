@@ -33,7 +33,7 @@ Point = tuple[float, float | None]
 
 @dataclass(frozen=True)
 class Curve:
-    """One closed curve of a rose: (azimuth in degrees, peak in g; None: it does not overturn up to the most tried)."""
+    """One curve of a rose: (azimuth in degrees, peak in g; None: it does not overturn up to the most tried)."""
 
     name: str
     points: Sequence[Point]
@@ -63,10 +63,14 @@ def rose(record: EffectsRecord) -> Picture:
 
 
 def rose_of(drawn: Sequence[Curve], most: float, unit: str, under: Sequence[Shape] = ()) -> Picture:
-    """Closed curves by direction of shaking out to `most`, over the shapes `under` them, with a key below."""
+    """Curves by direction of shaking out to `most`, over the shapes `under` them, with a key below.
+
+    Each joins neighbouring directions of all that were asked: what lies between others is not known.
+    """
     shapes = [*_rings(most, unit), *under]
+    asked = sorted({azimuth for curve in drawn for azimuth, _ in curve.points})
     for curve in drawn:
-        shapes += _curve(curve, most, unit)
+        shapes += _curve(curve, asked, most, unit)
     for k, curve in enumerate(drawn):
         y = SIZE + 12.0 + KEY_ROW * k
         shapes.append(line([(40.0, y), (72.0, y)], curve.colour, curve.width, _dash(curve)))
@@ -122,10 +126,13 @@ def _dash(curve: Curve) -> str:
     return "" if curve.dash == "solid" else curve.dash.replace("px", "").replace(",", " ")
 
 
-def _curve(curve: Curve, most_g: float, unit: str) -> list[Shape]:
-    places = [_place(azimuth, most_g if peak is None else peak, most_g) for azimuth, peak in curve.points]
-    shapes: list[Shape] = [Path(np.array(places), curve.colour, curve.width, _dash(curve), closed=True)]
-    for (azimuth, peak), (x, y) in zip(curve.points, places, strict=True):
+def _curve(curve: Curve, asked: Sequence[float], most_g: float, unit: str) -> list[Shape]:
+    places = {azimuth: _place(azimuth, most_g if peak is None else peak, most_g) for azimuth, peak in curve.points}
+    whole = len(places) == len(asked)
+    around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
+    shapes: list[Shape] = [Path(np.array(around), curve.colour, curve.width, _dash(curve), closed=whole)]
+    for azimuth, peak in curve.points:
+        x, y = places[azimuth]
         tip = f"{curve.name}, {azimuth:g}°: " + ("stands" if peak is None else f"{peak:.3f}{unit}")
         shapes.append(Disc(x, y, 3.0, "#fff" if peak is None else curve.colour, curve.colour, title=tip))
     return shapes

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 import pytest
 
 import harness
@@ -25,7 +26,8 @@ from harness.records.effects3d import (
     SearchRecord,
 )
 from harness.records.scene import SceneRecord
-from reports.drawing.effects_figures import changes, rose
+from reports.drawing import shapes
+from reports.drawing.effects_figures import Curve, changes, rose, rose_of
 from reports.pages.effects3d_page import direction_rows, effects_verdict
 from reports.pages.page import write_report
 
@@ -128,3 +130,12 @@ def test_the_page_is_written_and_says_what_was_left_out(record: EffectsRecord, t
     assert "rockcheck study rose.toml" in page
     assert 'id="replay-data"' not in page
     assert page.count("25 %") >= 1, "the share of the time on a corner"
+
+
+def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
+    whole = Curve("spatial", [(azimuth, 1.0) for azimuth in (0.0, 90.0, 180.0, 270.0)], "#000", "solid", 2.0)
+    some = Curve("pybullet", [(0.0, 0.9), (180.0, 0.8), (270.0, None)], "#d50", "solid", 2.0)
+    paths = [shape for shape in rose_of([whole, some], 1.2, " g").shapes if isinstance(shape, shapes.Path)]
+    there = {path.stroke: np.isfinite(path.points_px[:, 0]).tolist() for path in paths[::-1]}  # the key comes last
+    assert there["#000"] == [True] * 4
+    assert there["#d50"] == [True, False, True, True, True]
