@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 import threading
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final, final
@@ -99,9 +100,11 @@ class Entry:
         finally:
             Inner.on_made = None
             say(Inner.total, Inner.total)
+        content = _listed(compiled.native_name, function.__code__.co_argcount, compiled.inspect_llvm())
         if path is not None:
-            _write(path, _listed(compiled.native_name, function.__code__.co_argcount, compiled.inspect_llvm()))
-        call: Callable[..., None] = compiled.ctypes
+            _write(path, content)
+        # The very code that later processes load, so that all have the same bits; the compiler's own where it cannot be linked.
+        call: Callable[..., None] = _linked(content) or compiled.ctypes
         return call
 
 
@@ -132,19 +135,22 @@ def _write(path: Path, content: bytes) -> None:
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
             file.write(content)
         os.replace(file.name, path)
-    except OSError as error:  # it will be compiled again
-        sys.stderr.write(f"compiled code could not be kept in {path.parent}: {error.strerror}\n")
+    except OSError as error:
+        message = (
+            f"compiled code could not be kept in {path.parent} ({error.strerror}): the next start compiles it again"
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 def _linked(content: bytes) -> Callable[..., None] | None:
     """The function in object code; None where this process lacks something that it needs."""
     _, symbol, count, needs, code = content.split(LISTED, 4)
-    process = ctypes.CDLL(None)
-    for name in filter(None, needs.decode().split(",")):
-        try:
+    try:
+        process = ctypes.CDLL(None)
+        for name in filter(None, needs.decode().split(",")):
             llvm.add_symbol(name, ctypes.cast(process[name], ctypes.c_void_p).value or 0)
-        except AttributeError:
-            return None  # LLVM would end the process
+    except (AttributeError, OSError, TypeError):  # a symbol is missing, or the system has no such list of them
+        return None  # LLVM would end the process
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
