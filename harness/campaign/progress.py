@@ -9,7 +9,6 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from analytic.compiling import listen, unlisten
 from harness.model.terminal import printable
 
 if TYPE_CHECKING:
@@ -36,6 +35,8 @@ class ProgressMessages:
         self._before: str | None = None
 
     def __enter__(self) -> ProgressMessages:
+        from analytic.compiling import listen  # not for help
+
         listen(self.compiling)
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
@@ -44,6 +45,8 @@ class ProgressMessages:
         return self
 
     def __exit__(self, *details: Any) -> None:
+        from analytic.compiling import unlisten
+
         unlisten(self.compiling)
         self._done.set()
         if self._bar is not None:
