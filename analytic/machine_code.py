@@ -94,7 +94,7 @@ class Entry:
         from analytic.kernel.compiler import Inner, c_function
 
         function = getattr(importlib.import_module(self.module), self.name)
-        Inner.on_made = say
+        Inner.on_made = lambda done, total: say(min(done, total - 1), total)  # the last is begun, not done
         try:
             compiled = c_function(function)
         finally:

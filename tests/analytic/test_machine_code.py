@@ -134,6 +134,7 @@ def test_whoever_listens_hears_that_it_compiles(tiny: Callable[[], machine_code.
         compiling.unlisten(hear)
     assert said
     assert said[-1][0] == said[-1][1] > 0
+    assert [done == total for done, total in said].count(True) == 1, "it ends once"
     heard = len(said)
     powers(tiny())
     assert len(said) == heard, "nothing is compiled the second time, and nobody listens"
