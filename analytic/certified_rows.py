@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple, final
+from typing import NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ from analytic.sweep import Out, run_rows
 Array = NDArray[np.float64]
 Motions = tuple[Excitation, Excitation]
 """The floor's accelerations along x and z."""
-_SIDES: Final = (1, -1)
 
 
 class Body(NamedTuple):
@@ -137,7 +136,7 @@ def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2:
     """1/p of each row's faster outer corner, s, to the last bit as `Block.p_rad_s` has it."""
     p = np.zeros(body.size)
     mass = np.array([one.problem.block.mass_kg for one in bodies])[body]
-    for side in _SIDES:
+    for side in (1, -1):
         radius = np.array([one.problem.block.radius_m(side) for one in bodies])[body]
         inertia = np.array([one.problem.block.inertia_corner_kg_m2(side) for one in bodies])[body]
         p = np.maximum(p, np.sqrt(mass * gravity_m_s2 * radius / inertia))

@@ -9,7 +9,7 @@ from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
 from harness.model.run import Run
 
 LEAST_COMPARED: Final = 3
-"""Comparisons before a climb is given up: of 60 wide scenes one in ten was given up after two that the third went on from."""
+"""Comparisons before a climb is given up: the gain of one step to the next, which two tell, is luck where runs part at events."""
 MOST_ORDER: Final = 2.0
 """Highest order that two differences are taken to show."""
 
