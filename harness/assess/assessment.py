@@ -11,13 +11,14 @@ from typing import Final
 
 from harness import engines
 from harness.assess.by_model import MODEL, probability_of
-from harness.assess.clearance import clearance
+from harness.assess.clearance import of_engine, of_model
 from harness.assess.compared import OPTION_DRAWS, compare
 from harness.assess.engine_runs import EngineRuns
-from harness.assess.in_space import SPACE, assess_in_space, shaken_across
+from harness.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
 from harness.assess.inputs import Array, draw, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.options import Option, options_of
+from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import fragility, indices
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
@@ -26,7 +27,14 @@ from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
-from harness.records.assess import Assessment, AssessRecord, NotAssessed, ProbabilityDifference
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    ClearanceByModel,
+    ClearanceRecord,
+    NotAssessed,
+    ProbabilityDifference,
+)
 from harness.records.scene import SceneRecord
 from harness.records.validation import RunCounts
 
@@ -85,6 +93,7 @@ def assess(
     own = probability_of(model, plane_only=across)
     answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
     fell: dict[str, Mapping[int, bool | None]] = {}
+    room: dict[str, ClearanceByModel] = {}
     with _campaign(store, pool) as (storage, campaign, workers):
         for name in filter(MODEL.__ne__, names):
             engine = engines.load(name)
@@ -95,9 +104,14 @@ def assess(
             answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
             plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
             answers[name], fell[name] = _of_engine(answer, draws, plane_only=plane_only), runs.fell
+            room[name] = of_engine(model, runs)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     if SPACE not in answers and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
-        answers[SPACE] = space
+        answers[SPACE] = space.answer
+        on_progress(f"{SPACE}: clearance")
+        room[SPACE] = clearance_in_space(scene, values, space)
+    on_progress(f"{MODEL}: clearance")
+    room = {MODEL: of_model(scene, values), **room}
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -110,6 +124,7 @@ def assess(
         versions=versions(),
         machine=machine(),
         runs=counts,
+        clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
     return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, fell)
 
@@ -151,8 +166,6 @@ def _by_model(
         size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
         compared = compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
         record = replace(record, options=compared)
-    on_progress(f"{MODEL}: clearance")
-    record = replace(record, clearance=clearance(scene, values))
     if not sweepable(scene, values):
         return record
     on_progress(f"{MODEL}: fragility and indices")
