@@ -41,6 +41,7 @@ def strike(s: Run, m: Memory, rows: Rows, size: float) -> tuple[bool, bool]:
             put(m.y, 10, w0)
             if returns and not _gains(s, m, to_body(rows, v0), w0):
                 return True, True
+            # The plastic impact is chosen by what the vertices really do, and the trial left its own in memory.
             vertex_velocities(s, m, m.y)
     return choose(s, m, rows, to_body(rows, v0), True, size), False
 
