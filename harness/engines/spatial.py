@@ -75,10 +75,10 @@ class Spatial(Engine):
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
         from analytic import AnalyticInputError, spatial
 
-        imposed = "a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)"
+        imposed = "a prescribed ratio at impact (contact.restitution; only a body thrown in space bounces)"
         asked = {
             "a pedestal (its statue stands on the floor)": scene.pedestal is not None,
-            imposed: scene.contact.restitution is not None,
+            imposed: scene.contact.restitution is not None and scene.initial.pose is None,
             MOVING_TABLE: scene.table == "moving",
             "a wall": scene.wall is not None,
         }
@@ -120,6 +120,7 @@ def problem_of(scene: Scene) -> Problem:
         motion.y,
         motion.z,
         gravity_m_s2=scene.gravity_m_s2,
+        restitution=scene.contact.restitution or 0.0,
         **start,
     )
 
