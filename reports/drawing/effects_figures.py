@@ -178,8 +178,10 @@ def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
 def directions(record: EffectsRecord, source: RunSource) -> Markup | None:
     """The scan with the rose's directions on the floor around it."""
     figure = scan_figure(record, source)
+    if figure is None:
+        return None
     words = "The scan, and the directions by their angles; the arrow points towards"
-    return figure and directions_picture(figure).svg(f"{words} {figure.weakest_deg:g}°.")
+    return directions_picture(figure).svg(f"{words} {figure.weakest_deg:g}°.")
 
 
 def _x(relative: float, most: float) -> float:
