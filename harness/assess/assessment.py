@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from harness import engines
 from harness.assess.by_model import MODEL, probability_of
@@ -89,29 +89,18 @@ def assess(
         draws = min(draws, SLOW_DRAWS)
         values = draw(inputs, draws, seed)
     model = model_draws(scene, values)
-    across = shaken_across(scene)
-    own = probability_of(model, plane_only=across)
-    answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
-    fell: dict[str, Mapping[int, bool | None]] = {}
-    room: dict[str, ClearanceByModel] = {}
+    own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):
-        for name in filter(MODEL.__ne__, names):
-            engine = engines.load(name)
-            if (reason := engine.missing()) is not None:
-                answers[name] = NotAssessed(reason)
-                continue
-            runs, batch = EngineRuns(scene, name, values, storage, campaign, on_progress), max(BATCH, 2 * workers)
-            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
-            plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
-            answers[name], fell[name] = _of_engine(answer, draws, plane_only=plane_only), runs.fell
-            room[name] = of_engine(model, runs)
+
+        def asked(name: str) -> tuple[Estimate, EngineRuns]:
+            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
+            batch = max(BATCH, 2 * workers)
+            return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
+
+        others = _others(scene, [name for name in names if name != MODEL], values, model, asked)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
-    if SPACE not in answers and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
-        answers[SPACE] = space.answer
-        on_progress(f"{SPACE}: clearance")
-        room[SPACE] = clearance_in_space(scene, values, space)
     on_progress(f"{MODEL}: clearance")
-    room = {MODEL: of_model(scene, values), **room}
+    answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -126,7 +115,38 @@ def assess(
         runs=counts,
         clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, fell)
+    return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, others.fell)
+
+
+class _Others(NamedTuple):
+    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run."""
+
+    answers: dict[str, Assessment | NotAssessed]
+    room: dict[str, ClearanceByModel]
+    fell: dict[str, Mapping[int, bool | None]]
+
+
+def _others(
+    scene: Scene,
+    names: Sequence[str],
+    values: Mapping[str, Array],
+    model: ModelDraws,
+    asked: Callable[[str], tuple[Estimate, EngineRuns]],
+) -> _Others:
+    """The engines of these names, and the exact body where the scene is its own to answer."""
+    others, across, draws = _Others({}, {}, {}), shaken_across(scene), model.overturned.size
+    for name in names:
+        engine = engines.load(name)
+        if (reason := engine.missing()) is not None:
+            others.answers[name] = NotAssessed(reason)
+            continue
+        answer, runs = asked(name)
+        plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+        others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
+        others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+    if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
+        others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
+    return others
 
 
 def _inputs(scene: Scene) -> Sequence[Uncertain]:

@@ -58,7 +58,7 @@ def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
     rest, beyond = np.asarray(item.rest_m, dtype=np.float64), answer.at(share)
     towards = {side: np.array(way) for side, way in SIDES.items()}
     angles = {side: float(np.degrees(np.arctan2(way[1], way[0])) % 360.0) for side, way in SIDES.items()}
-    room = {side: beyond[angle] for side, angle in angles.items() if angle in beyond}
+    room = {side: round(beyond[angle], 4) for side, angle in angles.items() if angle in beyond}
     if len(beyond) <= len(room):
         return Plan(rest, _hull(np.vstack([rest + room[side] * towards[side] for side in room])), room)
     from scipy.spatial import HalfspaceIntersection
