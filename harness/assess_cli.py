@@ -161,7 +161,7 @@ def _write_draws(assessed: Assessed, path: Path) -> None:
 
 def _write_clearance(record: AssessRecord, path: Path) -> None:
     """A row for each model, share and direction: how far outline, top and pedestal go, m."""
-    models = {} if record.clearance is None else record.clearance.told
+    models = {} if record.clearance is None else record.clearance.answered
     with path.open("w", newline="", encoding="utf-8") as stream:
         rows = comma_separated.writer(stream)
         rows.writerow(["model", "share", "direction_deg", "outline_m", "top_m", "pedestal_m"])

@@ -62,7 +62,7 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
 def room(item: ClearanceRecord) -> str:
     """How much must be kept clear, in which direction, by the model that knows most of them; and what a fall needs."""
     falls = f"one that falls needs its height, {item.height_m:.2f} m"
-    name, answer = next(iter(item.told.items()), ("", None))
+    name, answer = next(iter(item.answered.items()), ("", None))
     if answer is None:
         most = max(item.by_model.values(), key=lambda each: each.standing)
         return f"Clearance: only {most.standing} of {most.draws} draws stand, too few to tell; {falls}."

@@ -173,7 +173,7 @@ class ClearanceRecord:
     by_model: Mapping[str, ClearanceByModel]
 
     @property
-    def told(self) -> dict[str, ClearanceByModel]:
+    def answered(self) -> dict[str, ClearanceByModel]:
         """The models of which enough draws stand, the one that knows most directions first."""
         enough = {name: item for name, item in self.by_model.items() if item.share}
         return dict(sorted(enough.items(), key=lambda item: -len(item[1].direction_deg)))

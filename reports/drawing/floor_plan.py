@@ -52,7 +52,7 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
 
 def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
     """The plan that holds this share of the draws that stand, by the model that knows most directions; None where none tells."""
-    answer = next(iter(item.told.values()), None)
+    answer = next(iter(item.answered.values()), None)
     if answer is None or share not in answer.share:
         return None
     rest, beyond = np.asarray(item.rest_m, dtype=np.float64), answer.at(share)

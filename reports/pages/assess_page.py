@@ -152,7 +152,7 @@ def _plan(record: AssessRecord) -> Markup | None:
 
 def _clearance(item: ClearanceRecord) -> list[dict[str, object]]:
     """For each model a table by direction: quantiles of the outline's way, and of its top's and the pedestal's at one share."""
-    return [{"name": name, "heads": _heads(answer), "rows": _rooms(answer)} for name, answer in item.told.items()]
+    return [{"name": name, "heads": _heads(answer), "rows": _rooms(answer)} for name, answer in item.answered.items()]
 
 
 def _heads(item: ClearanceByModel) -> list[str]:

@@ -106,15 +106,15 @@ def shaken_both_ways() -> Scene:
 def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
     record = assess(shaken_both_ways(), [engine], draws=60, most_runs=30, more_options=None, pool=InlinePool()).record
     assert record.clearance is not None
-    told = record.clearance.told
+    answered = record.clearance.answered
     name = "spatial" if engine == "analytic" else engine
-    assert next(iter(told)) == name, "the model that knows all directions comes first"
-    assert list(told[name].direction_deg) == list(AROUND_DEG)
-    beyond = told[name].at(0.95)
+    assert next(iter(answered)) == name, "the model that knows all directions comes first"
+    assert list(answered[name].direction_deg) == list(AROUND_DEG)
+    beyond = answered[name].at(0.95)
     assert beyond[90.0] > 0.05
     assert beyond[270.0] > 0.02
     assert beyond[90.0] > 3.0 * beyond[0.0]
-    assert told["analytic"].at(0.95) == {0.0: 0.0, 180.0: 0.0}
+    assert answered["analytic"].at(0.95) == {0.0: 0.0, 180.0: 0.0}
     plan = probable_plan(record.clearance, 0.95)
     assert plan is not None
     assert plan.moved_m[:, 1].max() == pytest.approx(0.25 + beyond[90.0], abs=budget.PLACE_M)
