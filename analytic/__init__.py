@@ -66,7 +66,8 @@ if TYPE_CHECKING:
     from analytic.errors import AnalyticInputError
     from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest, SampledAcceleration, ZeroExcitation
     from analytic.problem import CommonKeywords, Keywords, Options, Problem
-    from analytic.solution import Event, EventKind, Interval, Outcome, Solution, Validity
+    from analytic.results import Solution
+    from analytic.solution import Event, EventKind, Interval, Outcome, Validity
     from analytic.solver import simulate, solve
     from analytic.sweep import Ensemble, ensemble
 
@@ -76,7 +77,8 @@ _NAMES: Final = {
     "analytic.errors": "AnalyticInputError",
     "analytic.excitation": "Excitation Harmonic Pulse Record Rest SampledAcceleration ZeroExcitation",
     "analytic.problem": "CommonKeywords Keywords Options Problem",
-    "analytic.solution": "Event EventKind Interval Outcome Solution Validity",
+    "analytic.results": "Solution",
+    "analytic.solution": "Event EventKind Interval Outcome Validity",
     "analytic.solver": "simulate solve",
     "analytic.sweep": "Ensemble ensemble",
 }

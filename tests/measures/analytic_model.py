@@ -29,8 +29,7 @@ from analytic import (
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.problem import Options, Problem
-from analytic.results import Prepared
-from analytic.solver import prepare
+from analytic.solver import Prepared, prepare
 from harness.bench.timing import cost, costs
 from harness.records.bench import SolverRow, Throughput
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
