@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.records.effects3d import BASELINE, SOLID, Band, EffectsRecord
 from reports.charts.palette import look
-from reports.drawing.effects_figures import changes, curves, rose
+from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import replay_values
 from reports.source import run_source
@@ -51,6 +51,7 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
             for name in engines
         ],
         "picture": scene_svg(record.scene),
+        "directions": source and directions(record, source),
         "scene_title": record.scene.title,
         "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
