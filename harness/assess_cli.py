@@ -16,7 +16,7 @@ from harness.assess.options import read_options
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
-from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
@@ -88,7 +88,7 @@ def run(
         scene = load_scene(scene_file, asked.overrides or ())
         own = [*PAGES, RECORD, DRAWS_NAME, CLEARANCE_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
         check_inputs(folder, own, [path, *read_files(scene.given, scene.source)])
-        _check(folder, options, no_options, jobs, resume)
+        _check(folder, options, no_options, resume)
         own_options = () if options is None else read_options(options, scene)
         pool = LocalPool(jobs) if dask is None else DaskPool(dask)
         with (
@@ -123,14 +123,11 @@ def run(
         return written[-1]
 
 
-def _check(folder: Path, options: Path | None, no_options: bool, jobs: int | None, resume: bool) -> None:
-    if jobs is not None and jobs < 1:
-        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+def _check(folder: Path, options: Path | None, no_options: bool, resume: bool) -> None:
     if no_options and options is not None:
         raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
-    if resume and not (folder / STORE_NAME).is_file():
-        wanted = f"an assessment that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+    if resume:
+        check_begun(folder, "an assessment")
 
 
 def _write_draws(assessed: Assessed, path: Path) -> None:

@@ -35,7 +35,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.", min=1)]
 Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
 Dask = Annotated[
     str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")

@@ -40,11 +40,9 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
     return {
-        "title": record.title,
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
         "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
-        "assumed": record.assumed,
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
         "advice": [] if record.options is None else advice(record.options),
@@ -52,10 +50,6 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "room": None if record.clearance is None else room(record.clearance),
         "plan": _plan(record),
         "clearance": [] if record.clearance is None else _clearance(record.clearance),
-        "notes": record.notes,
-        "seed": record.seed,
-        "versions": record.versions,
-        "machine": record.machine,
     }
 
 

@@ -45,7 +45,6 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     source = run_source(folder / record.replay.folder) if record.replay else None
     replay = replay_values(source) if source is not None and source.histories else None
     return {
-        "title": record.title,
         "verdict": effects_verdict(record),
         "chips": [
             {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
@@ -67,14 +66,10 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "replay": replay,
         "replay_words": replay_words(record),
         "summary": record.summary.sentence,
-        "notes": record.notes,
         "resolution": f"{100.0 * record.study.search.resolution:g}",
         "most": f"{record.study.search.most_g:g}",
         "command": f"rockcheck study {shlex.quote(record.file)}",
         "replay_command": "" if record.replay is None else record.replay.command,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

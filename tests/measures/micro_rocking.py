@@ -12,12 +12,12 @@ from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
-from harness.bench.contact_engines import analytic_run
 from harness.bench.seeded_scenes import random_scene
 from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from tests.measures.contact_engines import analytic_run
 
 SEEDS: Final = (10129, 20399, 20809, 20844, 20866)
 """Well-conditioned scenes that whole steps missed, by up to 0.2 rad at every step of 0.5 ms and more."""

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from typing import Final
+
+import numpy as np
 
 from harness import engines
 from harness.bench.standard_scenes import paper_scene
 from harness.engines.base import Settings
+from harness.engines.contact import frame
+from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk.world import build
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -31,9 +37,6 @@ def analytic_run(scene: Scene) -> Run:
 
 def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]:
     """Cost of a whole pymunk run (split steps, record, reduction) over a baseline loop with the same settings and read-outs."""
-    from harness.bench.pymunk_defaults import baseline_loop
-    from harness.engines.pymunk.settings import MunkSettings
-
     engine = engines.load("pymunk")
     ratios: dict[str, float] = {}
     for kind, pedestal in (("no_pedestal", False), ("pedestal", True)):
@@ -49,3 +52,26 @@ def overhead(duration_s: float = 10.0, dt_s: float = 2.5e-4) -> dict[str, float]
         ratios[f"{kind}_bare_s"], ratios[f"{kind}_run_s"] = min(baseline), min(own)
         ratios[f"{kind}_ratio"] = min(own) / min(baseline)
     return ratios
+
+
+def baseline_loop(scene: Scene, settings: MunkSettings) -> tuple[float, list[tuple[float, ...]]]:
+    """Seconds and read-outs of a plain loop: pymunk's own step and properties, same bodies, settings and motion.
+
+    No friction that switches, no split steps, no reduction. The motion's accelerations are computed within the time.
+    """
+    world = build(scene, settings)
+    space, bodies = world.space, [body for body in (world.statue, world.pedestal) if body is not None]
+    dt = settings.dt_s
+    rows: list[tuple[float, ...]] = []
+    begin = time.perf_counter()
+    edges = np.arange(frame.step_count(scene.duration_s, dt) + 1, dtype=np.float64) * dt
+    gravity = frame.apparent_gravity(scene, edges)[:, [0, 2]].tolist()
+    for x, z in gravity:
+        space.gravity = (x, z)
+        space.step(dt)
+        row: list[float] = []
+        for body in bodies:
+            place, velocity = body.position, body.velocity
+            row += (place.x, place.y, body.angle, velocity.x, velocity.y, body.angular_velocity)
+        rows.append(tuple(row))
+    return time.perf_counter() - begin, rows
