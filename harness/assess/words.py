@@ -14,6 +14,7 @@ from harness.records.assess import (
     OptionAnswer,
     OptionsRecord,
     percent,
+    planar_alone,
 )
 
 CLEAR: Final = 0.95
@@ -29,6 +30,7 @@ def summary(record: AssessRecord) -> str:
             lines.append(f"  {name:{width}}  {item.sentence}; {item.engine_runs} runs")
         elif item is not None:
             lines.append(f"  {name:{width}}  not here: {item.message}")
+    lines += [f"  {text}" for text in planar_alone(record.answers, record.scene.file)]
     if record.assumed:
         assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
         lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
@@ -50,9 +52,10 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
     reached = {percent(float(asked)): factor for asked, factor in item.factor_at.items() if factor is not None}
     each = _listed([f"{asked} % at {factor:.2f} times" for asked, factor in reached.items()])
     if plane_only:
-        return (
-            f"In the rocking plane alone a fall is as probable as {each or '5 % at no strength tried'} today's shaking."
-        )
+        said = "In the rocking plane alone a fall is"
+        if not reached:
+            return f"{said} less probable than 5 % at all strengths tried, up to {item.factor[-1]:g} times today's shaking."
+        return f"{said} as probable as {each} today's shaking."
     if not reached:
         return f"Reserve: at {item.factor[-1]:g} times today's shaking a fall is still less probable than 5 %."
     first = next(iter(reached.values()))
@@ -62,10 +65,13 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
 def room(item: ClearanceRecord) -> str:
     """How much must be kept clear, in which direction, by the model that knows most of them; and what a fall needs."""
     falls = f"one that falls needs its height, {item.height_m:.2f} m"
+    few = {name: each for name, each in item.by_model.items() if name not in item.answered}
+    silent = "".join(
+        f"; in {name} only {each.standing} of {each.draws} draws stand, too few to tell" for name, each in few.items()
+    )
     name, answer = next(iter(item.answered.items()), ("", None))
     if answer is None:
-        most = max(item.by_model.values(), key=lambda each: each.standing)
-        return f"Clearance: only {most.standing} of {most.draws} draws stand, too few to tell; {falls}."
+        return f"Clearance{silent}; {falls}."
     beyond = answer.at(CLEAR)
     if len(beyond) == len(PLANAR_DEG):
         right, left = beyond.values()
@@ -75,7 +81,7 @@ def room(item: ClearanceRecord) -> str:
         towards = next(angle for angle, value in beyond.items() if value == most_m)
         where = f"{most_m:.2f} m beyond where it rests, all round (most towards {towards:g}°, seen from above, anticlockwise "
         where += f"from its right; least {least_m:.2f} m)"
-    return f"Clearance, by {name}: where it stands, in 95 of 100 its outline stays within {where}; {falls}."
+    return f"Clearance, by {name}: where it stands, in 95 of 100 its outline stays within {where}{silent}; {falls}."
 
 
 def advice(record: OptionsRecord) -> list[str]:

@@ -52,6 +52,19 @@ def percent(share: float) -> str:
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
+def planar_alone(answers: Mapping[str, Assessment], file: str | None) -> list[str]:
+    """What is said where every answer leaves the shaking across the plane out: that, and the command that knows it."""
+    if not answers or not all(item.plane_only for item in answers.values()):
+        return []
+    said = "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
+    return [f"{said}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model)."]
+
+
+def command_in_space(file: str | None) -> str:
+    """The command that asks an engine of three dimensions for the probability."""
+    return f"rockcheck assess {file or 'SCENE'} -e analytic -e pybullet"
+
+
 @dataclass(frozen=True)
 class NotAssessed:
     """Why there is no assessment by an engine."""

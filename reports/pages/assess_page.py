@@ -22,6 +22,7 @@ from harness.records.assess import (
     OptionsRecord,
     ProbabilityDifference,
     percent,
+    planar_alone,
 )
 from reports.charts.palette import HAIRLINE, INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
@@ -61,6 +62,7 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     # What knows all of the shaking speaks first; the most probable fall decides the colour.
     first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
     points = [f"{name}: {item.sentence}." for name, item in answers.items()]
+    points += planar_alone(answers, record.scene.file)
     points += [_difference(name, item) for name, item in record.difference_from_model.items()]
     if record.fragility is not None:
         points.append(reserve(record.fragility, record.plane_only))
