@@ -130,7 +130,10 @@ def assess(
         typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
     ] = None,
     no_options: Annotated[bool, typer.Option("--no-options", help="Leave out what would help.")] = False,
-    csv: Annotated[bool, typer.Option("--csv", help="Also write every draw and its outcomes to draws.csv.")] = False,
+    csv: Annotated[
+        bool,
+        typer.Option("--csv", help="Also write draws.csv and clearance.csv."),
+    ] = False,
     jobs: Jobs = None,
     resume: Resume = False,
     dask: Dask = None,

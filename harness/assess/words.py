@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from harness.assess.options import FLOOR, TURNED
+from harness.assess.plan import PLANAR_DEG
 from harness.records.assess import (
     Assessment,
     AssessRecord,
@@ -59,13 +60,22 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
 
 
 def room(item: ClearanceRecord) -> str:
-    """How much must be kept clear on both sides, and what a fall needs."""
+    """How much must be kept clear, in which direction, by the model that knows most of them; and what a fall needs."""
     falls = f"one that falls needs its height, {item.height_m:.2f} m"
-    if item.right_m is None or item.left_m is None:
-        return f"Clearance: only {item.standing} of {item.draws} draws stand, too few to tell; {falls}."
-    k = list(item.share).index(CLEAR)
-    right = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
-    return f"{right} and {item.left_m[k]:.2f} m beyond its left; {falls}."
+    name, answer = next(iter(item.answered.items()), ("", None))
+    if answer is None:
+        most = max(item.by_model.values(), key=lambda each: each.standing)
+        return f"Clearance: only {most.standing} of {most.draws} draws stand, too few to tell; {falls}."
+    beyond = answer.at(CLEAR)
+    if len(beyond) == len(PLANAR_DEG):
+        right, left = beyond.values()
+        where = f"{right:.2f} m beyond its right side and {left:.2f} m beyond its left"
+    else:
+        most_m, least_m = max(beyond.values()), min(beyond.values())
+        towards = next(angle for angle, value in beyond.items() if value == most_m)
+        where = f"{most_m:.2f} m beyond where it rests, all round (most towards {towards:g}°, seen from above, anticlockwise "
+        where += f"from its right; least {least_m:.2f} m)"
+    return f"Clearance, by {name}: where it stands, in 95 of 100 its outline stays within {where}; {falls}."
 
 
 def advice(record: OptionsRecord) -> list[str]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.words import advice, reserve, room
+from markupsafe import Markup
+
+from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
     Assessment,
     AssessRecord,
+    ClearanceByModel,
     ClearanceRecord,
     FragilityRecord,
     Index,
@@ -21,7 +24,10 @@ from harness.records.assess import (
     percent,
 )
 from reports.charts.palette import HAIRLINE, INK, MUTED
+from reports.drawing.conservator_pictures import plan_svg
+from reports.drawing.floor_plan import probable_plan
 from reports.text.chance import tone_of_answers
+from reports.text.language import ENGLISH
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
 
@@ -42,6 +48,7 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "advice": [] if record.options is None else advice(record.options),
         "options": None if record.options is None else _options(record.options),
         "room": None if record.clearance is None else room(record.clearance),
+        "plan": _plan(record),
         "clearance": [] if record.clearance is None else _clearance(record.clearance),
     }
 
@@ -131,12 +138,32 @@ def _option(item: OptionAnswer) -> list[str]:
     return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
 
 
-def _clearance(item: ClearanceRecord) -> list[tuple[str, list[str]]]:
-    """Rows of quantiles: the outline's room and the pedestal's slip on both sides, m."""
-    columns = item.right_m, item.left_m, item.slip_right_m, item.slip_left_m
-    rows = zip(*(column or () for column in columns), strict=True)
-    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in rows)
-    return [(f"{percent(share)} of 100", row) for share, row in zip(item.share, cells, strict=False)]
+def _plan(record: AssessRecord) -> Markup | None:
+    if record.clearance is None or (plan := probable_plan(record.clearance, CLEAR)) is None:
+        return None
+    return plan_svg(record.scene, plan, room(record.clearance), ENGLISH)
+
+
+def _clearance(item: ClearanceRecord) -> list[dict[str, object]]:
+    """For each model a table by direction: quantiles of the outline's way, and of its top's and the pedestal's at one share."""
+    return [{"name": name, "heads": _heads(answer), "rows": _rooms(answer)} for name, answer in item.answered.items()]
+
+
+def _heads(item: ClearanceByModel) -> list[str]:
+    outline = [f"outline, {percent(share)} of 100" for share in item.share]
+    return [*outline, *(f"{part}, {percent(CLEAR)} of 100" for part in ("top", "pedestal"))]
+
+
+def _rooms(item: ClearanceByModel) -> list[tuple[str, list[str]]]:
+    at = list(item.share).index(CLEAR)
+    columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
+    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in columns)
+    return [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]
+
+
+def _towards(angle_deg: float) -> str:
+    side = {0.0: "right", 90.0: "back", 180.0: "left", 270.0: "front"}.get(angle_deg)
+    return f"{angle_deg:g}°" + (f", {side}" if side else "")
 
 
 def _source(item: OptionAnswer) -> str:

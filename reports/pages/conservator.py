@@ -221,7 +221,7 @@ def plan_picture(source: RunSource, say: Language) -> Picture:
     if standing and "front" not in plan.room_m:
         words.append(say("plan.planar"))
     words.append(say("plan.fall", height=say.length(source.scene.statue.height_m)))
-    return Picture(heading, plan_svg(source, plan, f"{heading} {' '.join(words)}", say), words)
+    return Picture(heading, plan_svg(source.scene, plan, f"{heading} {' '.join(words)}", say), words)
 
 
 def _no_return(source: RunSource, fell: Sequence[str]) -> list[tuple[float, float]]:
