@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from harness import engines
-from harness.bench.standard_scenes import paper_scene
+from harness.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.engines.base import Settings
 from harness.engines.contact import frame
 from harness.engines.pymunk.settings import MunkSettings
@@ -27,6 +27,25 @@ KINDS: Final = (
     ("imposed 0.90", True, 0.20, 0.90),
 )
 """Kinds of scene: pedestal, static friction, imposed ratio."""
+PAPER: Final = ((0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0))
+"""Amplitude in g and frequency in Hz of the paper's cases that contact settings are measured on."""
+
+
+def paper_scene(
+    amplitude_g: float,
+    frequency_hz: float,
+    *,
+    pedestal: bool = True,
+    static: float = 0.15,
+    ratio: float | None = None,
+    duration_s: float = 1.0,
+) -> Scene:
+    """The surveyed statue as a block under a sine, μ_k = 0.15; an impact ratio where one is imposed."""
+    contact = {"floor_static": static, "floor_kinetic": 0.15, "statue": 1.0}
+    content = {"duration_s": duration_s, "statue": PAESTUM, "motion": harmonic(amplitude_g, frequency_hz)}
+    content |= {"contact": contact if ratio is None else {**contact, "restitution": ratio}}
+    title = f"{amplitude_g:g} g, {frequency_hz:g} Hz"
+    return scene_of(title, content | {"pedestal": PEDESTAL} if pedestal else content)
 
 
 def analytic_run(scene: Scene) -> Run:
