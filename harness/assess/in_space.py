@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Final
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
+from harness.assess.clearance import clearance
 from harness.assess.inputs import Array, row
+from harness.assess.plan import reach_m
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
-from harness.records.assess import Assessment
+from harness.records.assess import Assessment, ClearanceByModel
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 100_000
@@ -23,6 +27,14 @@ RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20
 """Steps for which one run is counted at least: what never leaves the floor costs the setting up alone."""
+CLEARANCE_RUNS: Final = 100
+"""Standing draws that are run with their histories: some 0.1 s each for a record of 40 s; 99 of 100 then stay within the second
+largest."""
+HISTORY_STEP_S: Final = 0.02
+"""Between two looks: a swing of 1 Hz, fast for what is as large as a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
+Each look costs a step."""
+OUTCOME_TOLERANCE: Final = 1e-7
+"""Local error: that of the runs for their outcome."""
 BATCH: Final = 16
 """Draws before the first look at the steps; later batches take at most a quarter of what is left."""
 
@@ -32,7 +44,14 @@ def shaken_across(scene: Scene) -> bool:
     return not isinstance(scene.base_excitation.y, ZeroExcitation)
 
 
-def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> Assessment | None:
+class SpaceDraws(NamedTuple):
+    """The probability of overturning by the exact body, and the numbers of the draws in which it stands."""
+
+    answer: Assessment
+    standing: Sequence[int]
+
+
+def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
     """The probability of overturning over as many of the draws (n,) as the steps allow; None where the planar model knows all
     of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
@@ -42,7 +61,7 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     if not shaken_across(scene) or any(item is not None for item in beyond) or scene.table == "moving":
         return None
     size, left, runs = len(next(iter(values.values()))), most_steps, 0
-    fell = decided = 0
+    ends: list[str] = []
     batch = BATCH
     while runs < size and left > 0:
         try:
@@ -51,12 +70,33 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
             return None
         runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
         batch = max(BATCH, left * runs // (4 * (most_steps - left)))
-        fell += int((outcomes == "overturned").sum())
-        decided += int(np.isin(outcomes, ("overturned", "stands")).sum())
-    share = wilson(fell, runs, LEVEL)
+        ends += outcomes.tolist()
+    share = wilson(ends.count("overturned"), runs, LEVEL)
     if share is None:
         return None
-    return Assessment(share.value, share.low, share.high, LEVEL, runs, runs, 1.0 - decided / runs)
+    standing = [number for number, end in enumerate(ends) if end == "stands"]
+    undecided = (runs - ends.count("overturned") - len(standing)) / runs
+    return SpaceDraws(Assessment(share.value, share.low, share.high, LEVEL, runs, runs, undecided), standing)
+
+
+def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
+    """The clearance all round by the exact body, on the first draws in which it stands."""
+    chosen = draws.standing[:CLEARANCE_RUNS]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
+    seen = draws.answer.draws if len(chosen) == len(draws.standing) else chosen[-1] + 1
+    return clearance(reached, np.ones(len(reached)), seen)
+
+
+def _reach_m(scene: Scene) -> Array:
+    from analytic import spatial
+    from harness.engines.spatial import problem_of, trajectory_of
+
+    problem = problem_of(scene)
+    history = trajectory_of(
+        scene, spatial.solve(problem, tolerance=OUTCOME_TOLERANCE, dt_out_s=HISTORY_STEP_S, events=False)
+    )
+    return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
 
 
 def _batch(scene: Scene, values: Mapping[str, Array]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:

@@ -52,6 +52,19 @@ def percent(share: float) -> str:
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
+def planar_alone(answers: Mapping[str, Assessment], file: str | None) -> list[str]:
+    """What is said where every answer leaves the shaking across the plane out: that, and the command that knows it."""
+    if not answers or not all(item.plane_only for item in answers.values()):
+        return []
+    said = "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
+    return [f"{said}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model)."]
+
+
+def command_in_space(file: str | None) -> str:
+    """The command that asks an engine of three dimensions for the probability."""
+    return f"rockcheck assess {file or 'SCENE'} -e analytic -e pybullet"
+
+
 @dataclass(frozen=True)
 class NotAssessed:
     """Why there is no assessment by an engine."""
@@ -144,20 +157,39 @@ class OptionsRecord:
 
 
 @dataclass(frozen=True)
-class ClearanceRecord:
-    """Room needed beyond the silhouette at rest, and the pedestal's slip, m: quantiles at `share` over the `standing` draws.
+class ClearanceByModel:
+    """How far, m, the outline, the middle of its top and the pedestal go beyond where they are at rest, by direction seen from
+    above, anticlockwise from the statue's right: a row of quantiles for each `share` of the `standing` draws.
 
-    Without quantiles too few draws stand; one that falls needs the statue's height.
+    A planar model has two directions; without any too few draws stand.
     """
 
     draws: int
     standing: int
+    direction_deg: Sequence[float] = ()
+    share: Sequence[float] = ()
+    outline_m: Sequence[Sequence[float]] = ()
+    top_m: Sequence[Sequence[float]] = ()
+    pedestal_m: Sequence[Sequence[float]] = ()
+
+    def at(self, share: float) -> dict[float, float]:
+        """How far the outline goes by direction at one of the shares that are told."""
+        return dict(zip(self.direction_deg, self.outline_m[list(self.share).index(share)], strict=True))
+
+
+@dataclass(frozen=True)
+class ClearanceRecord:
+    """The room needed by each model, beyond the outline at rest (k, 2) seen from above, m; one that falls needs its height."""
+
     height_m: float
-    share: Sequence[float]
-    right_m: Sequence[float] | None = None
-    left_m: Sequence[float] | None = None
-    slip_right_m: Sequence[float] | None = None
-    slip_left_m: Sequence[float] | None = None
+    rest_m: Sequence[Sequence[float]]
+    by_model: Mapping[str, ClearanceByModel]
+
+    @property
+    def answered(self) -> dict[str, ClearanceByModel]:
+        """The models of which enough draws stand, the one that knows most directions first."""
+        enough = {name: item for name, item in self.by_model.items() if item.share}
+        return dict(sorted(enough.items(), key=lambda item: -len(item[1].direction_deg)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -118,13 +118,19 @@ def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
 
 
 def test_a_block_dropped_flat_bounces_by_its_coefficient_of_restitution() -> None:
-    """To e² of its height; pybullet, which locates plastic impacts, refuses."""
+    """To e² of its height, exactly in `spatial`; pybullet, which locates plastic impacts, refuses."""
     on = thrown(Pose((0.0, 0.0, 0.7)), 0.3).but(contact=Contact(0.2, 0.15, 1.0, 0.5))
     found = run("pybullet:plain", on, 2.5e-4)
     assert found.history is not None
     height = found.history.extra["corner_right_z_m"]
     after = found.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2) + 0.02
     assert np.max(height[after]) == pytest.approx(0.25 * 0.1, rel=budget.BOUNCE_RELATIVE)
+    exactly = run("spatial", on.but(output_dt_s=1e-4), 0.01)
+    assert exactly.history is not None
+    after = exactly.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
+    top = np.max(exactly.history.extra["corner_right_z_m"][after])
+    # A sample at most half an output step from the top is lower by g dt²/8.
+    assert top == pytest.approx(0.25 * 0.1, abs=GRAVITY_M_S2 * 1e-8 / 8.0)
     refused = run("pybullet", on, 2.5e-4)
     assert "a coefficient of restitution is pybullet:plain's" in refused.message
 
