@@ -37,7 +37,9 @@ LATE: Final = 0.05
 SOON_STEPS: Final = 8
 """Steps ahead for which the feet that can come down are looked for among many."""
 FEW: Final = 12
-"""Up to so many feet plain numbers are quicker than arrays."""
+"""Up to so many feet plain numbers are quicker than arrays throughout, and"""
+MANY: Final = 40
+"""up to so many where one pass over them is made."""
 
 
 class ContactGaps:
@@ -83,10 +85,10 @@ class ContactGaps:
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if self.within_m is not None:
-            return self._of_many(row, falling, floor_m, floor_m_s)
         if t_s >= self.soon_until_s:
             self._choose(row, floor_m, floor_m_s, t_s)
+        if self.within_m is not None or len(self.soon) > MANY:
+            return self._of_many(row, falling, floor_m, floor_m_s)
         near = NEAR_M
         if self.few is not None:
             near = min(near, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
