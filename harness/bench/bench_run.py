@@ -32,7 +32,11 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
-    from_source = {"coverage": coverage.missing(), "others": other_integrators.missing()}
+    from_source = {
+        "engine defaults": precision.missing(),
+        "coverage": coverage.missing(),
+        "others": other_integrators.missing(),
+    }
     absent |= {name: why for name, why in from_source.items() if why is not None}
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
