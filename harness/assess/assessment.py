@@ -20,6 +20,7 @@ from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, swee
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import fragility, indices
+from harness.assess.space_studies import compare_in_space, fragility_in_space
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import LocalPool, Pool
@@ -179,13 +180,18 @@ def _by_model(
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
 ) -> AssessRecord:
-    """The record with all that the analytic model alone answers."""
+    """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
     draws, inputs = len(next(iter(values.values()))), record.uncertainty
+    in_space = SPACE in record.answers and shaken_across(scene)
     if more_options is not None:
         own_options, left_out = options_of(scene)
         size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
-        compared = compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        compared = compare_in_space(scene, inputs, every, left_out, seed, on_progress) if in_space else None
+        compared = compared or compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
         record = replace(record, options=compared)
+    if in_space:
+        on_progress(f"{SPACE}: fragility")
+        return replace(record, fragility=fragility_in_space(scene, inputs, seed))
     if not sweepable(scene, values):
         return record
     on_progress(f"{MODEL}: fragility and indices")
