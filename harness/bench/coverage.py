@@ -31,7 +31,7 @@ FINER: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
 FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""
-SCENES: Final = 200
+SCENES: Final = 60
 QUICK_SCENES: Final = 2
 FINEST_S: Final = 2.5e-4
 """Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
