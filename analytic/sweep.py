@@ -21,8 +21,8 @@ from analytic.kernel import codes
 from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK, row
 from analytic.kernel.records import Floats, Records
 from analytic.problem import Keywords, Options, Problem, stated
-from analytic.results import address, run
 from analytic.solution import OUTCOMES, Outcome
+from analytic.solver import address, run
 
 CHUNKS_PER_THREAD: Final = 16
 """Pieces of work for each thread: enough to keep them busy to the end, few enough to cost nothing."""

@@ -32,6 +32,7 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
+    absent |= {"others": why} if (why := other_integrators.missing()) else {}
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))

@@ -25,7 +25,7 @@ from harness.records.stress import StressRecord
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
 R = TypeVar("R", BenchRecord, StressRecord)
-PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz")
+PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz", "tests/measures")
 
 
 @dataclass(frozen=True)

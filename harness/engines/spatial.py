@@ -154,7 +154,7 @@ def _leaning(scene: Scene, vertices: Array) -> dict[str, Any]:
     }
 
 
-def _trajectory(scene: Scene, solution: Solution) -> Trajectory:
+def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
     """The solution's samples with the columns that every engine of three dimensions records."""
     turn, t_s = solution.rotation, solution.t_s
     spin = np.einsum("tij,tj->ti", turn, solution.angular_velocity_rad_s)
@@ -221,7 +221,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
         },
         warnings=_warnings(certified),
     )
-    run = reduce_trajectory(scene, _trajectory(scene, solution), report)
+    run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
     return replace(
         run,
         outcome=Outcome.FRICTION_PARADOX if solution.outcome.value == "friction_paradox" else run.outcome,

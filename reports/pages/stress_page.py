@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from harness.records.stress import Cell, StressRecord
-from reports.text.numbers import count_word, unit
+from reports.text.numbers import count_word
 from reports.text.wording import Verdict
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
@@ -18,18 +18,10 @@ def context(_folder: Path, record: StressRecord) -> dict[str, object]:
     """Everything that the stress template shows."""
     engines = list(dict.fromkeys(cell.engine for cell in record.cells))
     return {
-        "title": record.title,
         "verdict": stress_verdict(record),
-        "chips": [],
         "maps": [(engine, *stability_map(engine, record.cells), notes(engine, record.cells)) for engine in engines],
         "signs": SIGNS,
         "engines": list(dict.fromkeys(name for scene in record.scenes for name in scene.got)),
-        "scenes": record.scenes,
-        "fuzz": record.fuzz,
-        "command": record.command,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

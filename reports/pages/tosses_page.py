@@ -26,11 +26,9 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
     return {
         "title": f"Validation against {record.count} measured tosses",
         "verdict": tosses_verdict(record),
-        "chips": [],
         "names": list(models),
         "score_rows": score_rows(models),
         "fitted": {name: fitted_words(item) for name, item in models.items()},
-        "absent": record.absent,
         "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
         "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
         "charts": [
@@ -39,9 +37,6 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
         ],
         "rows": toss_rows(models),
         "command": command(record),
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

@@ -20,13 +20,13 @@ from harness.assess.engine_runs import DrawnRun, overturns
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
-from harness.bench.seeded_scenes import random_scene
 from harness.comparison.statistics.outcomes import FELL
 from harness.comparison.statistics.probabilities import brier, reliability
 from harness.model.scene import Scene
 from harness.records.sets import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import random_scene
 
 SCENES: Final = 300
 FIRST_SEED: Final = 770_000

@@ -11,14 +11,13 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness import engines
-from harness.bench.contact_engines import analytic_run
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.witness import PLAIN
+from tests.measures.contact_engines import PAPER, analytic_run, paper_scene
 from tests.measures.pages import renew, table
 
 KINDS: Final = {"no pedestal": (False, 0.15), "pedestal": (True, 0.15), "two coefficients": (True, 0.20)}

@@ -14,7 +14,6 @@ from harness import engines
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement, truth_of
-from harness.bench.seeded_scenes import wide_scene
 from harness.comparison.distance import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -25,6 +24,7 @@ from harness.scene_run.witness import convention
 from tests.measures.pages import renew, table
 from tests.measures.random_scenes import FINEST_S, counted
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import wide_scene
 
 NAMES: Final = ("pymunk", "pybullet")
 SCENES: Final = 200

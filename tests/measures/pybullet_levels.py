@@ -13,13 +13,13 @@ import sys
 from collections.abc import Iterator
 from typing import Final
 
-from harness.bench.contact_engines import KINDS
-from harness.bench.standard_scenes import PAPER, paper_scene, resolved, standard_set
+from harness.bench.standard_scenes import resolved, standard_set
 from harness.comparison.distance import errors
 from harness.engines import load
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from tests.measures.contact_engines import KINDS, PAPER, paper_scene
 from tests.measures.pages import renew, table
 
 HALF: Final = RunOptions()

@@ -17,7 +17,6 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
@@ -31,6 +30,7 @@ from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import Pedestal, Scene
+from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table
 

@@ -16,7 +16,6 @@ import numpy as np
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement, truth_of
-from harness.bench.seeded_scenes import GENERATORS
 from harness.comparison.comparator import compare
 from harness.model.run import Run
 from harness.records.bench import Statement
@@ -24,6 +23,7 @@ from harness.records.scores import Verdict
 from harness.scene_run.scene_run import run_scene
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import GENERATORS
 
 NAMES: Final = ("analytic", "pymunk", "pybullet")
 SCENES: Final = 100

@@ -18,7 +18,6 @@ import numpy as np
 from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.bench.coverage import statement
-from harness.bench.seeded_scenes import space_scene
 from harness.campaign.runner import Crash, Hung, LocalPool, Pool
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -28,6 +27,7 @@ from harness.records.bench import Statement
 from harness.validation.toss_scores import poses
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import space_scene
 
 NAMES: Final = ("pybullet", "mujoco")
 EXACT: Final = "spatial"

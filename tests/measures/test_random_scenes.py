@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench.seeded_scenes import GENERATORS
 from harness.records.bench import Statement
 from tests.measures import seeded_rows
 from tests.measures.random_scenes import Judged, SceneRow, row_of, tables
 from tests.measures.seeded_rows import measured
+from tests.measures.seeded_scenes import GENERATORS
 
 
 def test_a_row_holds_each_engine_s_statement_and_each_pair_s_verdict() -> None:

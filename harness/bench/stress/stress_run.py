@@ -8,8 +8,9 @@ from functools import partial
 from typing import Final
 
 from harness import engines
+from harness.bench import source_tree
 from harness.bench.stress import hard_scenes as scenes
-from harness.bench.stress import invariance_checks, mutated_files, stability
+from harness.bench.stress import mutated_files, stability
 from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
@@ -40,8 +41,9 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
 
 
 def absent() -> dict[str, str]:
-    """The engines of the catalogue, and the mutated files, that cannot be run here, and why: nothing is said of them."""
-    missing = {name: engines.load(name).missing() for name in ALL} | {"the fuzz": mutated_files.missing()}
+    """What cannot be run here, engines of the catalogue or what the source tree holds, and why: nothing is said of it."""
+    missing = {name: engines.load(name).missing() for name in ALL}
+    missing |= {"the part questions": source_tree.missing(scenes.ASKS), "the fuzz": mutated_files.missing()}
     return {name: why for name, why in missing.items() if why is not None}
 
 
@@ -51,7 +53,7 @@ def all_parts(quick: bool) -> list[Part]:
     return [
         Part("maps", stability.tasks(quick), partial(stability.compute, quick), stability.died),
         Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died),
-        Part("questions", invariance_checks.tasks(quick), invariance_checks.compute, scenes.died),
+        Part("questions", scenes.questions(quick), scenes.answer, scenes.died),
         Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
 
