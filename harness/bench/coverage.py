@@ -18,7 +18,7 @@ from harness.records.bench import LEVEL, TARGET, Coverage, Covered, Level, Preci
 
 FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""
-SCENES: Final = 200
+SCENES: Final = 60
 QUICK_SCENES: Final = 2
 MEASURED: Final = "tests.measures.coverage"
 PIECE: Final = {"pybullet": 8, "pymunk": 25}

@@ -16,7 +16,7 @@ from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.bench import source_tree
 from harness.bench.standard_scenes import Standard, standard_set
-from harness.bench.timing import Cost, costs
+from harness.bench.timing import Cost, costs, timed
 from harness.campaign.parts import Row
 from harness.comparison.distance import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
@@ -31,10 +31,16 @@ Array = NDArray[np.float64]
 TARGET_RAD: Final = 1e-3
 DEFAULTS: Final = "tests.measures.engine_defaults"
 """What runs engines on their own defaults, and on another project's settings."""
-LONG_S: Final = 4.0
+LONG_S: Final = 1.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
 REPEATS: Final = 15
 """Turns in which levels are timed: after a long one caches are cold, and a short one needs more turns to show its least time."""
+BUDGET_S: Final = 0.1
+"""Processor time of one level after which no further turn is begun: what is compared are ratios of whole numbers and more."""
+
+
+NOTHING: Final = Cost(0.0, 0.0, 0)
+"""Of what was not run."""
 
 
 def tasks(quick: bool) -> list[str]:
@@ -91,16 +97,20 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     """Every level and what the target takes: errors first, then all of them timed in turns, as they are compared."""
     base = replace(base, reference="analytic" if exact is not None else "own finest level")
     tried = _tried(engine, scene, quick)
-    good = [(settings, run) for settings, run in tried if isinstance(run, Run)]
+    good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
-    asked = None if judge is None or engine.capabilities.certifies else _asked(engine, scene)
+    asked, once = (
+        (None, NOTHING) if judge is None or engine.capabilities.certifies else timed(partial(_asked, engine, scene))
+    )
     works: list[Callable[[], object]] = [
-        partial(engine.simulate, scene, settings, RunOptions()) for settings, _ in good
+        partial(engine.simulate, scene, settings, RunOptions()) for settings, _, _ in good
     ]
+    before = [item[2] for item in good]
     if isinstance(asked, Run):
         works.append(partial(run_to_accuracy, engine, scene, TARGET_RAD, RunOptions()))
-    spent = iter(costs(works, repeats=REPEATS))
-    for settings, run in tried:
+        before.append(once)
+    spent = iter(costs(works, REPEATS, BUDGET_S, before))
+    for settings, run, _ in tried:
         row = replace(base, label=_label(settings), dt_s=settings.dt_s)
         if isinstance(run, str) or judge is None:
             yield replace(row, failed=str(run))
@@ -112,16 +122,15 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
         yield _chosen(replace(base, group=TARGET, label=f"--accuracy {TARGET_RAD:g}"), asked, judge, next(spent, None))
 
 
-def _tried(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str]]:
-    """Each level's run, whose error is taken, or why there is none."""
-    tried: list[tuple[Settings, Run | str]] = []
+def _tried(engine: Engine, scene: Scene, quick: bool) -> list[tuple[Settings, Run | str, Cost]]:
+    """Each level's run, whose error is taken, or why there is none, and its cost."""
+    tried: list[tuple[Settings, Run | str, Cost]] = []
     levels = engine.refinement_levels(scene)[: 3 if quick else None]
     for settings in levels:
-        before = tried[-1][1] if tried else None
-        if isinstance(before, Run) and before.wall_s > LONG_S:
-            left_out = f"not run: the level before it took {LONG_S:g} s or more"
-            return [*tried, *((finer, left_out) for finer in levels[len(tried) :])]
-        tried.append((settings, _run(engine, scene, settings)))
+        if tried and isinstance(tried[-1][1], Run) and tried[-1][2].cpu_s > LONG_S:
+            left_out = f"not run: the level before it took {LONG_S:g} s of processor time or more"
+            return [*tried, *((finer, left_out, NOTHING) for finer in levels[len(tried) :])]
+        tried.append((settings, *timed(partial(_run, engine, scene, settings))))
     return tried
 
 

@@ -6,8 +6,9 @@ import resource
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
+T = TypeVar("T")
 REPEATS: Final = 5
 BUDGET_S: Final = 1.0
 """Processor time after which no further repetition is begun: a slow run needs fewer to be timed to a percent."""
@@ -27,18 +28,32 @@ def cost(work: Callable[[], object], repeats: int = REPEATS, budget_s: float = B
     return costs([work], repeats, budget_s)[0]
 
 
-def costs(works: Sequence[Callable[[], object]], repeats: int = REPEATS, budget_s: float = BUDGET_S) -> list[Cost]:
-    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too."""
-    walls: list[list[float]] = [[] for _ in works]
-    cpus: list[list[float]] = [[] for _ in works]
+def timed(work: Callable[[], T]) -> tuple[T, Cost]:
+    """What one piece of work gives, and its cost this once."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return result, Cost(time.perf_counter() - wall, time.process_time() - cpu, 1)
+
+
+def costs(
+    works: Sequence[Callable[[], object]],
+    repeats: int = REPEATS,
+    budget_s: float = BUDGET_S,
+    first: Sequence[Cost] | None = None,
+) -> list[Cost]:
+    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too.
+
+    `first` is what each took before: one that took the budget is not done again.
+    """
+    walls = [[item.wall_s] for item in first] if first is not None else [[] for _ in works]
+    cpus = [[item.cpu_s] for item in first] if first is not None else [[] for _ in works]
     for _ in range(repeats):
         for work, wall_s, cpu_s in zip(works, walls, cpus, strict=True):
             if sum(cpu_s) >= budget_s:
                 continue
-            wall, cpu = time.perf_counter(), time.process_time()
-            work()
-            wall_s.append(time.perf_counter() - wall)
-            cpu_s.append(time.process_time() - cpu)
+            spent = timed(work)[1]
+            wall_s.append(spent.wall_s)
+            cpu_s.append(spent.cpu_s)
     return [Cost(min(wall_s), min(cpu_s), len(wall_s)) for wall_s, cpu_s in zip(walls, cpus, strict=True)]
 
 

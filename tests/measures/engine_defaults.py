@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.bench.precision import costing
+from harness.bench.precision import BUDGET_S, REPEATS, costing
 from harness.bench.standard_scenes import Standard, scene_of, standard_set
 from harness.bench.stress.checks import holds_until_s
 from harness.bench.stress.hard_scenes import solution
 from harness.bench.stress.stability import difficulties
-from harness.bench.timing import cost
+from harness.bench.timing import costs, timed
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -86,8 +86,9 @@ def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[Precisio
             continue
         module = import_module(default.module)
         settings = module.EngineDefaults(**default.given)
-        t_s, theta = module.run(scene, settings)
-        spent, error = cost(partial(module.run, scene, settings)), largest(t_s, theta, exact)
+        (t_s, theta), once = timed(partial(module.run, scene, settings))
+        spent = costs([partial(module.run, scene, settings)], REPEATS, BUDGET_S, [once])[0]
+        error = largest(t_s, theta, exact)
         finite = bool(np.isfinite(error))
         row = replace(
             base, group=default.group, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,

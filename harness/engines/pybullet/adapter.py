@@ -60,7 +60,7 @@ class Bullet3D(Engine):
         posed_start=True,
         moving_table=True,
         forces=True,
-        skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),
+        skips=frozenset({"quiet_start", "quiet_rest", "quiet_end", "base_only", "mirror", "no_history"}),
     )
     order: ClassVar[float] = 1.0
     agreements: ClassVar[int] = 1
@@ -121,7 +121,7 @@ class Bullet3D(Engine):
         report = Report(
             engine=self.name,
             settings=level.as_dict(),
-            steps=len(phases.record.t_s) - 1,
+            steps=len(phases.record.t_s) - 1 - phases.record.at_rest,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, level.dt_s).stuck_below_m_s,
