@@ -90,8 +90,8 @@ def sentences(measured: OtherSolvers) -> list[str]:
         if name.endswith("_ratio")
     ]
     if rates := measured.scans:
-        told = ", ".join(f"{name} {rate:.3g}" for name, rate in rates.items())
-        sentences.append(f"Times real time of pybullet on scans under a record: {told}.")
+        listed = ", ".join(f"{name} {rate:.3g}" for name, rate in rates.items())
+        sentences.append(f"Times real time of pybullet on scans under a record: {listed}.")
     return sentences
 
 
