@@ -7,7 +7,6 @@ import time
 
 import pytest
 
-
 from harness.campaign import progress as telling
 from harness.campaign.progress import ProgressMessages, progress, time_left
 
