@@ -67,10 +67,10 @@ def _apart_m(scene: Scene, a: Run, b: Run, until_s: float) -> float:
 
 def with_conventions(scene: Scene, runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
     """The scores of pairs, those that differ by a choice between conventions told so."""
-    return {pair: _told(scene, runs, each) for pair, each in scores.items()}
+    return {pair: _judged(scene, runs, each) for pair, each in scores.items()}
 
 
-def _told(scene: Scene, runs: Mapping[str, Run], scores: Scores) -> Scores:
+def _judged(scene: Scene, runs: Mapping[str, Run], scores: Scores) -> Scores:
     parts_s = scores.evidence.exceeded_s
     if scores.verdict is not Verdict.MODEL or parts_s is None:
         return scores

@@ -28,8 +28,8 @@ def scene_of(*changes: str, amplitude_g: float = 0.429) -> Scene:
 
 def verdict(scene: Scene, a: Run, b: Run) -> tuple[Verdict, str]:
     a, b = (replace(run, engine=name) for run, name in ((a, "a"), (b, "b")))
-    told = with_conventions(scene, {"a": a, "b": b}, {"a_vs_b": compare(a, b, scene=scene)})["a_vs_b"]
-    return told.verdict, told.verdict_sentence
+    scores = with_conventions(scene, {"a": a, "b": b}, {"a_vs_b": compare(a, b, scene=scene)})["a_vs_b"]
+    return scores.verdict, scores.verdict_sentence
 
 
 @pytest.fixture(scope="module")
