@@ -98,7 +98,7 @@ def assess(
             batch = max(BATCH, 2 * workers)
             return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
 
-        others = _others(scene, [name for name in names if name != MODEL], values, model, asked)
+        others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     on_progress(f"{MODEL}: clearance")
     answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
@@ -133,6 +133,7 @@ def _others(
     values: Mapping[str, Array],
     model: ModelDraws,
     asked: Callable[[str], tuple[Estimate, EngineRuns]],
+    on_progress: Callable[[str], None],
 ) -> _Others:
     """The engines of these names, and the exact body where the scene is its own to answer."""
     others, across, draws = _Others({}, {}, {}), shaken_across(scene), model.overturned.size
@@ -145,6 +146,8 @@ def _others(
         plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
         others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
         others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+    if across and SPACE not in names:
+        on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
         others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
     return others
