@@ -115,13 +115,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
     The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does.
     """
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
     title = printable(title)
