@@ -1,4 +1,4 @@
-"""Real scans in pybullet beside a bare loop of the same shapes: `python -m tests.measures.real_scans` prints times real time.
+"""Real scans in pybullet beside a baseline loop of the same shapes: `python -m tests.measures.real_scans` prints times real time.
 
 Maria under three components of a record, twice as strong as recorded so that it rocks, and a stone of 200 base vertices.
 """
@@ -52,7 +52,7 @@ def stone(folder: Path) -> str:
 
 
 def measure() -> dict[str, float]:
-    """Times real time by processor time of each scan at its step, and of a bare loop of as many steps; none without the data."""
+    """Times real time by processor time of each scan at its step, and of a baseline loop of as many steps; none without the data."""
     rates: dict[str, float] = {}
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
         for title, dt_s, file in (
@@ -77,11 +77,11 @@ def _rates(scene: Scene, dt_s: float) -> Mapping[str, float]:
         begin = time.process_time()
         run = engine.simulate(scene, level, RunOptions())
         spent.append(time.process_time() - begin)
-    bare_s = min(bare_loop(scene, level, setup, run.steps) for _ in range(BEST_OF))
-    return {", bare loop": run.end_s / bare_s, "": run.end_s / min(spent)}
+    baseline_s = min(baseline_loop(scene, level, setup, run.steps) for _ in range(BEST_OF))
+    return {", baseline loop": run.end_s / baseline_s, "": run.end_s / min(spent)}
 
 
-def bare_loop(scene: Scene, level: BulletSettings, setup: Setup, steps: int) -> float:
+def baseline_loop(scene: Scene, level: BulletSettings, setup: Setup, steps: int) -> float:
     """Processor seconds of so many of Bullet's own steps from where the motion begins to move something, with gravity and the
     statue's state read: the same shapes and settings, and nothing else."""
     first = int(quiet_start_s(scene, setup) / level.dt_s)
