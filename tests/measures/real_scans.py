@@ -52,7 +52,7 @@ def stone(folder: Path) -> str:
 
 
 def measure() -> dict[str, float]:
-    """Times real time by processor time of each scan at its step, and of a baseline loop of as many steps; none without the data."""
+    """Times real time by processor time of each scan at its step, and of a baseline loop of as many steps (needs the data)."""
     rates: dict[str, float] = {}
     with tempfile.TemporaryDirectory(prefix="rockcheck-bench-") as name:
         for title, dt_s, file in (
