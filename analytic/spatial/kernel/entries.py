@@ -1,27 +1,18 @@
-"""The doors into compiled code: one run, and many one after another."""
+"""The door into compiled code: many runs one after another, or one; called by addresses (`analytic.machine_code`)."""
 
 from __future__ import annotations
 
-from analytic.kernel.compiler import entry
-from analytic.kernel.records import Floats, Records
+from collections.abc import Callable
+
+from analytic.kernel.memory import row_at
 from analytic.spatial.kernel.integrator import run_one
+from analytic.spatial.kernel.records import MEMORY, RUN, Memory, Run
+
+run_row: Callable[[int, int], Run] = row_at(RUN)
+memory_row: Callable[[int, int], Memory] = row_at(MEMORY)
 
 
-@entry
-def run(
-    runs: Records, memories: Records, times: Floats, samples: Floats, history: Floats, events: Floats, intervals: Floats
-) -> None:
-    """Run the one record in its memory, with the caller's arrays."""
-    m = memories[0]
-    # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
-    m.times, m.samples = times.ctypes.data, samples.ctypes.data
-    m.history, m.instants = history.ctypes.data, history.shape[0]
-    m.event_table, m.interval_table, m.rows = events.ctypes.data, intervals.ctypes.data, events.shape[0]
-    run_one(runs[0], m)
-
-
-@entry
-def run_rows(runs: Records, memories: Records, start: int, stop: int) -> None:
-    """Run the rows start to stop − 1, whose memories know the callers' arrays; no history and no events are kept."""
+def run(runs: int, memories: int, start: int, stop: int) -> None:
+    """Run the rows start to stop − 1 of the tables at these addresses; memories know the callers' arrays."""
     for i in range(start, stop):
-        run_one(runs[i], memories[i])
+        run_one(run_row(runs, i), memory_row(memories, i))

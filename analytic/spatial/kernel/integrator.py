@@ -24,7 +24,7 @@ from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_head
 from analytic.spatial.kernel.impact import collide, decide
 from analytic.spatial.kernel.motion import field, is_over, pass_breaks
 from analytic.spatial.kernel.rates import kinetic_energy, rates
-from analytic.spatial.kernel.records import STATE, Memory, Run
+from analytic.spatial.kernel.records import MOST, STATE, Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.resting import hold, needed
 from analytic.spatial.kernel.steps import SAME_INSTANT_S, error, part, stages
@@ -39,8 +39,6 @@ GROW: Final = 5.0
 EXPONENT: Final = 1.0 / 8.0
 SHORTEST: Final = 1e-15
 """Shortest step, s: below it time does not advance."""
-MOST: Final = 1_000_000
-"""Steps, rejected ones included, after which a run is given up: a hundred times those of the usual slow slide, some 5 s."""
 FIRST_STEP_S: Final = 1e-3
 LOOKS: Final = 4
 """Places in a step at which the event functions are looked at."""
