@@ -186,6 +186,8 @@ def study(
     )  # fmt: skip
     said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
     lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    over_all = (record.scores or {}) if isinstance(record, StudyRecord) else {}
+    lines += [f"over all cases, {name}: {scores.sentence}" for name, scores in over_all.items()]
     say_result(as_file(record), "\n".join(lines), folder, saying, language)
     raise typer.Exit(FAILED if summary.failed else OK)
 

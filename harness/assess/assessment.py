@@ -20,6 +20,7 @@ from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, swee
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import fragility, indices
+from harness.assess.space_studies import compare_in_space, fragility_in_space
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import LocalPool, Pool
@@ -97,7 +98,7 @@ def assess(
             batch = max(BATCH, 2 * workers)
             return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
 
-        others = _others(scene, [name for name in names if name != MODEL], values, model, asked)
+        others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
     on_progress(f"{MODEL}: clearance")
     answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
@@ -132,6 +133,7 @@ def _others(
     values: Mapping[str, Array],
     model: ModelDraws,
     asked: Callable[[str], tuple[Estimate, EngineRuns]],
+    on_progress: Callable[[str], None],
 ) -> _Others:
     """The engines of these names, and the exact body where the scene is its own to answer."""
     others, across, draws = _Others({}, {}, {}), shaken_across(scene), model.overturned.size
@@ -144,6 +146,8 @@ def _others(
         plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
         others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
         others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+    if across and SPACE not in names:
+        on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
         others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
     return others
@@ -179,13 +183,18 @@ def _by_model(
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
 ) -> AssessRecord:
-    """The record with all that the analytic model alone answers."""
+    """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
     draws, inputs = len(next(iter(values.values()))), record.uncertainty
+    in_space = SPACE in record.answers and shaken_across(scene)
     if more_options is not None:
         own_options, left_out = options_of(scene)
         size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
-        compared = compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        compared = compare_in_space(scene, inputs, every, left_out, seed, on_progress) if in_space else None
+        compared = compared or compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
         record = replace(record, options=compared)
+    if in_space:
+        on_progress(f"{SPACE}: fragility")
+        return replace(record, fragility=fragility_in_space(scene, inputs, seed))
     if not sweepable(scene, values):
         return record
     on_progress(f"{MODEL}: fragility and indices")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Final, NamedTuple
 
@@ -19,6 +19,8 @@ from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
 from harness.records.assess import Assessment, ClearanceByModel
+
+Ends = NDArray[np.object_]
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 100_000
@@ -55,28 +57,45 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     """The probability of overturning over as many of the draws (n,) as the steps allow; None where the planar model knows all
     of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
+    ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
+    share = None if ends is None else wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
+    if ends is None or share is None:
+        return None
+    standing = np.flatnonzero(ends == "stands")
+    undecided = float((ends != "overturned").mean()) - standing.size / ends.size
+    answer = Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, max(undecided, 0.0))
+    return SpaceDraws(answer, standing.tolist())
+
+
+def _as_it_is(scene: Scene) -> Scene:
+    return scene
+
+
+def ends_in_space(
+    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = _as_it_is
+) -> Ends | None:
+    """How the exact body ends in as many of the draws (n,) as the steps allow, each drawn and then changed; None for a scene that
+    it does not know.
+    """
     from analytic import AnalyticInputError
 
-    beyond = scene.pedestal, scene.wall, scene.contact.restitution, scene.initial.pose
-    if not shaken_across(scene) or any(item is not None for item in beyond) or scene.table == "moving":
+    changed = change(scene)
+    beyond = changed.pedestal, changed.wall, changed.contact.restitution, changed.initial.pose
+    if any(item is not None for item in beyond) or changed.table == "moving":
         return None
     size, left, runs = len(next(iter(values.values()))), most_steps, 0
-    ends: list[str] = []
+    ends: list[Ends] = []
     batch = BATCH
     while runs < size and left > 0:
         try:
-            outcomes, steps = _batch(scene, {key: column[runs : runs + batch] for key, column in values.items()})
+            columns = {key: column[runs : runs + batch] for key, column in values.items()}
+            outcomes, steps = _batch(scene, columns, change)
         except AnalyticInputError:  # a base the exact body does not take
             return None
         runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
         batch = max(BATCH, left * runs // (4 * (most_steps - left)))
-        ends += outcomes.tolist()
-    share = wilson(ends.count("overturned"), runs, LEVEL)
-    if share is None:
-        return None
-    standing = [number for number, end in enumerate(ends) if end == "stands"]
-    undecided = (runs - ends.count("overturned") - len(standing)) / runs
-    return SpaceDraws(Assessment(share.value, share.low, share.high, LEVEL, runs, runs, undecided), standing)
+        ends.append(outcomes)
+    return np.concatenate(ends)
 
 
 def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
@@ -99,7 +118,9 @@ def _reach_m(scene: Scene) -> Array:
     return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
 
 
-def _batch(scene: Scene, values: Mapping[str, Array]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
+def _batch(
+    scene: Scene, values: Mapping[str, Array], change: Callable[[Scene], Scene]
+) -> tuple[Ends, NDArray[np.int64]]:
     """Outcome and steps of each draw."""
     from analytic import spatial
     from harness.engines.spatial import problem_of
@@ -110,11 +131,13 @@ def _batch(scene: Scene, values: Mapping[str, Array]) -> tuple[NDArray[np.object
     if "contact.statue" in values:
         sweep["friction"] = values["contact.statue"]
     if sweep and len(sweep) == len(values):
-        swept = spatial.outcomes(problem_of(scene), sweep, most_steps=RUN_STEPS)
+        swept = spatial.outcomes(problem_of(change(scene)), sweep, most_steps=RUN_STEPS)
         return swept.outcomes, swept.steps
-    size = len(next(iter(values.values())))
-    each = [
-        spatial.outcomes(problem_of(varied(scene, row(values, k))), {"scale": [1.0]}, most_steps=RUN_STEPS)
-        for k in range(size)
-    ]
+
+    def alone(number: int) -> spatial.Outcomes:
+        drawn = problem_of(change(varied(scene, row(values, number))))
+        return spatial.outcomes(drawn, {"scale": [1.0]}, most_steps=RUN_STEPS, threads=1)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        each = list(pool.map(alone, range(len(next(iter(values.values()))))))
     return np.concatenate([item.outcomes for item in each]), np.concatenate([item.steps for item in each])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from harness.assess.by_model import MODEL
 from harness.assess.options import FLOOR, TURNED
 from harness.assess.plan import PLANAR_DEG
 from harness.records.assess import (
@@ -51,7 +52,7 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
     """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
     reached = {percent(float(asked)): factor for asked, factor in item.factor_at.items() if factor is not None}
     each = _listed([f"{asked} % at {factor:.2f} times" for asked, factor in reached.items()])
-    if plane_only:
+    if plane_only and item.model == MODEL:
         said = "In the rocking plane alone a fall is"
         if not reached:
             return f"{said} less probable than 5 % at all strengths tried, up to {item.factor[-1]:g} times today's shaking."
@@ -99,7 +100,7 @@ def advice(record: OptionsRecord) -> list[str]:
 
 def _rank(item: OptionAnswer) -> tuple[float, bool, float]:
     """The less probable fall first, then less slip; what is turned comes last: its weak side is one that no draw shakes."""
-    return item.probability_overturned, item.name == TURNED, item.slip_high_m
+    return item.probability_overturned, item.name == TURNED, item.slip_high_m or 0.0
 
 
 def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
@@ -107,7 +108,7 @@ def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
     equal = [item for item in helping[1:] if item.low <= best.high]
     words = f"What would help most: {best.name}. The statue then falls in {percent(best.probability_overturned)} %, "
     words += f"as it is in {percent(record.as_it_is.probability_overturned)} %"
-    if best.slip_high_m > 0.0:
+    if best.slip_high_m:
         words += f"; it slides by up to {best.slip_high_m:.2g} m in 95 of 100"
     if equal:
         words += f". As good, as far as can be told: {_listed([item.name for item in equal])}"
@@ -124,7 +125,7 @@ def _claim(own: OptionAnswer, floor: OptionAnswer) -> str:
     """Whether a pedestal that slides protects: the paper's claim, answered by this statue on the floor."""
     falls = f"on the floor it falls in {percent(floor.probability_overturned)} %"
     falls += f", on its pedestal in {percent(own.probability_overturned)} %"
-    if own.slip_high_m == 0.0:
+    if not own.slip_high_m:
         return f"The pedestal does not slide, and so protects nothing by it: {falls}."
     if floor.harms:
         return f"The sliding pedestal protects this statue: {falls}."

@@ -147,13 +147,6 @@ def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
 
 
-def sentences(rows: Sequence[PartRow]) -> list[str]:
-    """The seconds of each part in words, and what is not measured yet."""
-    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s" for row in rows if row.tasks)
-    left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
-    return [f"Time by part: {spent}."] + ([f"Not measured yet: {', '.join(left)}."] if left else [])
-
-
 def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     names = [part.name for part in parts]
     unknown = [name for name in only or () if name not in names]

@@ -90,6 +90,7 @@ class FragilityRecord:
     probability_overturned: Sequence[float]
     draws: int
     factor_at: Mapping[str, float | None]
+    model: str = "analytic"
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Index:
 
 @dataclass(frozen=True)
 class OptionAnswer:
-    """One option by the analytic model: probability of a fall, slip of what slides (median, 95 %), difference to as it is."""
+    """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is."""
 
     name: str
     what: str
@@ -111,8 +112,8 @@ class OptionAnswer:
     probability_overturned: float
     low: float
     high: float
-    slip_median_m: float
-    slip_high_m: float
+    slip_median_m: float | None
+    slip_high_m: float | None
     difference: Interval | None
 
     @property
@@ -139,6 +140,7 @@ class OptionsRecord:
     difference_level: float
     left_out: Mapping[str, str]
     plane_only: bool = False
+    model: str = "analytic"
 
     @property
     def as_it_is(self) -> OptionAnswer:

@@ -7,6 +7,7 @@ from typing import Final
 
 from markupsafe import Markup
 
+from harness.assess.by_model import MODEL
 from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
@@ -46,6 +47,7 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
+        "chart_model": None if record.fragility is None else record.fragility.model,
         "advice": [] if record.options is None else advice(record.options),
         "options": None if record.options is None else _options(record.options),
         "room": None if record.clearance is None else room(record.clearance),
@@ -121,6 +123,8 @@ def _options(record: OptionsRecord) -> dict[str, object]:
         "words": [(item.name, _source(item)) for item in record.options if item.what],
         "left_out": record.left_out,
         "draws": record.draws,
+        "model": record.model,
+        "planar": record.model == MODEL,
         "fewer": sorted({item.draws for item in record.options} - {record.draws}),
         "level": percent(record.difference_level),
     }
@@ -136,8 +140,14 @@ def _option(item: OptionAnswer) -> list[str]:
         )
         shown = "helps" if item.helps else "harms" if item.harms else "not shown"
         points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
-    slips = [f"{slip:.3f} m" if item.slip_high_m > 0.0 else "none" for slip in (item.slip_median_m, item.slip_high_m)]
+    slips = [_slip(slip, item.slip_high_m) for slip in (item.slip_median_m, item.slip_high_m)]
     return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
+
+
+def _slip(slip_m: float | None, most_m: float | None) -> str:
+    if slip_m is None:
+        return "not followed"
+    return f"{slip_m:.3f} m" if most_m else "none"
 
 
 def _plan(record: AssessRecord) -> Markup | None:
@@ -180,7 +190,7 @@ def _chart(fragility: FragilityRecord) -> dict[str, object]:
             "x": fragility.factor,
             "y": fragility.probability_overturned,
             "line": {"color": INK, "width": 2},
-            "name": "analytic",
+            "name": fragility.model,
             "showlegend": False,
             "hovertemplate": "× %{x:.2f}: %{y:.0%}<extra></extra>",
         },

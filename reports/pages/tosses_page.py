@@ -54,6 +54,11 @@ def tosses_verdict(record: TossesRecord) -> Verdict:
     points += [
         f"{name} could not compute {len(item.failed)} tosses." for name, item in record.models.items() if item.failed
     ]
+    points += [
+        f"{name} ended {len(item.ended_s)} tosses before their last frame: its last pose is held there."
+        for name, item in record.models.items()
+        if item.ended_s
+    ]
     sentence = f"{best} is nearest: its rotation is off by {unit(known[best], 'rad')} at the median of all frames"
     return Verdict(sentence, "agree", points)
 
@@ -86,7 +91,7 @@ def fitted_words(item: TossModel) -> str:
 
 
 def _missed(value_m: float | None) -> str:
-    return "not every toss could be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
+    return "most could not be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
 
 
 def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from typing import Final
 from harness import engines
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import statement, truth_of
 from harness.comparison.distance import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -21,6 +20,7 @@ from harness.records.bench import Statement
 from harness.records.witness import LEAST_S, PLAIN
 from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
 from harness.scene_run.witness import convention
+from tests.measures.coverage import statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.random_scenes import FINEST_S, counted
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.bench.coverage import DURATION_S, block, random_scene, seeded
 from harness.model.scene import BaseExcitation, Contact, Pedestal, Scene, Statue
 from meshes.footprint import reach_m
+from tests.measures.coverage import DURATION_S, block, random_scene, seeded
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import statement
 from harness.campaign.runner import Crash, Hung, LocalPool, Pool
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -25,6 +24,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
 from harness.validation.toss_scores import poses
+from tests.measures.coverage import statement
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
 from tests.measures.seeded_scenes import space_scene

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
@@ -15,7 +14,7 @@ from harness.bench.stress.catalogue import ALL
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
 from harness.model.run import machine, versions
-from harness.records.stress import Cell, HardRow, StressRecord
+from harness.records.stress import Cell, HardRow, StressRecord, sentences
 
 INPUTS: Final = 20_000
 QUICK_INPUTS: Final = 500
@@ -56,38 +55,6 @@ def all_parts(quick: bool) -> list[Part]:
         Part("questions", scenes.questions(quick), scenes.answer, scenes.died),
         Part("fuzz", mutated_files.tasks(inputs), mutated_files.compute, mutated_files.died),
     ]
-
-
-def sentences(record: StressRecord) -> list[str]:
-    """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
-    wrong = [row for row in record.scenes if not row.holds]
-    sentences = []
-    if record.scenes:
-        sentences.append(
-            f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must."
-        )
-    for row in wrong:
-        bad = "; ".join(f"{name}: {got}" for name, got in row.got.items() if got != row.wanted)
-        sentences.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
-    sentences += [f"{name} was not run: {why}." for name, why in record.absent.items()]
-    sentences += [
-        f"Known failure, “{row.name}”, {name}: {text}." for row in record.scenes for name, text in row.known.items()
-    ]
-    counts = Counter(cell.category for cell in record.cells)
-    if counts:
-        sentences.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
-    sentences += [
-        f"Unexplained: {cell.engine}, {cell.setting}, {cell.difficulty}: {cell.category}, {cell.evidence}."
-        for cell in record.cells
-        if cell.unexplained
-    ]
-    if inputs := sum(item.inputs for item in record.fuzz):
-        used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
-        sentences.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
-    sentences += [
-        f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
-    ]
-    return [*sentences, *parts.sentences(record.parts)]
 
 
 STRESS: Final = Measurement("stress", all_parts, assembled, sentences)

@@ -27,7 +27,7 @@ from tests.analytic.spatial.reference_body import Case
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 BLOCK = rectangle(0.3, 1.2, depth_m=0.4)
-POSED = ("pybullet", "pybullet:plain")
+POSED = ("pybullet", "pybullet:plain", "mujoco", "mujoco:plain")
 LEANS = pytest.mark.xfail(strict=True, reason="Bullet's friction of a sliding vertex leans to the table's axes")
 LANDED_S = 0.15
 """Some 0.04 s after the first impact of a throw, before the next."""
@@ -75,6 +75,13 @@ def test_torque_free_flight_errs_by_the_first_order_of_the_step(name: str) -> No
     errors = [float(np.max((turned(run(name, on, dt)) * wanted.inv()).magnitude())) for dt in (1e-3, 5e-4)]
     assert errors[0] < budget.FLIGHT_RAD_PER_S * 1e-3
     assert errors[1] < budget.FIRST_ORDER * errors[0]
+
+
+@pytest.mark.parametrize("name", ["spatial", "pybullet", "mujoco", "mujoco:plain"])
+def test_torque_free_flight_keeps_its_attitude(name: str) -> None:
+    pose = Pose((0.0, 0.0, 100.0), velocity_m_s=(1.0, 2.0, 0.0), angular_velocity_rad_s=(1.0, 0.5, 3.0))
+    on = thrown(pose, 2.0)
+    assert np.max((turned(run(name, on, 1e-3)) * exact(on).inv()).magnitude()) < budget.TORQUE_FREE_RAD
 
 
 def exact(on: Scene) -> Rotation:
