@@ -14,5 +14,6 @@ memory_row: Callable[[int, int], Memory] = row_at(MEMORY)
 
 def run(runs: int, memories: int, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 of the tables at these addresses; memories know the callers' arrays."""
+    # One entry for one run and for many: another would be compiled from the first line to the last once more.
     for i in range(start, stop):
         run_one(run_row(runs, i), memory_row(memories, i))
