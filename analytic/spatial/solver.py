@@ -28,7 +28,7 @@ from analytic.spatial.solution import (
     Work,
 )
 
-run_rows: Final = Entry("analytic.spatial.kernel.entries", "run")
+run_rows: Final = Entry("analytic.spatial.kernel.integrator", "run")
 TOLERANCE: Final = 1e-13
 """Local error of a step, relative to 1 m and 1 rad: rounding of some hundred operations."""
 TOUCH_M: Final = 1e-10
