@@ -141,12 +141,12 @@ class ContactGaps:
     def foot_speeds_m_s(
         self, row: Row, others: Sequence[Row], floor_m: float = 0.0, floor_m_s: float = 0.0
     ) -> list[float]:
-        """How fast the feet that rest on their support in a row move off it or into it in others, on average."""
+        """How much faster or slower than in a row the feet that rest on their support there leave it in others, on average."""
         falling = self.falling_m_s(row)
         heights = self.heights(row, floor_m, floor_m_s)
         feet = [k for k, (gap, closing) in enumerate(heights) if abs(gap) < NEAR_M and abs(closing) < falling]
         moving = [self.heights(other, floor_m, floor_m_s) for other in others]
-        return [sum(abs(each[k][1]) for k in feet) / max(len(feet), 1) for each in moving]
+        return [sum(abs(each[k][1] - heights[k][1]) for k in feet) / max(len(feet), 1) for each in moving]
 
     def drift_m(self, row: Row, floor_m: float = 0.0, *, within_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `within_s`; 0 for none."""
