@@ -19,7 +19,7 @@ FORMATS: Final = {"CSV": True}
 
 _TIME = re.compile(r"^(t|time|zeit|tempo|temps|tiempo)([\s_\-]*[\[(]?(s|sec|seconds)?[\])]?)$", re.IGNORECASE)
 _PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
-_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([a-z]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
+_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[a-z]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
 _COMMENT: Final = ("#", "%")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?|[+-]?[0-9]+")
 
