@@ -25,7 +25,7 @@ _SPELLINGS: Final = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "c
 
 def unit_named(text: str) -> str | None:
     """The key of UNITS_M_S2 that `text` means (cm/sec/sec, cm/s^2, m/s², gal, g. …), or None."""
-    bare = re.sub(r"[\s^*.()\[\]]|-(?=2)", "", text.lower().replace("²", "2").replace("sec", "s").replace("s/s", "s2"))
+    bare = re.sub(r"[\s^*.()\[\]_]|-(?=2)", "", text.lower().replace("²", "2").replace("sec", "s").replace("s/s", "s2"))
     return bare if bare in UNITS_M_S2 else _SPELLINGS.get(bare)
 
 

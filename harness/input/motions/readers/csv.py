@@ -29,7 +29,7 @@ _TIME = re.compile(
     rf"^(?:t|time|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(_SECONDS)})?[\])]?$", re.IGNORECASE
 )
 _PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
-_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([a-z%]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
+_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[a-z%]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
 _NO_COMPONENT = re.compile(
     r"^(index|sample|absolute|total|magnitude|vel|disp)|[\[(]([cm]?m(/s(ec)?)?|volts?|m?v|counts?)[\])]$|_[cm]?ms?$",
     re.IGNORECASE,
