@@ -61,68 +61,35 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from analytic.block import Block as Block
-    from analytic.block import Form as Form
-    from analytic.block import Friction as Friction
-    from analytic.block import Pedestal as Pedestal
-    from analytic.block import Wall as Wall
-    from analytic.certainty import Certified as Certified
-    from analytic.certainty import certify as certify
-    from analytic.errors import AnalyticInputError as AnalyticInputError
-    from analytic.excitation import Excitation as Excitation
-    from analytic.excitation import Harmonic as Harmonic
-    from analytic.excitation import Pulse as Pulse
-    from analytic.excitation import Record as Record
-    from analytic.excitation import Rest as Rest
-    from analytic.excitation import SampledAcceleration as SampledAcceleration
-    from analytic.excitation import ZeroExcitation as ZeroExcitation
-    from analytic.problem import CommonKeywords as CommonKeywords
-    from analytic.problem import Keywords as Keywords
-    from analytic.problem import Options as Options
-    from analytic.problem import Problem as Problem
-    from analytic.solution import Event as Event
-    from analytic.solution import EventKind as EventKind
-    from analytic.solution import Interval as Interval
-    from analytic.solution import Outcome as Outcome
-    from analytic.solution import Solution as Solution
-    from analytic.solution import Validity as Validity
-    from analytic.solver import simulate as simulate
-    from analytic.solver import solve as solve
-    from analytic.sweep import Ensemble as Ensemble
-    from analytic.sweep import ensemble as ensemble
+    from analytic.block import Block, Form, Friction, Pedestal, Wall
+    from analytic.certainty import Certified, certify
+    from analytic.errors import AnalyticInputError
+    from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest, SampledAcceleration, ZeroExcitation
+    from analytic.problem import CommonKeywords, Keywords, Options, Problem
+    from analytic.results import Solution
+    from analytic.solution import Event, EventKind, Interval, Outcome, Validity
+    from analytic.solver import simulate, solve
+    from analytic.sweep import Ensemble, ensemble
 
-_HOME: Final = {
-    "AnalyticInputError": "analytic.errors",
-    "Block": "analytic.block",
-    "Certified": "analytic.certainty",
-    "CommonKeywords": "analytic.problem",
-    "Ensemble": "analytic.sweep",
-    "Event": "analytic.solution",
-    "EventKind": "analytic.solution",
-    "Excitation": "analytic.excitation",
-    "Form": "analytic.block",
-    "Friction": "analytic.block",
-    "Harmonic": "analytic.excitation",
-    "Interval": "analytic.solution",
-    "Keywords": "analytic.problem",
-    "Options": "analytic.problem",
-    "Outcome": "analytic.solution",
-    "Pedestal": "analytic.block",
-    "Problem": "analytic.problem",
-    "Pulse": "analytic.excitation",
-    "Record": "analytic.excitation",
-    "Rest": "analytic.excitation",
-    "SampledAcceleration": "analytic.excitation",
-    "Solution": "analytic.solution",
-    "Validity": "analytic.solution",
-    "Wall": "analytic.block",
-    "ZeroExcitation": "analytic.excitation",
-    "certify": "analytic.certainty",
-    "ensemble": "analytic.sweep",
-    "simulate": "analytic.solver",
-    "solve": "analytic.solver",
+_NAMES: Final = {
+    "analytic.block": "Block Form Friction Pedestal Wall",
+    "analytic.certainty": "Certified certify",
+    "analytic.errors": "AnalyticInputError",
+    "analytic.excitation": "Excitation Harmonic Pulse Record Rest SampledAcceleration ZeroExcitation",
+    "analytic.problem": "CommonKeywords Keywords Options Problem",
+    "analytic.results": "Solution",
+    "analytic.solution": "Event EventKind Interval Outcome Validity",
+    "analytic.solver": "simulate solve",
+    "analytic.sweep": "Ensemble ensemble",
 }
-__all__ = sorted(_HOME)
+"""The public names by their modules."""
+_HOME: Final = {name: module for module, names in _NAMES.items() for name in names.split()}
+__all__ = [
+    "AnalyticInputError", "Block", "Certified", "CommonKeywords", "Ensemble", "Event", "EventKind", "Excitation",
+    "Form", "Friction", "Harmonic", "Interval", "Keywords", "Options", "Outcome", "Pedestal", "Problem", "Pulse",
+    "Record", "Rest", "SampledAcceleration", "Solution", "Validity", "Wall", "ZeroExcitation", "certify",
+    "ensemble", "simulate", "solve",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> object:

@@ -12,7 +12,7 @@ from analytic.block import Block
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
 from analytic.problem import CommonKeywords
-from analytic.solution import Solution
+from analytic.results import Solution
 from analytic.solver import simulate
 
 BASE_ACCURACY_RAD: Final = 1e-12

@@ -15,8 +15,7 @@ from analytic.excitation import Excitation
 from analytic.kernel.layout import BASE, MOTION_PARAMS, PARAMS, row
 from analytic.kernel.records import Counts, Params, Records, Results, State
 from analytic.problem import Options, Problem
-from analytic.results import solution_of
-from analytic.solution import Solution
+from analytic.results import Solution, solution_of
 from analytic.sweep import Out, run_rows
 
 Array = NDArray[np.float64]

@@ -39,6 +39,10 @@ class Excitation(ABC):
     def velocity_m_s(self, t_s: ArrayLike) -> Floats:
         """Velocity at the times t_s (any shape, s ≥ 0), in m/s: the exact integral from rest at t = 0."""
 
+    def velocity_at(self, t_s: float) -> float:
+        """Velocity at one instant, m/s."""
+        return float(self.velocity_m_s(t_s))
+
     @abstractmethod
     def displacement_m(self, t_s: ArrayLike) -> Floats:
         """Displacement at the times t_s (any shape, s ≥ 0), in m: the exact double integral from rest at t = 0."""

@@ -1,112 +1,23 @@
-"""From a finished task to its solution."""
+"""The solution that the kernel's records say."""
 
 from __future__ import annotations
 
-import ctypes
 import math
+from dataclasses import dataclass, field
 from functools import cached_property
-from struct import Struct
-from typing import Any, Final, NamedTuple, Self, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.kernel.layout import EVENT_ROW, TASK, packing
-from analytic.kernel.records import Base, Counts, EventRow, MotionParams, Output, Params, Records, Results, State
-from analytic.machine_code import Entry
-from analytic.solution import KINDS, OUTCOMES, Doubts, Event, Outcome, Solution, Validity, Work
+from analytic.kernel.layout import EVENT_ROW
+from analytic.kernel.records import Counts, EventRow, Floats, Params, Records, Results, State
+from analytic.solution import KINDS, OUTCOMES, Doubts, Event, EventKind, Interval, Outcome, Validity, Work
 
 LEFT_BY: Final = ("", "the statue slides on its support", "contact is lost", "the pedestal itself tips")
 """Sentence of each of the kernel's codes for a limit passed."""
-
-
-run: Final = Entry("analytic.kernel.entries", "run")
-ALONE: Final = (0, 0, 0, 0, 0, 1, 0, 0, 0)
-"""Arguments after a task that is run as it stands."""
-
-
-def address(memory: bytearray) -> int:
-    """Where it stands, for as long as it lives."""
-    return ctypes.addressof(ctypes.c_char.from_buffer(memory))
-
-
-def _offset(*names: str) -> int:
-    """Where a record stands in a task, bytes."""
-    place, record = 0, TASK
-    for name in names:
-        assert record.fields is not None
-        place, record = place + record.fields[name][1], record.fields[name][0]
-    return place
-
-
-_PARAMS, _STATE, _RESULTS = _offset("params"), _offset("state"), _offset("results")
-_BASE, _OUTPUT = _offset("base"), _offset("output")
-_COUNTS, _EVENTS, _SAMPLES = _offset("counts"), _offset("counts", "events"), _offset("output", "next_sample")
-_MOTION_X, _MOTION_Z = _offset("motion_x", "params"), _offset("motion_z", "params")
-_PACKING: Final = {each: packing(each) for each in (Params, MotionParams, Base, Output, State, Results, Counts)}
-_INTEGER: Final = Struct("q")
 NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
-
-
-class Prepared(NamedTuple):
-    """The memory of a task, and what it knows by address only."""
-
-    memory: bytearray
-    history: NDArray[np.float64]
-    """Rows of t, θ, θ̇, u, u̇, (5, n)."""
-    events: Records
-    """(m,)"""
-    owners: tuple[object, ...]
-    """Whose numbers motions and base name by address: kept alive."""
-
-    @classmethod
-    def of(
-        cls,
-        params: Params,
-        motions: tuple[MotionParams, MotionParams],
-        base: Base,
-        instants: int,
-        event_rows: int,
-        *owners: object,
-    ) -> Self:
-        """A task with its parameters written, and room for so many instants and events."""
-        memory = bytearray(TASK.itemsize)
-        history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW)
-        output = Output(history.ctypes.data, max(instants - 1, 0), 0, events.ctypes.data, event_rows)
-        places = (_PARAMS, params), (_MOTION_X, motions[0]), (_MOTION_Z, motions[1]), (_BASE, base), (_OUTPUT, output)
-        for place, record in places:
-            _PACKING[type(record)].pack_into(memory, place, *vars(record).values())
-        return cls(memory, history, events, owners)
-
-    def run(self) -> None:
-        """Run the task."""
-        run(address(self.memory), *ALONE)
-
-    @property
-    def state(self) -> State:
-        """The state that the run ended in."""
-        return State(*_PACKING[State].unpack_from(self.memory, _STATE))
-
-    @property
-    def results(self) -> Results:
-        """What the run left behind."""
-        return Results(*_PACKING[Results].unpack_from(self.memory, _RESULTS))
-
-    @property
-    def counts(self) -> Counts:
-        """How often what happened."""
-        return Counts(*_PACKING[Counts].unpack_from(self.memory, _COUNTS))
-
-    @property
-    def n_samples(self) -> int:
-        """Output samples written."""
-        return int(_INTEGER.unpack_from(self.memory, _SAMPLES)[0])
-
-    @property
-    def n_events(self) -> int:
-        """Events of the run, whether or not the table had room for them."""
-        return int(_INTEGER.unpack_from(self.memory, _EVENTS)[0])
 
 
 def _optional(value: float) -> float | None:
@@ -134,23 +45,47 @@ def _event(given: tuple[Any, ...]) -> Event:
 
 
 @final
-class RunDetails:
-    """The kernel's results, counts and event rows, as objects when they are asked for."""
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One run: outcome, history on the grid 0, dt, 2dt, ... and at the last instant (arrays of equal length, empty in an
+    outcome-only run), events, motion patterns, validity.
 
-    def __init__(self, params: Params, results: Results, counts: Counts, events: Records) -> None:
-        """Keep them."""
-        self._params, self._results, self._counts, self._rows = params, results, counts, events
+    overturn_time_s is the instant of the overturning limit and no_return_time_s the last outward crossing of the balance
+    point before it; both None where they did not happen or where energy decided before them.
+    """
+
+    outcome: Outcome
+    end_s: float
+    t_s: Floats
+    theta_rad: Floats
+    theta_rate_rad_s: Floats
+    slip_m: Floats
+    slip_rate_m_s: Floats
+    peak_theta_rad: float
+    peak_signed_rad: float
+    peak_time_s: float
+    peak_slip_m: float
+    final_slip_m: float
+    overturn_time_s: float | None
+    no_return_time_s: float | None
+    energy_lost_j: float
+    energy_gained_j: float
+    params: Params = field(repr=False)
+    results: Results = field(repr=False)
+    counts: Counts = field(repr=False)
+    event_rows: Records = field(repr=False)
+    """The kernel's own records, made into what is asked of them when it is first asked."""
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
-        """Every event."""
-        return tuple(_event(each) for each in self._rows.tolist())
+        """Every event, from the start to the end."""
+        return tuple(_event(each) for each in self.event_rows.tolist())
 
     @cached_property
     def validity(self) -> Validity | None:
         """How far the run stayed inside the model, None where that was not kept."""
-        r, on_pedestal = self._results, self._params.has_pedestal
-        if not self._params.keep_validity:
+        r, on_pedestal = self.results, self.params.has_pedestal
+        if not self.params.keep_validity:
             return None
         return Validity(
             pivot_friction_needed=r.pivot_friction,
@@ -166,21 +101,21 @@ class RunDetails:
     @cached_property
     def work(self) -> Work:
         """What the run cost and what it left out."""
-        c = self._counts
+        c = self.counts
         return Work(
             steps=c.steps,
             taylor_coefficients=c.coefficients,
             events=c.events,
             impacts=c.impacts,
             quiet_samples_skipped=c.quiet_samples,
-            skipped_s=self._results.skipped_s,
+            skipped_s=self.results.skipped_s,
             ended_by_energy=c.energy_endings > 0,
         )
 
     @cached_property
     def doubts(self) -> Doubts:
         """What may make the run's numbers unsafe."""
-        r, c = self._results, self._counts
+        r, c = self.results, self.counts
         return Doubts(
             ambiguous_states=c.ties,
             near_tangent_steps=c.tangents,
@@ -190,13 +125,42 @@ class RunDetails:
             gave_up=c.given_up > 0,
         )
 
+    def of_kind(self, kind: EventKind) -> tuple[Event, ...]:
+        """The events of one kind."""
+        return tuple(event for event in self.events if event.kind is kind)
 
-def read(params: Params, finished: Prepared) -> Solution:
-    """The solution that a finished task holds; its arrays are read-only."""
-    history, events = finished.history, finished.events
-    history.setflags(write=False)
-    written = history[:, : finished.n_samples], events[: finished.n_events]
-    return solution_of(params, finished.state, finished.results, finished.counts, *written)
+    @property
+    def impacts(self) -> tuple[Event, ...]:
+        """The impacts."""
+        return self.of_kind(EventKind.IMPACT)
+
+    @property
+    def impact_times_s(self) -> Floats:
+        """Times of the impacts, s."""
+        return np.array([event.time_s for event in self.impacts])
+
+    @property
+    def uplift_times_s(self) -> Floats:
+        """Times at which the statue left its rest, s."""
+        pairs = zip(self.events[:-1], self.events[1:], strict=True)
+        lifted = [b.time_s for a, b in pairs if b.rocking and not a.rocking]
+        first = (
+            [self.events[0].time_s]
+            if self.events and self.events[0].rocking and self.events[0].theta_rad == 0.0
+            else []
+        )
+        return np.array(first + lifted)
+
+    @property
+    def patterns(self) -> tuple[Interval, ...]:
+        """The motion patterns one after another, neighbours of the same pattern joined."""
+        strip: list[Interval] = []
+        for event, after in zip(self.events[:-1], self.events[1:], strict=True):
+            if strip and strip[-1].pattern == event.pattern:
+                strip[-1] = Interval(strip[-1].start_s, after.time_s, event.pattern)
+            elif after.time_s > event.time_s:
+                strip.append(Interval(event.time_s, after.time_s, event.pattern))
+        return tuple(strip)
 
 
 def solution_of(
@@ -228,5 +192,8 @@ def solution_of(
         no_return_time_s=_optional(results.no_return_time_s) if overturned else None,
         energy_lost_j=results.energy_lost_j,
         energy_gained_j=results.energy_gained_j,
-        details=RunDetails(params, results, counts, events),
+        params=params,
+        results=results,
+        counts=counts,
+        event_rows=events,
     )

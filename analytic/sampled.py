@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self, final
@@ -80,6 +81,25 @@ class SampledAcceleration(Excitation):
     def velocity_m_s(self, t_s: ArrayLike) -> Floats:
         """Velocity, m/s."""
         return self._state(t_s)[0]
+
+    @cached_property
+    def _numbers(self) -> tuple[list[float], list[tuple[float, float, float]]]:
+        """Times of the samples, and velocity, acceleration and half the slope from each on, none from the last: for one instant
+        an array takes ten times as long as a number."""
+        slope, velocity, _ = self._integrals
+        numbers = np.column_stack([velocity, self.samples_m_s2, np.append(0.5 * slope, 0.0)])
+        numbers[-1, 1] = 0.0
+        return self.t_s.tolist(), [(v, a, half) for v, a, half in numbers.tolist()]
+
+    def velocity_at(self, t_s: float) -> float:
+        """See `Excitation.velocity_at`."""
+        times, numbers = self._numbers
+        i = bisect_right(times, t_s) - 1
+        if i < 0:
+            return 0.0
+        velocity, accel, half_slope = numbers[i]
+        tau = t_s - times[i]
+        return velocity + (accel + half_slope * tau) * tau
 
     def displacement_m(self, t_s: ArrayLike) -> Floats:
         """Displacement, m."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,109 +168,3 @@ class Doubts:
     worst_residual: float
     outcome_margin: float | None
     gave_up: bool
-
-
-class Details(Protocol):
-    """What a run says besides its numbers and its history, put together when it is first asked for."""
-
-    @property
-    def events(self) -> tuple[Event, ...]:
-        """Every event."""
-
-    @property
-    def validity(self) -> Validity | None:
-        """How far the run stayed inside the model, None where that was not kept."""
-
-    @property
-    def work(self) -> Work:
-        """What the run cost."""
-
-    @property
-    def doubts(self) -> Doubts:
-        """What may make its numbers unsafe."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """One run: outcome, history on the grid 0, dt, 2dt, ... and at the last instant (arrays of equal length, empty in an
-    outcome-only run), events, motion patterns, validity.
-
-    overturn_time_s is the instant of the overturning limit and no_return_time_s the last outward crossing of the balance
-    point before it; both None where they did not happen or where energy decided before them.
-    """
-
-    outcome: Outcome
-    end_s: float
-    t_s: Floats
-    theta_rad: Floats
-    theta_rate_rad_s: Floats
-    slip_m: Floats
-    slip_rate_m_s: Floats
-    peak_theta_rad: float
-    peak_signed_rad: float
-    peak_time_s: float
-    peak_slip_m: float
-    final_slip_m: float
-    overturn_time_s: float | None
-    no_return_time_s: float | None
-    energy_lost_j: float
-    energy_gained_j: float
-    details: Details = field(repr=False)
-
-    @property
-    def events(self) -> tuple[Event, ...]:
-        """Every event, from the start to the end."""
-        return self.details.events
-
-    @property
-    def validity(self) -> Validity | None:
-        """How far the run stayed inside the model, None where that was not kept."""
-        return self.details.validity
-
-    @property
-    def work(self) -> Work:
-        """What the run cost and what it left out."""
-        return self.details.work
-
-    @property
-    def doubts(self) -> Doubts:
-        """What may make the run's numbers unsafe."""
-        return self.details.doubts
-
-    def of_kind(self, kind: EventKind) -> tuple[Event, ...]:
-        """The events of one kind."""
-        return tuple(event for event in self.events if event.kind is kind)
-
-    @property
-    def impacts(self) -> tuple[Event, ...]:
-        """The impacts."""
-        return self.of_kind(EventKind.IMPACT)
-
-    @property
-    def impact_times_s(self) -> Floats:
-        """Times of the impacts, s."""
-        return np.array([event.time_s for event in self.impacts])
-
-    @property
-    def uplift_times_s(self) -> Floats:
-        """Times at which the statue left its rest, s."""
-        pairs = zip(self.events[:-1], self.events[1:], strict=True)
-        lifted = [b.time_s for a, b in pairs if b.rocking and not a.rocking]
-        first = (
-            [self.events[0].time_s]
-            if self.events and self.events[0].rocking and self.events[0].theta_rad == 0.0
-            else []
-        )
-        return np.array(first + lifted)
-
-    @property
-    def patterns(self) -> tuple[Interval, ...]:
-        """The motion patterns one after another, neighbours of the same pattern joined."""
-        strip: list[Interval] = []
-        for event, after in zip(self.events[:-1], self.events[1:], strict=True):
-            if strip and strip[-1].pattern == event.pattern:
-                strip[-1] = Interval(strip[-1].start_s, after.time_s, event.pattern)
-            elif after.time_s > event.time_s:
-                strip.append(Interval(event.time_s, after.time_s, event.pattern))
-        return tuple(strip)

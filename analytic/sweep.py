@@ -21,8 +21,8 @@ from analytic.kernel import codes
 from analytic.kernel.layout import BASE, COUNTS, MOTION_PARAMS, PARAMS, RESULTS, STATE, TASK, row
 from analytic.kernel.records import Floats, Records
 from analytic.problem import Keywords, Options, Problem, stated
-from analytic.results import address, run
 from analytic.solution import OUTCOMES, Outcome
+from analytic.solver import address, run
 
 CHUNKS_PER_THREAD: Final = 16
 """Pieces of work for each thread: enough to keep them busy to the end, few enough to cost nothing."""
@@ -77,6 +77,7 @@ _PARAMETERS: Final = (
     "theta0_rad",
     "theta_rate0_rad_s",
     "duration_s",
+    "gravity_m_s2",
 )
 _MOTION: Final = ("amplitude_m_s2", "frequency_hz", "phase_rad", "scale", "vertical_scale")
 _BASE: Final = ("corner_left_m", "corner_right_m")
@@ -187,7 +188,7 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
         else:
             _vary_motion(name, values, xs, zs)
     _check(params, corners_x, xs)
-    if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", *_BASE}:
+    if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", "gravity_m_s2", *_BASE}:
         params["time_scale_s"] = _time_scale(params, corners_x, corners_z)
     bases, start = np.zeros(size, BASE), np.arange(size)
     for name, each in (("x", corners_x), ("z", corners_z), ("facets", facets)):
@@ -233,10 +234,10 @@ def _vary_motion(name: str, values: Floats, xs: Records, zs: Records) -> None:
 
 
 def _check(params: Records, corners_x: Floats, xs: Records) -> None:
-    positive = ("mass_kg", "centroid_height_m", "inertia_kg_m2", "duration_s")
+    positive = ("mass_kg", "centroid_height_m", "inertia_kg_m2", "duration_s", "gravity_m_s2")
     numbers = any((params[name] <= 0.0).any() for name in positive)
     if numbers or (corners_x[:, 0] >= 0.0).any() or (corners_x[:, -1] <= 0.0).any():
-        raise AnalyticInputError("sweep: positive masses, lengths, inertias and durations are wanted.")
+        raise AnalyticInputError("sweep: positive masses, lengths, inertias, durations and gravities are wanted.")
     if (params["floor_kinetic"] > params["floor_static"]).any() or (params["floor_kinetic"] < 0.0).any():
         raise AnalyticInputError("sweep: 0 ≤ floor_kinetic ≤ floor_static is wanted.")
     if (params["has_pedestal"] & (params["pedestal_mass_kg"] <= 0.0)).any():

@@ -13,49 +13,49 @@ Scenes, runs, histories, scores and studies show themselves in a notebook, and h
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from harness.accuracy.simulation import simulate as simulate
-    from harness.comparison.comparator import compare as compare
-    from harness.comparison.history_files import compare_files as compare_files
-    from harness.input.history_file import read_history as read_history
-    from harness.input.scene_file import load_scene as load_scene
-    from harness.model.errors import InputError as InputError
-    from harness.model.errors import Mistake as Mistake
-    from harness.model.history import History as History
-    from harness.model.history import Outcome as Outcome
-    from harness.model.options import RunOptions as RunOptions
-    from harness.model.run import Run as Run
-    from harness.model.scene import Scene as Scene
-    from harness.records.kinds import read_result as read_result
-    from harness.records.run import RunRecord as RunRecord
-    from harness.records.scores import Scores as Scores
-    from harness.records.scores import Verdict as Verdict
-    from harness.records.study import StudyRecord as StudyRecord
-    from harness.scene_run.scene_run import run_scene as run_scene
+    from harness.accuracy.simulation import simulate
+    from harness.comparison.comparator import compare
+    from harness.comparison.history_files import compare_files
+    from harness.input.history_file import read_history
+    from harness.input.scene_file import load_scene
+    from harness.model.errors import InputError, Mistake
+    from harness.model.history import History, Outcome
+    from harness.model.options import RunOptions
+    from harness.model.run import Run
+    from harness.model.scene import Scene
+    from harness.records.kinds import read_result
+    from harness.records.run import RunRecord
+    from harness.records.scores import Scores, Verdict
+    from harness.records.study import StudyRecord
+    from harness.scene_run.scene_run import run_scene
 
-_HOMES = {
-    "compare": "harness.comparison.comparator",
-    "compare_files": "harness.comparison.history_files",
-    "History": "harness.model.history",
-    "InputError": "harness.model.errors",
-    "load_scene": "harness.input.scene_file",
-    "Mistake": "harness.model.errors",
-    "Outcome": "harness.model.history",
-    "read_history": "harness.input.history_file",
-    "read_result": "harness.records.kinds",
-    "Run": "harness.model.run",
-    "run_scene": "harness.scene_run.scene_run",
-    "RunOptions": "harness.model.options",
-    "RunRecord": "harness.records.run",
-    "Scene": "harness.model.scene",
-    "Scores": "harness.records.scores",
-    "simulate": "harness.accuracy.simulation",
-    "StudyRecord": "harness.records.study",
-    "Verdict": "harness.records.scores",
+_NAMES: Final = {
+    "harness.accuracy.simulation": "simulate",
+    "harness.comparison.comparator": "compare",
+    "harness.comparison.history_files": "compare_files",
+    "harness.input.history_file": "read_history",
+    "harness.input.scene_file": "load_scene",
+    "harness.model.errors": "InputError Mistake",
+    "harness.model.history": "History Outcome",
+    "harness.model.options": "RunOptions",
+    "harness.model.run": "Run",
+    "harness.model.scene": "Scene",
+    "harness.records.kinds": "read_result",
+    "harness.records.run": "RunRecord",
+    "harness.records.scores": "Scores Verdict",
+    "harness.records.study": "StudyRecord",
+    "harness.scene_run.scene_run": "run_scene",
 }
-__all__ = sorted(_HOMES)
+"""The public names by their modules."""
+_HOMES: Final = {name: module for module, names in _NAMES.items() for name in names.split()}
+__all__ = [
+    "History", "InputError", "Mistake", "Outcome", "Run", "RunOptions", "RunRecord", "Scene", "Scores",
+    "StudyRecord", "Verdict", "compare", "compare_files", "load_scene", "read_history", "read_result", "run_scene",
+    "simulate",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> object:

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final
 
 from harness.assess.assessment import Assessed, assess
 from harness.assess.by_model import MODEL
@@ -17,7 +16,7 @@ from harness.assess.options import read_options
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import ProgressMessages
 from harness.campaign.runner import LocalPool
-from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.command import Asked, Known, Sampling, Surroundings, TextLayout
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
@@ -26,7 +25,7 @@ from harness.records.assess import AssessRecord
 from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, replacing
 from harness.study_cli import ending_cleanly, unbegun
 
-DRAWS_NAME: Final = "draws.csv"
+DRAWS_NAME, CLEARANCE_NAME = "draws.csv", "clearance.csv"
 SCENE_NAME, MESH_NAME, LOG_NAME = "scene.toml", "scene_statue.ply", "scene_statue.account.json"
 """The first scene of a scan, kept in the result's folder with its prepared mesh and that mesh's log."""
 
@@ -87,9 +86,9 @@ def run(
     check_folder(folder, ("assess",))
     with scanned.scene_file(path, folder) as scene_file:
         scene = load_scene(scene_file, asked.overrides or ())
-        own = [*PAGES, RECORD, DRAWS_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
+        own = [*PAGES, RECORD, DRAWS_NAME, CLEARANCE_NAME, SCENE_NAME, MESH_NAME, LOG_NAME]
         check_inputs(folder, own, [path, *read_files(scene.given, scene.source)])
-        _check(folder, options, no_options, jobs, resume)
+        _check(folder, options, no_options, resume)
         own_options = () if options is None else read_options(options, scene)
         pool = LocalPool(jobs) if dask is None else DaskPool(dask)
         with (
@@ -117,20 +116,18 @@ def run(
         with replacing(folder, recorded, "assess") as fresh:
             if csv:
                 _write_draws(assessed, fresh / DRAWS_NAME)
+                _write_clearance(assessed.record, fresh / CLEARANCE_NAME)
             if scene_file != path:
                 for made in scene_file.parent.iterdir():
                     shutil.copy(made, fresh)
         return written[-1]
 
 
-def _check(folder: Path, options: Path | None, no_options: bool, jobs: int | None, resume: bool) -> None:
-    if jobs is not None and jobs < 1:
-        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+def _check(folder: Path, options: Path | None, no_options: bool, resume: bool) -> None:
     if no_options and options is not None:
         raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
-    if resume and not (folder / STORE_NAME).is_file():
-        wanted = f"an assessment that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+    if resume:
+        check_begun(folder, "an assessment")
 
 
 def _write_draws(assessed: Assessed, path: Path) -> None:
@@ -157,3 +154,16 @@ def _write_draws(assessed: Assessed, path: Path) -> None:
             fell = (assessed.fell[name].get(k) for name in engines)
             values = (float(column[k]) for column in assessed.values.values())
             rows.writerow([k, *values, *own, *("" if item is None else int(item) for item in fell)])
+
+
+def _write_clearance(record: AssessRecord, path: Path) -> None:
+    """A row for each model, share and direction: how far outline, top and pedestal go, m."""
+    models = {} if record.clearance is None else record.clearance.answered
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        rows = comma_separated.writer(stream)
+        rows.writerow(["model", "share", "direction_deg", "outline_m", "top_m", "pedestal_m"])
+        for name, item in models.items():
+            tables = zip(item.share, item.outline_m, item.top_m, item.pedestal_m, strict=True)
+            for share, *table in tables:
+                each = zip(item.direction_deg, *table, strict=True)
+                rows.writerows([name, share, *numbers] for numbers in each)

@@ -17,7 +17,7 @@ from harness.campaign.column_store import COLUMNS_NAME, ColumnStore
 from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
 from harness.campaign.runner import LIMIT_S, LocalPool, Pool
-from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.records.base import as_file
@@ -59,16 +59,18 @@ def run(
     """
     with ExitStack() as stack:
         if rocking_spectrum.asked(path):
-            _check_spectrum(export, jobs, resume, dask)
+            _check_spectrum(export, resume, dask)
             on_progress = stack.enter_context(progress(path.stem, quiet))
             spectrum = rocking_spectrum.run_spectrum(path, folder, jobs, on_progress)
             return spectrum, spectrum.summary
         if effects3d.asked(path):
-            _check_effects(export, jobs)
+            if export is not None:
+                got = "one of the third dimension: see its result.json"
+                raise InputError(Mistake("--export", "", "a study of cases", got))
             study = None
         else:
             study = load_study(path)
-            _check(study, folder, jobs, resume, export)
+            _check(folder, resume, export)
         if pool is None:
             limit_s = LIMIT_S if study is None else estimate.limit_s(study, base_of(study, path).scene({}))
             pool = stack.enter_context(closing(LocalPool(jobs, limit_s) if dask is None else DaskPool(dask, limit_s)))
@@ -127,20 +129,12 @@ def columns_of_study(study: StudyFile, path: Path, folder: Path) -> ColumnStore 
     return ColumnStore(folder / COLUMNS_NAME / columns_name(study, base))
 
 
-def _check_effects(export: Path | None, jobs: int | None) -> None:
-    """A study of what the third dimension changes has its own kind of record, its answers in a file of their own."""
-    if export is not None:
-        raise InputError(Mistake("--export", "", "a study of cases", "one of the third dimension: see its result.json"))
-    _check_jobs(jobs)
-
-
-def _check_spectrum(export: Path | None, jobs: int | None, resume: bool, dask: str | None) -> None:
+def _check_spectrum(export: Path | None, resume: bool, dask: str | None) -> None:
     """A rocking spectrum is one sweep for each motion in this process: it keeps no store, and writes its map itself."""
     for name, given in (("--export", export), ("--resume", resume), ("--dask", dask)):
         if given:
             wanted = f"a study of cases: a rocking spectrum is computed at once, its map is {rocking_spectrum.MAP_NAME}"
             raise InputError(Mistake(name, "", wanted, str(given)))
-    _check_jobs(jobs)
 
 
 @contextmanager
@@ -178,8 +172,7 @@ def _is_empty(path: Path) -> bool:
         return store.execute("SELECT 1 FROM result LIMIT 1").fetchone() is None
 
 
-def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, export: Path | None) -> None:
-    _check_jobs(jobs)
+def _check(folder: Path, resume: bool, export: Path | None) -> None:
     if export is not None and export.suffix not in (".csv", ".parquet"):
         raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
     if export is not None and not export.resolve().parent.is_dir():
@@ -187,9 +180,8 @@ def _check(study: StudyFile, folder: Path, jobs: int | None, resume: bool, expor
     if export is not None and os.path.lexists(export) and not _exported(export, folder):
         got = f"the file {export}, which this study has not written, or which was changed since"
         raise InputError(Mistake("--export", "", "a file that does not exist yet", got))
-    if resume and not (folder / STORE_NAME).is_file() and not (folder / COLUMNS_NAME).is_dir():
-        wanted = f"a study that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+    if resume:
+        check_begun(folder, "a study", STORE_NAME, COLUMNS_NAME)
 
 
 def _exported(export: Path, folder: Path) -> bool:
@@ -199,8 +191,3 @@ def _exported(export: Path, folder: Path) -> bool:
         "file": str(export.resolve()),
         "sha256": checksum(export),
     }
-
-
-def _check_jobs(jobs: int | None) -> None:
-    if jobs is not None and jobs < 1:
-        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))

@@ -35,7 +35,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes. Default: one for each core.", min=1)]
 Seed = Annotated[int, typer.Option("--seed", help="Seed of the draws.", min=0)]
 Dask = Annotated[
     str | None, typer.Option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
@@ -130,7 +130,10 @@ def assess(
         typer.Option("--options", metavar="FILE", help="Your own options (TOML), compared with the others."),
     ] = None,
     no_options: Annotated[bool, typer.Option("--no-options", help="Leave out what would help.")] = False,
-    csv: Annotated[bool, typer.Option("--csv", help="Also write every draw and its outcomes to draws.csv.")] = False,
+    csv: Annotated[
+        bool,
+        typer.Option("--csv", help="Also write draws.csv and clearance.csv."),
+    ] = False,
     jobs: Jobs = None,
     resume: Resume = False,
     dask: Dask = None,
@@ -183,6 +186,8 @@ def study(
     )  # fmt: skip
     said = [record.usage, record.witness] if isinstance(record, StudyRecord) else []
     lines = [f"{study_file.name}: {summary}", *(item.sentence for item in said if item is not None)]
+    over_all = (record.scores or {}) if isinstance(record, StudyRecord) else {}
+    lines += [f"over all cases, {name}: {scores.sentence}" for name, scores in over_all.items()]
     say_result(as_file(record), "\n".join(lines), folder, saying, language)
     raise typer.Exit(FAILED if summary.failed else OK)
 

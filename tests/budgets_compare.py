@@ -35,3 +35,7 @@ SAMPLED_SINE_REL: Final = 4e-5
 """The velocity of a sine of 2 Hz, sampled 800 times a second and joined by lines, is too small by (ωdt)²/12 = 2e-5: twice."""
 COUNTED: Final = 0.03
 """A share of 0.95 of 500 bins has a standard error of 0.01: three of them."""
+SUITES: Final = 100
+"""Suites of 40 motions whose medians and dispersions are compared, each interval at 95 %."""
+LEAST_SUITES: Final = 85
+"""A percentile bootstrap of 40 cases covers some points less than it says: 95 less three, less three standard errors of 2.4."""

@@ -60,3 +60,6 @@ SENTENCE_WORDS_MEAN: Final = 12.0
 
 SENTENCE_WORDS_MOST: Final = 30
 """The same guides count a sentence of more than 30 words as one that is read twice."""
+
+BASE_M = 1e-5
+"""The page's mesh keeps single precision, 1e-7 of 1.5 m; the footprint leaves out corners that lie 1e-6 m from a side."""

@@ -26,7 +26,8 @@ class Problem:
     """A body on a shaking floor; SI units, table's frame, angular velocity in the body's frame.
 
     position_m of the centroid; None: standing on the lowest vertex at x = y = 0. friction_kinetic None: as friction_static; both
-    may be infinite. overturn_rad ends a run; from π on nothing does. Raises AnalyticInputError for numbers that cannot be run.
+    may be infinite. overturn_rad ends a run; from π on nothing does. restitution: the share of its normal velocity with which a
+    vertex leaves an impact. Raises AnalyticInputError for numbers that cannot be run.
     """
 
     body: Body
@@ -42,6 +43,7 @@ class Problem:
     velocity_m_s: Sequence[float] = (0.0, 0.0, 0.0)
     angular_velocity_rad_s: Sequence[float] = (0.0, 0.0, 0.0)
     overturn_rad: float = OVERTURN_RAD
+    restitution: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -51,6 +53,8 @@ class Problem:
             raise AnalyticInputError(
                 f"0 ≤ friction_kinetic ≤ friction_static is wanted, {kinetic!r} and {self.friction_static!r} came."
             )
+        if not 0.0 <= self.restitution <= 1.0:
+            raise AnalyticInputError(f"restitution: a number from 0 to 1 is wanted, {self.restitution!r} came.")
         vectors = {
             "position_m": (self.position_m or (0.0, 0.0, 0.0), 3),
             "quaternion_wxyz": (self.quaternion_wxyz, 4),

@@ -71,6 +71,7 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
         "gravity_m_s2": problem.gravity_m_s2,
         "friction_static": min(problem.friction_static, 1e9),
         "friction_kinetic": min(problem.kinetic, 1e9),
+        "restitution": problem.restitution,
         "duration_s": problem.duration_s,
         "overturn_cos": math.cos(problem.overturn_rad) if problem.overturn_rad < math.pi else -math.inf,
         "stands_cos": math.cos(_slenderness(body)),

@@ -7,18 +7,20 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from harness import engines
 from harness.assess.by_model import MODEL, probability_of
-from harness.assess.clearance import clearance
+from harness.assess.clearance import of_engine, of_model
 from harness.assess.compared import OPTION_DRAWS, compare
 from harness.assess.engine_runs import EngineRuns
-from harness.assess.in_space import SPACE, assess_in_space, shaken_across
+from harness.assess.in_space import SPACE, assess_in_space, clearance_in_space, shaken_across
 from harness.assess.inputs import Array, draw, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.options import Option, options_of
+from harness.assess.plan import rest_outline_m
 from harness.assess.sensitivity import fragility, indices
+from harness.assess.space_studies import compare_in_space, fragility_in_space
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import LocalPool, Pool
@@ -26,7 +28,14 @@ from harness.campaign.store import Store
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain
-from harness.records.assess import Assessment, AssessRecord, NotAssessed, ProbabilityDifference
+from harness.records.assess import (
+    Assessment,
+    AssessRecord,
+    ClearanceByModel,
+    ClearanceRecord,
+    NotAssessed,
+    ProbabilityDifference,
+)
 from harness.records.scene import SceneRecord
 from harness.records.validation import RunCounts
 
@@ -81,23 +90,18 @@ def assess(
         draws = min(draws, SLOW_DRAWS)
         values = draw(inputs, draws, seed)
     model = model_draws(scene, values)
-    across = shaken_across(scene)
-    own = probability_of(model, plane_only=across)
-    answers: dict[str, Assessment | NotAssessed | None] = {MODEL: own}
-    fell: dict[str, Mapping[int, bool | None]] = {}
+    own = probability_of(model, plane_only=shaken_across(scene))
     with _campaign(store, pool) as (storage, campaign, workers):
-        for name in filter(MODEL.__ne__, names):
-            engine = engines.load(name)
-            if (reason := engine.missing()) is not None:
-                answers[name] = NotAssessed(reason)
-                continue
-            runs, batch = EngineRuns(scene, name, values, storage, campaign, on_progress), max(BATCH, 2 * workers)
-            answer = estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch)
-            plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
-            answers[name], fell[name] = _of_engine(answer, draws, plane_only=plane_only), runs.fell
+
+        def asked(name: str) -> tuple[Estimate, EngineRuns]:
+            runs = EngineRuns(scene, name, values, storage, campaign, on_progress)
+            batch = max(BATCH, 2 * workers)
+            return estimate(model, runs, half_width=half_width, most_runs=most_runs, batch=batch), runs
+
+        others = _others(scene, [name for name in names if name != MODEL], values, model, asked, on_progress)
         counts = RunCounts(campaign.computed + len(campaign.reused), campaign.computed)
-    if SPACE not in answers and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
-        answers[SPACE] = space
+    on_progress(f"{MODEL}: clearance")
+    answers, room = {MODEL: own, **others.answers}, {MODEL: of_model(scene, values), **others.room}
     record = AssessRecord(
         title=scene.title,
         scene=SceneRecord.of(scene),
@@ -110,8 +114,43 @@ def assess(
         versions=versions(),
         machine=machine(),
         runs=counts,
+        clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, fell)
+    return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, others.fell)
+
+
+class _Others(NamedTuple):
+    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run."""
+
+    answers: dict[str, Assessment | NotAssessed]
+    room: dict[str, ClearanceByModel]
+    fell: dict[str, Mapping[int, bool | None]]
+
+
+def _others(
+    scene: Scene,
+    names: Sequence[str],
+    values: Mapping[str, Array],
+    model: ModelDraws,
+    asked: Callable[[str], tuple[Estimate, EngineRuns]],
+    on_progress: Callable[[str], None],
+) -> _Others:
+    """The engines of these names, and the exact body where the scene is its own to answer."""
+    others, across, draws = _Others({}, {}, {}), shaken_across(scene), model.overturned.size
+    for name in names:
+        engine = engines.load(name)
+        if (reason := engine.missing()) is not None:
+            others.answers[name] = NotAssessed(reason)
+            continue
+        answer, runs = asked(name)
+        plane_only = across and engine.capabilities.dimensions < SPACE_DIMENSIONS
+        others.answers[name] = _of_engine(answer, draws, plane_only=plane_only)
+        others.room[name], others.fell[name] = of_engine(model, runs), runs.fell
+    if across and SPACE not in names:
+        on_progress(f"{SPACE}: draws, then clearance")
+    if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
+        others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
+    return others
 
 
 def _inputs(scene: Scene) -> Sequence[Uncertain]:
@@ -144,15 +183,18 @@ def _by_model(
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
 ) -> AssessRecord:
-    """The record with all that the analytic model alone answers."""
+    """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
     draws, inputs = len(next(iter(values.values()))), record.uncertainty
+    in_space = SPACE in record.answers and shaken_across(scene)
     if more_options is not None:
         own_options, left_out = options_of(scene)
         size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
-        compared = compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
+        compared = compare_in_space(scene, inputs, every, left_out, seed, on_progress) if in_space else None
+        compared = compared or compare(scene, inputs, every, left_out, draws=size, seed=seed, on_progress=on_progress)
         record = replace(record, options=compared)
-    on_progress(f"{MODEL}: clearance")
-    record = replace(record, clearance=clearance(scene, values))
+    if in_space:
+        on_progress(f"{SPACE}: fragility")
+        return replace(record, fragility=fragility_in_space(scene, inputs, seed))
     if not sweepable(scene, values):
         return record
     on_progress(f"{MODEL}: fragility and indices")

@@ -35,7 +35,7 @@ def as_one(statue: Statue, pedestal: Pedestal) -> Statue:
         height_m=statue.height_m + h,
         depth_m=d,
         section_m=np.vstack([[[-left, 0.0], [right, 0.0]], raised]),
-        footprint_m=_rectangle(left, right, d),
+        footprint_m=_rectangle(left, right, 0.5 * d, 0.5 * d),
         inertia_tensor_kg_m2=tensor,
     )
 
@@ -57,7 +57,7 @@ def sliding(scene: Scene) -> Scene:
         2.0 * low,
         wide,
         section,
-        _rectangle(wide, wide, wide),
+        _rectangle(wide, wide, 0.5 * wide, 0.5 * wide),
         half * np.eye(3),
     )
     return scene.but(statue=plate, pedestal=Pedestal(half, 2.0 * wide, wide, low))
@@ -66,13 +66,14 @@ def sliding(scene: Scene) -> Scene:
 def widened(statue: Statue, by_m: float) -> Statue:
     """The statue on a plate fixed to it that reaches `by_m` beyond both corners; the plate itself weighs nothing here."""
     left, right = statue.corner_left_m + by_m, statue.corner_right_m + by_m
+    front, back = -float(statue.footprint_m[:, 1].min()) + by_m, float(statue.footprint_m[:, 1].max()) + by_m
     section = np.vstack([[[-left, 0.0], [right, 0.0]], statue.section_m])
     return replace(
         statue,
         corner_left_m=left,
         corner_right_m=right,
         section_m=section,
-        footprint_m=_rectangle(left, right, statue.depth_m + 2.0 * by_m),
+        footprint_m=_rectangle(left, right, front, back),
         solid=None,
     )
 
@@ -80,19 +81,20 @@ def widened(statue: Statue, by_m: float) -> Statue:
 def turned_block(statue: Statue) -> Statue:
     """A block turned by 90 degrees: its depth lies in the rocking plane, and its moment about x decides."""
     half, across = 0.5 * statue.depth_m, statue.corner_left_m + statue.corner_right_m
-    xx, yy, zz = np.diag(statue.inertia_tensor_kg_m2)
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    tensor = turn @ statue.inertia_tensor_kg_m2 @ turn.T
     return replace(
         statue,
         corner_left_m=half,
         corner_right_m=half,
         depth_m=across,
-        inertia_kg_m2=float(xx),
+        inertia_kg_m2=float(tensor[1, 1]),
         section_m=np.array([[-half, 0.0], [half, 0.0], [half, statue.height_m], [-half, statue.height_m]]),
-        footprint_m=_rectangle(half, half, across),
-        inertia_tensor_kg_m2=np.diag([yy, xx, zz]),
+        # What was left is now in front.
+        footprint_m=_rectangle(half, half, statue.corner_left_m, statue.corner_right_m),
+        inertia_tensor_kg_m2=tensor,
     )
 
 
-def _rectangle(left: float, right: float, depth: float) -> Array:
-    half = 0.5 * depth
-    return np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
+def _rectangle(left: float, right: float, front: float, back: float) -> Array:
+    return np.array([[-left, -front, 0.0], [right, -front, 0.0], [right, back, 0.0], [-left, back, 0.0]])

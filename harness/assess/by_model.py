@@ -29,7 +29,8 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, seed: int = 0) -> dict[s
     if not sweepable(scene, values):
         values = draw(inputs, min(draws, SLOW_DRAWS), seed)
     own = probability_of(model_draws(scene, values), plane_only=shaken_across(scene))
-    answers = {MODEL: own, SPACE: assess_in_space(scene, values)}
+    in_space = assess_in_space(scene, values)
+    answers = {MODEL: own, SPACE: None if in_space is None else in_space.answer}
     return {name: answer for name, answer in answers.items() if answer is not None}
 
 

@@ -1,57 +1,68 @@
-"""The room a statue needs to both sides: how far its silhouette and its pedestal go, by the model on the draws."""
+"""The room a statue needs: how far outline, top and pedestal go on a floor plan, over the draws that stand, by each model."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
+from harness.assess.engine_runs import EngineRuns
 from harness.assess.inputs import Array, row
-from harness.assess.model_draws import SLOW_DRAWS, sweepable
+from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, sweepable
+from harness.assess.plan import PARTS, directions_deg, reach_m
+from harness.assess.stratified import strata_of
 from harness.assess.variation import varied
 from harness.engines import analytic as twoblock
-from harness.model.scene import Scene, Statue
-from harness.records.assess import ClearanceRecord
+from harness.model.scene import Scene
+from harness.records.assess import ClearanceByModel
 
 CLEARANCE_DRAWS: Final = 1000
 """Draws run with their histories: the 95 % quantile then rests on 50 of them, the 99 % one on 10."""
 STEP_S: Final = 0.01
 """Between two looks at the history: a swing of 3 Hz is then caught within (6π · 0.01)²/8 = 0.4 % of its peak."""
 SHARES: Final = (0.50, 0.95, 0.99)
-"""Of the draws that stand, this share stays within a clearance."""
+"""Of the draws that stand, this share stays within a clearance; told where at least one draw lies beyond."""
 LEAST_DRAWS: Final = 20
-"""Standing draws below which no quantile is told."""
+"""Fewer standing draws have no 95 % quantile: none is told then."""
 
 
-def clearance(scene: Scene, values: Mapping[str, Array]) -> ClearanceRecord:
-    """Quantiles over the draws that stand of the room needed beyond the silhouette at rest, m: right, left; and of the slip."""
+def of_model(scene: Scene, values: Mapping[str, Array]) -> ClearanceByModel:
+    """The clearance right and left by the analytic model, on the first draws."""
     from analytic import simulate
 
     size = min(CLEARANCE_DRAWS if sweepable(scene, values) else SLOW_DRAWS, len(next(iter(values.values()))))
-    rooms = []
+    reached = []
     for k in range(size):
         drawn = varied(scene, row(values, k))
         shaken = drawn.base_excitation
         keywords = {**twoblock.keywords(drawn), "dt_s": STEP_S}
         solution = simulate(twoblock.block_of(drawn), shaken.x, shaken.z, **keywords)  # type: ignore[arg-type]
         if not solution.outcome.startswith("overturned"):
-            slips = (max(float(solution.slip_m.max()), 0.0), max(float(-solution.slip_m.min()), 0.0))
-            rooms.append((*needed(drawn.statue, solution.theta_rad, solution.slip_m), *slips))
-    if len(rooms) < LEAST_DRAWS:
-        return ClearanceRecord(size, len(rooms), scene.statue.height_m, SHARES)
-    right, left, slip_right, slip_left = (column.tolist() for column in np.quantile(np.array(rooms), SHARES, axis=0).T)
-    return ClearanceRecord(size, len(rooms), scene.statue.height_m, SHARES, right, left, slip_right, slip_left)
+            reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
+    return clearance(reached, np.ones(len(reached)), size)
 
 
-def needed(statue: Statue, theta_rad: Array, slip_m: Array) -> tuple[float, float]:
-    """Room right and left of the silhouette at rest, m, over a history of shape (n,): rotated about the outer corner, and slid.
+def of_engine(model: ModelDraws, runs: EngineRuns) -> ClearanceByModel:
+    """The clearance by the runs of an engine: each stands for its share of the stratum that it was drawn from."""
+    strata, standing = strata_of(model), list(runs.reach_m)
+    decided = strata[[number for number, fell in runs.fell.items() if fell is not None]]
+    each = np.bincount(strata, minlength=3) / np.maximum(np.bincount(decided, minlength=3), 1)
+    return clearance([runs.reach_m[number] for number in standing], each[strata[standing]], len(runs.fell))
 
-    A base of more than two vertices rolls before it stands on its outer one; the difference is some millimetres of a rotation.
-    """
-    x, z = statue.section_m[:, 0], statue.section_m[:, 1]
-    pivot = np.where(theta_rad >= 0.0, statue.corner_right_m, -statue.corner_left_m)[:, None]
-    turn = theta_rad[:, None]
-    places = pivot + (x - pivot) * np.cos(turn) + z * np.sin(turn) + slip_m[:, None]
-    # At rest rounding may say less than nothing.
-    return max(float(places.max() - x.max()), 0.0), max(float(x.min() - places.min()), 0.0)
+
+def clearance(reached: Sequence[Array], weights: Array, draws: int) -> ClearanceByModel:
+    """Quantiles of reaches (parts, directions), one for each draw that stands; `weights` (n,) are what each counts for."""
+    count = len(reached)
+    if count < LEAST_DRAWS:
+        return ClearanceByModel(draws, count)
+    every = np.array(reached)
+    shares = [share for share in SHARES if (1.0 - share) * count > 1.0 - 1e-9]
+    # Each direction has an order of its own: the smallest reach that this share of the weight does not exceed.
+    order = np.argsort(every, axis=0)
+    below = np.cumsum(weights[order], axis=0) / weights.sum()
+    sorted_m = np.take_along_axis(every, order, axis=0)
+    at = [np.argmax(below >= share - 1e-12, axis=0)[None] for share in shares]
+    tables = [np.take_along_axis(sorted_m, index, axis=0)[0] for index in at]
+    columns = {f"{part}_m": [table[k].tolist() for table in tables] for k, part in enumerate(PARTS)}
+    return ClearanceByModel(draws, count, directions_deg(3 if every.shape[2] > 2 else 2), shares, **columns)

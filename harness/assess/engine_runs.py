@@ -9,8 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from harness import engines
 from harness.assess.inputs import Array, row
+from harness.assess.plan import reach_m
 from harness.assess.variation import varied
 from harness.campaign.cache_key import scene_key
 from harness.campaign.campaign import Campaign
@@ -21,8 +24,8 @@ from harness.model.options import RunOptions
 from harness.model.run import versions
 from harness.model.scene import Scene
 
-OUTCOME: Final = "outcome"
-"""Kind of a result that is whether a statue fell."""
+OUTCOME: Final = "outcome and reach"
+"""Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
 ENGINE_ERROR_RAD: Final = 1e-3
 """A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
 
@@ -36,7 +39,9 @@ class DrawnRun:
 
 
 class EngineRuns:
-    """Whether one engine's statue overturns, by number of the draw; `fell` keeps what was asked, None where the run failed."""
+    """Whether one engine's statue overturns, by number of the draw: `fell` keeps what was asked, None where the run failed;
+    `reach_m` how far it went on the plan in each run that stands (`harness.assess.plan.reach_m`).
+    """
 
     def __init__(
         self,
@@ -51,6 +56,7 @@ class EngineRuns:
         self._store, self._campaign, self._on_progress = store, campaign, on_progress
         self._engine = engines.load(name)
         self.fell: dict[int, bool | None] = {}
+        self.reach_m: dict[int, Array] = {}
 
     def __call__(self, numbers: Sequence[int]) -> list[bool | None]:
         tasks = {number: self._task(number) for number in numbers}
@@ -58,8 +64,11 @@ class EngineRuns:
         for number, task in tasks.items():
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
             row_of_store = self._store.get(task.key)
-            overturned = None if row_of_store is None else row_of_store.record["overturned"]
+            record = {"overturned": None} if row_of_store is None else row_of_store.record
+            overturned = record["overturned"]
             self.fell[number] = None if overturned is None else bool(overturned)
+            if overturned is False:
+                self.reach_m[number] = np.array(record["reach_m"])
         self._on_progress(f"{self._name}: {len(self.fell)} runs")
         return [self.fell[number] for number in numbers]
 
@@ -82,10 +91,13 @@ def overturns(drawn: DrawnRun) -> Answer:
     engine = engines.load(drawn.engine)
     levels = engine.refinement_levels(drawn.scene)
     settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
+    fell, reached = None, None
     try:
-        outcome = engine.simulate(drawn.scene, settings, RunOptions(history=False)).outcome
-        fell = None if outcome.failed else outcome.overturned
+        run = engine.simulate(drawn.scene, settings, RunOptions())
+        fell = None if run.outcome.failed else run.outcome.overturned
+        if fell is False and (history := run.history) is not None:
+            reached = reach_m(drawn.scene, history.theta_rad, history.slip_m, history.extra).tolist()
     except EngineFailure:
         fell = None
     seconds = time.perf_counter() - begin
-    return Answer(OUTCOME, {"overturned": fell}, seconds, inside_s=seconds, failed=fell is None)
+    return Answer(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=fell is None)

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Final
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
+from harness.assess.clearance import clearance
 from harness.assess.inputs import Array, row
+from harness.assess.plan import reach_m
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene
-from harness.records.assess import Assessment
+from harness.records.assess import Assessment, ClearanceByModel
+
+Ends = NDArray[np.object_]
 
 SPACE: Final = "spatial"
 MOST_STEPS: Final = 100_000
@@ -23,6 +29,14 @@ RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20
 """Steps for which one run is counted at least: what never leaves the floor costs the setting up alone."""
+CLEARANCE_RUNS: Final = 100
+"""Standing draws that are run with their histories: some 0.1 s each for a record of 40 s; 99 of 100 then stay within the second
+largest."""
+HISTORY_STEP_S: Final = 0.02
+"""Between two looks: a swing of 1 Hz, fast for what is as large as a statue, is caught within (2π · 0.02)²/8 = 0.2 % of its peak.
+Each look costs a step."""
+OUTCOME_TOLERANCE: Final = 1e-7
+"""Local error: that of the runs for their outcome."""
 BATCH: Final = 16
 """Draws before the first look at the steps; later batches take at most a quarter of what is left."""
 
@@ -32,34 +46,81 @@ def shaken_across(scene: Scene) -> bool:
     return not isinstance(scene.base_excitation.y, ZeroExcitation)
 
 
-def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> Assessment | None:
+class SpaceDraws(NamedTuple):
+    """The probability of overturning by the exact body, and the numbers of the draws in which it stands."""
+
+    answer: Assessment
+    standing: Sequence[int]
+
+
+def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
     """The probability of overturning over as many of the draws (n,) as the steps allow; None where the planar model knows all
     of the shaking, or the exact body does not know all of the scene (a pedestal, a wall, a prescribed impact, a moving table).
     """
+    ends = ends_in_space(scene, values, most_steps) if shaken_across(scene) else None
+    share = None if ends is None else wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
+    if ends is None or share is None:
+        return None
+    standing = np.flatnonzero(ends == "stands")
+    undecided = float((ends != "overturned").mean()) - standing.size / ends.size
+    answer = Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, max(undecided, 0.0))
+    return SpaceDraws(answer, standing.tolist())
+
+
+def _as_it_is(scene: Scene) -> Scene:
+    return scene
+
+
+def ends_in_space(
+    scene: Scene, values: Mapping[str, Array], most_steps: int, change: Callable[[Scene], Scene] = _as_it_is
+) -> Ends | None:
+    """How the exact body ends in as many of the draws (n,) as the steps allow, each drawn and then changed; None for a scene that
+    it does not know.
+    """
     from analytic import AnalyticInputError
 
-    beyond = scene.pedestal, scene.wall, scene.contact.restitution, scene.initial.pose
-    if not shaken_across(scene) or any(item is not None for item in beyond) or scene.table == "moving":
+    changed = change(scene)
+    beyond = changed.pedestal, changed.wall, changed.contact.restitution, changed.initial.pose
+    if any(item is not None for item in beyond) or changed.table == "moving":
         return None
     size, left, runs = len(next(iter(values.values()))), most_steps, 0
-    fell = decided = 0
+    ends: list[Ends] = []
     batch = BATCH
     while runs < size and left > 0:
         try:
-            outcomes, steps = _batch(scene, {key: column[runs : runs + batch] for key, column in values.items()})
+            columns = {key: column[runs : runs + batch] for key, column in values.items()}
+            outcomes, steps = _batch(scene, columns, change)
         except AnalyticInputError:  # a base the exact body does not take
             return None
         runs, left = runs + outcomes.size, left - int(np.maximum(steps, RUN_COST).sum())
         batch = max(BATCH, left * runs // (4 * (most_steps - left)))
-        fell += int((outcomes == "overturned").sum())
-        decided += int(np.isin(outcomes, ("overturned", "stands")).sum())
-    share = wilson(fell, runs, LEVEL)
-    if share is None:
-        return None
-    return Assessment(share.value, share.low, share.high, LEVEL, runs, runs, 1.0 - decided / runs)
+        ends.append(outcomes)
+    return np.concatenate(ends)
 
 
-def _batch(scene: Scene, values: Mapping[str, Array]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
+def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
+    """The clearance all round by the exact body, on the first draws in which it stands."""
+    chosen = draws.standing[:CLEARANCE_RUNS]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
+    seen = draws.answer.draws if len(chosen) == len(draws.standing) else chosen[-1] + 1
+    return clearance(reached, np.ones(len(reached)), seen)
+
+
+def _reach_m(scene: Scene) -> Array:
+    from analytic import spatial
+    from harness.engines.spatial import problem_of, trajectory_of
+
+    problem = problem_of(scene)
+    history = trajectory_of(
+        scene, spatial.solve(problem, tolerance=OUTCOME_TOLERANCE, dt_out_s=HISTORY_STEP_S, events=False)
+    )
+    return reach_m(scene, history.theta_rad, history.slip_m, history.extra)
+
+
+def _batch(
+    scene: Scene, values: Mapping[str, Array], change: Callable[[Scene], Scene]
+) -> tuple[Ends, NDArray[np.int64]]:
     """Outcome and steps of each draw."""
     from analytic import spatial
     from harness.engines.spatial import problem_of
@@ -70,11 +131,13 @@ def _batch(scene: Scene, values: Mapping[str, Array]) -> tuple[NDArray[np.object
     if "contact.statue" in values:
         sweep["friction"] = values["contact.statue"]
     if sweep and len(sweep) == len(values):
-        swept = spatial.outcomes(problem_of(scene), sweep, most_steps=RUN_STEPS)
+        swept = spatial.outcomes(problem_of(change(scene)), sweep, most_steps=RUN_STEPS)
         return swept.outcomes, swept.steps
-    size = len(next(iter(values.values())))
-    each = [
-        spatial.outcomes(problem_of(varied(scene, row(values, k))), {"scale": [1.0]}, most_steps=RUN_STEPS)
-        for k in range(size)
-    ]
+
+    def alone(number: int) -> spatial.Outcomes:
+        drawn = problem_of(change(varied(scene, row(values, number))))
+        return spatial.outcomes(drawn, {"scale": [1.0]}, most_steps=RUN_STEPS, threads=1)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        each = list(pool.map(alone, range(len(next(iter(values.values()))))))
     return np.concatenate([item.outcomes for item in each]), np.concatenate([item.steps for item in each])

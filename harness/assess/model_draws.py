@@ -30,6 +30,8 @@ SWEPT: Final = {
     "contact.restitution": "restitution",
 }
 """Keys that the compiled sweep takes as they are."""
+FACTORS: Final = ("scale", "vertical_scale")
+"""Columns that several keys multiply."""
 SHAPES: Final = ("statue.centroid_height_m", "statue.corner_left_m", "statue.corner_right_m")
 """Of these more changes than a column beside a wall (where its silhouette touches), and of corners on a pedestal (its place)."""
 SLOW_DRAWS: Final = 300
@@ -79,7 +81,7 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     sweep: dict[str, Array] = {}
     for key, values in draws.items():
         for name, column in (_sweep_of(scene, key, values) or {}).items():
-            sweep[name] = sweep.get(name, 1.0) * column if name in ("scale", "vertical_scale") else column
+            sweep[name] = sweep.get(name, 1.0) * column if name in FACTORS else column
     options = twoblock.keywords(scene)
     # Whether the statue would slip on its support is told of single runs only.
     options.pop("statue_friction", None)
@@ -117,9 +119,13 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
     if key == "contact.floor":
         factor = values / contact.floor_static if contact.floor_static > 0.0 else np.ones_like(values)
         return {"floor_static": contact.floor_static * factor, "floor_kinetic": contact.floor_kinetic * factor}
-    if key == "motion.scale":
-        factor = values / file_scale(scene)
-        return {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
+    if key in ("motion.scale", "motion.time_scale"):
+        if key == "motion.time_scale" and scene.initial.theta_rate_rad_s != 0.0:
+            return None
+        factor = values / file_scale(scene) if key == "motion.scale" else values**2
+        own = {"scale": factor} | ({} if isinstance(base_excitation.z, ZeroExcitation) else {"vertical_scale": factor})
+        # The axis of time stretched: see harness.assess.variation.
+        return own if key == "motion.scale" else {**own, "gravity_m_s2": scene.gravity_m_s2 * factor}
     if key == "motion.x.frequency_hz" and isinstance(base_excitation.x, Harmonic):
         return {"frequency_hz": values}
     if key == "contact.statue" or (key == "motion.y.frequency_hz" and isinstance(base_excitation.y, Harmonic)):

@@ -33,21 +33,25 @@ def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> Fragility
     draws = draw(inputs, FRAGILITY_DRAWS, seed)
     own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, file_scale(scene)))
     probability = [model_draws(scene, {**draws, "motion.scale": own * factor}).probability for factor in FACTORS]
+    return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, factors_at(FACTORS, probability))
+
+
+def factors_at(factors: Sequence[float], probability: Sequence[float]) -> dict[str, float | None]:
+    """The factors at which the probability is 5, 16 and 50 %; None where it never is."""
     rising = np.maximum.accumulate(np.nan_to_num(probability))
-    at = {f"{asked:.2f}": _crossing(rising, asked) for asked in ASKED}
-    return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, at)
+    return {f"{asked:.2f}": _crossing(factors, rising, asked) for asked in ASKED}
 
 
-def _crossing(rising: Array, asked: float) -> float | None:
+def _crossing(factors: Sequence[float], rising: Array, asked: float) -> float | None:
     """The factor at which a rising curve first reaches a probability, on a logarithmic axis; None where it never does."""
     over = np.flatnonzero(rising >= asked)
     if over.size == 0:
         return None
     k = int(over[0])
     if k == 0:
-        return float(FACTORS[0])
+        return float(factors[0])
     share = (asked - rising[k - 1]) / (rising[k] - rising[k - 1])
-    return float(np.exp(np.log(FACTORS[k - 1]) + share * np.log(FACTORS[k] / FACTORS[k - 1])))
+    return float(np.exp(np.log(factors[k - 1]) + share * np.log(factors[k] / factors[k - 1])))
 
 
 def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Index]:

@@ -10,9 +10,15 @@ from typing import Any, Final
 
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import Scene
+from harness.model.scene import BaseExcitation, Scene
 
 AXES: Final = ("x", "y", "z")
+TIME_SCALE: Final = "motion.time_scale"
+"""The factor τ on the motion's axis of time, by which its step, its periods and its duration grow, and the run's with it.
+
+In the time t/τ every acceleration is τ² times as large and every place is the same: gravity and shaking times τ², rates times τ,
+computed in the scene's own time.
+"""
 
 
 def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
@@ -31,7 +37,7 @@ def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def _direct(scene: Scene, key: str) -> bool:
-    if key in ("contact.floor", "contact.statue", "motion.scale"):
+    if key in ("contact.floor", "contact.statue", "motion.scale", TIME_SCALE):
         return True
     parts = key.split(".")
     if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
@@ -48,16 +54,23 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         return scene.but(contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation
     if key == "motion.scale":
-        factor = value / file_scale(scene)
+        return scene.but(base_excitation=_shaken(base_excitation, value / file_scale(scene)))
+    if key == TIME_SCALE:
+        start = scene.initial
         return scene.but(
-            base_excitation=replace(
-                base_excitation, **{axis: _scaled(getattr(base_excitation, axis), factor) for axis in AXES}
-            )
+            gravity_m_s2=scene.gravity_m_s2 * value**2,
+            base_excitation=_shaken(base_excitation, value**2),
+            initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s * value),
         )
     axis = key.split(".")[1]
     return scene.but(
         base_excitation=replace(base_excitation, **{axis: replace(getattr(base_excitation, axis), frequency_hz=value)})
     )
+
+
+def _shaken(base_excitation: BaseExcitation, factor: float) -> BaseExcitation:
+    """The same motion of the floor with every component multiplied."""
+    return replace(base_excitation, **{axis: _scaled(getattr(base_excitation, axis), factor) for axis in AXES})
 
 
 def file_scale(scene: Scene) -> float:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from harness.assess.by_model import MODEL
 from harness.assess.options import FLOOR, TURNED
+from harness.assess.plan import PLANAR_DEG
 from harness.records.assess import (
     Assessment,
     AssessRecord,
@@ -13,6 +15,7 @@ from harness.records.assess import (
     OptionAnswer,
     OptionsRecord,
     percent,
+    planar_alone,
 )
 
 CLEAR: Final = 0.95
@@ -28,6 +31,7 @@ def summary(record: AssessRecord) -> str:
             lines.append(f"  {name:{width}}  {item.sentence}; {item.engine_runs} runs")
         elif item is not None:
             lines.append(f"  {name:{width}}  not here: {item.message}")
+    lines += [f"  {text}" for text in planar_alone(record.answers, record.scene.file)]
     if record.assumed:
         assumed = ", ".join(f"{item.key} ({item.kind}, {item.width:g})" for item in record.uncertainty)
         lines.append(f"  note: the scene has no table [uncertainty]; assumed are {assumed}")
@@ -48,10 +52,11 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
     """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
     reached = {percent(float(asked)): factor for asked, factor in item.factor_at.items() if factor is not None}
     each = _listed([f"{asked} % at {factor:.2f} times" for asked, factor in reached.items()])
-    if plane_only:
-        return (
-            f"In the rocking plane alone a fall is as probable as {each or '5 % at no strength tried'} today's shaking."
-        )
+    if plane_only and item.model == MODEL:
+        said = "In the rocking plane alone a fall is"
+        if not reached:
+            return f"{said} less probable than 5 % at all strengths tried, up to {item.factor[-1]:g} times today's shaking."
+        return f"{said} as probable as {each} today's shaking."
     if not reached:
         return f"Reserve: at {item.factor[-1]:g} times today's shaking a fall is still less probable than 5 %."
     first = next(iter(reached.values()))
@@ -59,13 +64,25 @@ def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
 
 
 def room(item: ClearanceRecord) -> str:
-    """How much must be kept clear on both sides, and what a fall needs."""
+    """How much must be kept clear, in which direction, by the model that knows most of them; and what a fall needs."""
     falls = f"one that falls needs its height, {item.height_m:.2f} m"
-    if item.right_m is None or item.left_m is None:
-        return f"Clearance: only {item.standing} of {item.draws} draws stand, too few to tell; {falls}."
-    k = list(item.share).index(CLEAR)
-    right = f"Clearance: where it stands, in 95 of 100 its outline stays within {item.right_m[k]:.2f} m beyond its right side"
-    return f"{right} and {item.left_m[k]:.2f} m beyond its left; {falls}."
+    few = {name: each for name, each in item.by_model.items() if name not in item.answered}
+    silent = "".join(
+        f"; in {name} only {each.standing} of {each.draws} draws stand, too few to tell" for name, each in few.items()
+    )
+    name, answer = next(iter(item.answered.items()), ("", None))
+    if answer is None:
+        return f"Clearance{silent}; {falls}."
+    beyond = answer.at(CLEAR)
+    if len(beyond) == len(PLANAR_DEG):
+        right, left = beyond.values()
+        where = f"{right:.2f} m beyond its right side and {left:.2f} m beyond its left"
+    else:
+        most_m, least_m = max(beyond.values()), min(beyond.values())
+        towards = next(angle for angle, value in beyond.items() if value == most_m)
+        where = f"{most_m:.2f} m beyond where it rests, all round (most towards {towards:g}°, seen from above, anticlockwise "
+        where += f"from its right; least {least_m:.2f} m)"
+    return f"Clearance, by {name}: where it stands, in 95 of 100 its outline stays within {where}{silent}; {falls}."
 
 
 def advice(record: OptionsRecord) -> list[str]:
@@ -83,7 +100,7 @@ def advice(record: OptionsRecord) -> list[str]:
 
 def _rank(item: OptionAnswer) -> tuple[float, bool, float]:
     """The less probable fall first, then less slip; what is turned comes last: its weak side is one that no draw shakes."""
-    return item.probability_overturned, item.name == TURNED, item.slip_high_m
+    return item.probability_overturned, item.name == TURNED, item.slip_high_m or 0.0
 
 
 def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
@@ -91,7 +108,7 @@ def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
     equal = [item for item in helping[1:] if item.low <= best.high]
     words = f"What would help most: {best.name}. The statue then falls in {percent(best.probability_overturned)} %, "
     words += f"as it is in {percent(record.as_it_is.probability_overturned)} %"
-    if best.slip_high_m > 0.0:
+    if best.slip_high_m:
         words += f"; it slides by up to {best.slip_high_m:.2g} m in 95 of 100"
     if equal:
         words += f". As good, as far as can be told: {_listed([item.name for item in equal])}"
@@ -108,7 +125,7 @@ def _claim(own: OptionAnswer, floor: OptionAnswer) -> str:
     """Whether a pedestal that slides protects: the paper's claim, answered by this statue on the floor."""
     falls = f"on the floor it falls in {percent(floor.probability_overturned)} %"
     falls += f", on its pedestal in {percent(own.probability_overturned)} %"
-    if own.slip_high_m == 0.0:
+    if not own.slip_high_m:
         return f"The pedestal does not slide, and so protects nothing by it: {falls}."
     if floor.harms:
         return f"The sliding pedestal protects this statue: {falls}."

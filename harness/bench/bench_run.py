@@ -11,7 +11,7 @@ from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
 from harness.campaign.parts import Measured, Measurement, Part
 from harness.model.run import machine, versions
-from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow
+from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, part_sentences
 
 CLOCK: Final = "cpu_s: processor time of the process (single-threaded runs); wall_s: by the clock; both best of several"
 
@@ -32,6 +32,12 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     """The record from the rows of all parts; what is not measured yet is left empty and said."""
     rows = {part.name: measured[part.name].in_order(part) for part in listed}
     absent = {row["scene"]: row["absent"] for row in rows["precision"] if "absent" in row}
+    from_source = {
+        "engine defaults": precision.missing(),
+        "coverage": coverage.missing(),
+        "others": other_integrators.missing(),
+    }
+    absent |= {name: why for name, why in from_source.items() if why is not None}
     order = [item.name for item in standard_set()]
     timed = [PrecisionRow(**row) for row in rows["precision"] if "absent" not in row]
     timed.sort(key=lambda row: order.index(row.scene))
@@ -53,7 +59,7 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
         *scaling.sentences(grown),
         *other_integrators.sentences(solvers),
         *(f"“{name}” was left out: {why}." for name, why in absent.items()),
-        *parts.sentences(spent),
+        *part_sentences(spent),
     ]
     return BenchRecord(
         command=command, target_rad=target_rad, clock=CLOCK, rows=timed, absent=absent, choice=standard, seeded=on_seeds,

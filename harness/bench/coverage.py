@@ -1,50 +1,28 @@
 """Is the stated numerical uncertainty honest, and what does a target take? Seeded scenes, each against a much finer run.
 
-`python -m harness.bench.coverage ENGINE [FIRST COUNT]` prints a line per scene, then how many of them held.
+Measured by the source tree (`tests/measures/coverage.py`); its rows are kept and counted here.
 """
 
 from __future__ import annotations
 
 import json
-import sys
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Final
 
 from harness import engines
-from harness.accuracy.refinement import run_to_accuracy
+from harness.bench import source_tree
 from harness.bench.precision import TARGET_RAD
-from harness.bench.seeded_scenes import random_scene
 from harness.campaign.parts import Row
-from harness.comparison.distance import error_rad, errors
-from harness.engines.base import Engine, EngineFailure
-from harness.model.options import RunOptions
-from harness.model.run import Run
-from harness.model.scene import Scene
 from harness.records.bench import LEVEL, TARGET, Coverage, Covered, Level, PrecisionRow, Statement
 
-FINER: Final = 5.0
-"""The run that stands for the truth has a step this many times finer than the finest of the target's own two."""
 FIRST_SEED: Final = 20_900
 """Scenes from here on were not used to choose the levels or the safety factor."""
-SCENES: Final = 200
+SCENES: Final = 60
 QUICK_SCENES: Final = 2
-FINEST_S: Final = 2.5e-4
-"""Step of the finest level that is compared: the share of what it takes is clear by then, and finer ones take the most."""
+MEASURED: Final = "tests.measures.coverage"
 PIECE: Final = {"pybullet": 8, "pymunk": 25}
 """Scenes of one task, by engine."""
-
-
-def statement(run: Run, truth: Run) -> Statement:
-    """A run's statement against the run that stands for the truth."""
-    until_s = run.bounded_until_s
-    rotation, slip = errors(run, truth, until_s)
-    return Statement(
-        run.engine, run.outcome.value, run.settings.get("dt_s"), int(run.work.get("runs", 1)),
-        int(run.work.get("steps_of_all_runs", run.steps)), run.numerical_uncertainty_rad or 0.0,
-        run.slip_uncertainty_m or 0.0, until_s, run.end_s, rotation, slip, run.validity.get("plain_from_s"),
-    )  # fmt: skip
 
 
 def read(row: Row) -> Coverage:
@@ -53,48 +31,15 @@ def read(row: Row) -> Coverage:
     return Coverage(**{**row, "stated": stated, "levels": tuple(Level(**level) for level in row["levels"])})
 
 
-def coverage(engine: Engine, accuracy_rad: float, seeds: Sequence[int], levels: bool = False) -> Iterator[Coverage]:
-    """For each seed run to the accuracy, then against a finer run of the same engine, and say whether the statement held.
-
-    Without the scenes of which no history was kept. `levels` runs each level too.
-    """
-    for seed in seeds:
-        scene = random_scene(seed)
-        begin = time.process_time()
-        run = run_to_accuracy(engine, scene, accuracy_rad, RunOptions())
-        cpu_s = time.process_time() - begin
-        truth = truth_of(engine, scene, run, run.bounded_until_s)
-        if run.history is None or truth.history is None:
-            continue
-        row = Coverage(engine.name, seed, accuracy_rad, statement(run, truth), cpu_s)
-        yield replace(row, levels=tuple(_levels(engine, scene, truth))) if levels and row.met_whole else row
-
-
-def truth_of(engine: Engine, scene: Scene, run: Run, until_s: float, finest_s: float = 0.0) -> Run:
-    """A much finer run of the same engine up to a time, its step not below the finest; of one that certifies, its finest."""
-    if engine.capabilities.certifies:
-        return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
-    settings = engine.settings_for_dt(scene, max(float(run.settings["dt_s"]) / FINER, finest_s))
-    return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
-
-
-def _levels(engine: Engine, scene: Scene, truth: Run) -> Iterator[Level]:
-    """Each level down to `FINEST_S`: its error and what it takes, timed once, after the run to the target."""
-    for settings in engine.refinement_levels(scene):
-        if settings.dt_s < FINEST_S:
-            return
-        begin = time.process_time()
-        try:
-            run = engine.simulate(scene, settings, RunOptions())
-        except EngineFailure as failure:
-            yield Level(settings.dt_s, str(failure))
-            continue
-        cpu_s = time.process_time() - begin
-        yield Level(settings.dt_s, None, error_rad(run, truth), cpu_s)
+def missing() -> str | None:
+    """Why nothing of this can be measured here, or None."""
+    return source_tree.missing(MEASURED)
 
 
 def tasks(quick: bool) -> list[str]:
-    """The work in pieces that can be computed apart, the longest first."""
+    """The work in pieces that can be computed apart, the longest first; nothing without the source tree."""
+    if missing():
+        return []
     last = FIRST_SEED + (QUICK_SCENES if quick else SCENES)
     return [
         f"{name}: seeds {begin} to {min(begin + piece, last) - 1}"
@@ -106,13 +51,10 @@ def tasks(quick: bool) -> list[str]:
 def compute(task: str) -> list[Row]:
     """The rows of one piece; none where the engine is not here."""
     name, seeds = _piece(task)
-    engine = engines.load(name)
-    if engine.missing() is not None:
+    if engines.load(name).missing() is not None:
         return []
-    # What is loaded and compiled once is not the first scene's cost.
-    first = random_scene(seeds[0])
-    engine.simulate(first, engine.refinement_levels(first)[0], RunOptions())
-    return [asdict(row) for row in coverage(engine, TARGET_RAD, seeds, levels=True)]
+    done = source_tree.ask(MEASURED, name, str(seeds.start), str(len(seeds)), "--levels")
+    return died(task) if done.returncode else [json.loads(line) for line in done.stdout.splitlines()]
 
 
 def died(task: str) -> list[Row]:
@@ -147,22 +89,3 @@ def counted(rows: Sequence[Coverage]) -> dict[str, Covered]:
         missed = [row.seed for row in mine if not row.covered]
         counts[engine] = Covered(len(mine) - len(missed), len(mine), missed)
     return counts
-
-
-def main(arguments: Sequence[str]) -> None:
-    """Print the rows of an engine's seeds as they are measured, then the count."""
-    name, *numbers = arguments
-    first, count = (int(item) for item in numbers) if numbers else (FIRST_SEED, SCENES)
-    missed: list[int] = []
-    scenes = 0
-    for row in coverage(engines.load(name), TARGET_RAD, range(first, first + count)):
-        scenes += 1
-        missed += [] if row.covered else [row.seed]
-        sys.stdout.write(json.dumps(asdict(row)) + "\n")
-        sys.stdout.flush()
-    held = scenes - len(missed)
-    sys.stdout.write(f"{name}: the error lay within the statement on {held} of {scenes}; not on {missed}\n")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,13 +1,17 @@
-"""The analytic model against other integrators, its throughput, and what the harness costs over a baseline loop."""
+"""The analytic model against other integrators, its throughput, and what the harness costs over a baseline loop.
+
+Measured by the source tree (`tests/measures/other_integrators.py`); its rows are kept and told here.
+"""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Final
 
-from harness.bench import analytic_model, contact_engines, start
+from harness.bench import source_tree
 from harness.campaign.parts import Row
 from harness.records.bench import SolverRow, Start, Throughput
 
@@ -17,26 +21,24 @@ COMPARED: Final = {
     ("analytic, kernel alone", "heyoka"): (1e-10, 1e-12),
 }
 """Solvers that are compared, and at which errors, rad."""
-THROUGHPUT_REPEATS: Final = 20
-"""Runs of the map of which the least time counts: another process on the machine may take part of it from several in a row."""
+MEASURED: Final = "tests.measures.other_integrators"
+
+
+def missing() -> str | None:
+    """Why nothing of this can be measured here, or None."""
+    return source_tree.missing(MEASURED)
 
 
 def tasks() -> list[str]:
-    """What is measured here."""
-    return ["solvers", "throughput", "startup", "overhead"]
+    """What is measured here; nothing without the source tree."""
+    return [] if missing() else ["solvers", "throughput", "startup", "overhead"]
 
 
 def compute(quick: bool, task: str) -> list[Row]:
     """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a baseline loop."""
-    if task == "solvers":
-        return [asdict(row) for row in analytic_model.measure(2 if quick else analytic_model.REPEATS)]
-    if task == "throughput":
-        rates = analytic_model.throughput(400) if quick else analytic_model.throughput(repeats=THROUGHPUT_REPEATS)
-        rates |= {"map": analytic_model.map_time(40 if quick else 200)}
-        return [{"throughput": {name: asdict(rate) for name, rate in rates.items()}}]
-    if task == "startup":
-        return [{"startup": asdict(start.startup(1 if quick else start.STARTS))}]
-    return [{"overhead": contact_engines.overhead(2.0 if quick else 10.0)}]
+    done = source_tree.ask(MEASURED, task, *(["--quick"] if quick else []))
+    done.check_returncode()
+    return [json.loads(line) for line in done.stdout.splitlines()]
 
 
 @dataclass(frozen=True)

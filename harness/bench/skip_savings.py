@@ -26,7 +26,7 @@ from harness.bench.skips import (
     simulate,
 )
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, record, resolved, scene_of, standard_set
-from harness.bench.timing import cost
+from harness.bench.timing import cost, costs, timed
 from harness.campaign.parts import Row
 from harness.engines.base import Engine
 from harness.model.errors import InputError
@@ -45,12 +45,13 @@ LEVERS: Final = {
     "no_history": (RunOptions(False, frozenset({"no_history"})), RunOptions(True, frozenset())),
     "energy_outcome": _alone("energy_outcome", "no_history", history=False),
     "mirror": _alone("mirror", "base_only"),
-    **{skip: _alone(skip) for skip in ("quiet_start", "quiet_end", "stop_at_overturn", "base_only")},
+    **{skip: _alone(skip) for skip in ("quiet_start", "quiet_rest", "quiet_end", "stop_at_overturn", "base_only")},
 }
 """What is asked with a skip alone and without it."""
 PLAIN: Final = ("pymunk:plain", "pybullet:plain", "mujoco:plain")
 CASES: Final = {
     "quiet_start": {"analytic": "late record", "pymunk": "late record", "pybullet": "late record"},
+    "quiet_rest": {"pybullet": "late record"},
     "quiet_end": {"analytic": "pulse", "pymunk": "pulse", "pybullet": "pulse"},
     "energy_outcome": {"analytic": "pulse"},
     "no_history": {"analytic": "study", "pymunk": "late record", "pybullet": "late record", "mujoco": "short"}
@@ -63,6 +64,8 @@ CASES: Final = {
 STUDY_RUNS: Final = 16
 RESOLVED_RAD: Final = 3e-4
 """A level that is expected to resolve what a skip may change."""
+AGAIN, AGAIN_S = 4, 0.3
+"""Turns in which a run is timed again, and the processor time after which none is begun."""
 LEAST_RAD: Final = 1e-9
 """Rotations nearer than this are the same, whatever a run's own error."""
 GAINS: Final = 1.05
@@ -120,14 +123,15 @@ def _measured(skip: str, engine: Engine, kind: str) -> SkipRow:
     apart = own = on_s = off_s = 0.0
     steps = [0, 0]
     for scene in scenes:
-        first, second = simulate(engine, scene, on, RESOLVED_RAD), simulate(engine, scene, off, RESOLVED_RAD)
+        works = [partial(simulate, engine, scene, options, RESOLVED_RAD) for options in (on, off)]
+        (first, once_on), (second, once_off) = (timed(work) for work in works)
         text = other_outcome(scene, first, second)
         changed += [text] if text and not decides_nothing(engine, scene, second) else []
         apart = max(apart, difference(first, second))
         own = max(own, own_error_rad(engine, scene, off, second))
         steps = [steps[0] + first.steps, steps[1] + second.steps]
-        on_s += cost(partial(simulate, engine, scene, on, RESOLVED_RAD), 3).cpu_s
-        off_s += cost(partial(simulate, engine, scene, off, RESOLVED_RAD), 3).cpu_s
+        with_it, without = costs(works, AGAIN, AGAIN_S, [once_on, once_off])
+        on_s, off_s = on_s + with_it.cpu_s, off_s + without.cpu_s
     return SkipRow(
         skip, engine.name, len(scenes), on_s, off_s, tuple(changed), apart_rad=apart, own_rad=own,
         steps=(steps[0], steps[1]),

@@ -56,27 +56,6 @@ def harmonic(amplitude_g: float, frequency_hz: float) -> dict[str, Any]:
     return {"x": {"kind": "harmonic", "amplitude_g": amplitude_g, "frequency_hz": frequency_hz}}
 
 
-PAPER: Final = ((0.429, 3.0), (0.334, 3.0), (0.429, 2.0), (0.334, 2.0))
-"""Amplitude in g and frequency in Hz of the paper's cases that contact settings are measured on."""
-
-
-def paper_scene(
-    amplitude_g: float,
-    frequency_hz: float,
-    *,
-    pedestal: bool = True,
-    static: float = 0.15,
-    ratio: float | None = None,
-    duration_s: float = 1.0,
-) -> Scene:
-    """The surveyed statue as a block under a sine, μ_k = 0.15; an impact ratio where one is imposed."""
-    contact = {"floor_static": static, "floor_kinetic": 0.15, "statue": 1.0}
-    content = {"duration_s": duration_s, "statue": PAESTUM, "motion": harmonic(amplitude_g, frequency_hz)}
-    content |= {"contact": contact if ratio is None else {**contact, "restitution": ratio}}
-    title = f"{amplitude_g:g} g, {frequency_hz:g} Hz"
-    return scene_of(title, content | {"pedestal": PEDESTAL} if pedestal else content)
-
-
 def record(file: str, column: str, **more: Any) -> dict[str, Any]:
     """A channel of a record in the data folder."""
     return {"kind": "record", "file": f"{RECORDS}/{file}", "column": column, "unit": "m/s2", **more}

@@ -6,14 +6,9 @@ import resource
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Final, NamedTuple
+from typing import Final, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from harness.records.bench import SolverRow
-
+T = TypeVar("T")
 REPEATS: Final = 5
 BUDGET_S: Final = 1.0
 """Processor time after which no further repetition is begun: a slow run needs fewer to be timed to a percent."""
@@ -33,18 +28,32 @@ def cost(work: Callable[[], object], repeats: int = REPEATS, budget_s: float = B
     return costs([work], repeats, budget_s)[0]
 
 
-def costs(works: Sequence[Callable[[], object]], repeats: int = REPEATS, budget_s: float = BUDGET_S) -> list[Cost]:
-    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too."""
-    walls: list[list[float]] = [[] for _ in works]
-    cpus: list[list[float]] = [[] for _ in works]
+def timed(work: Callable[[], T]) -> tuple[T, Cost]:
+    """What one piece of work gives, and its cost this once."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return result, Cost(time.perf_counter() - wall, time.process_time() - cpu, 1)
+
+
+def costs(
+    works: Sequence[Callable[[], object]],
+    repeats: int = REPEATS,
+    budget_s: float = BUDGET_S,
+    first: Sequence[Cost] | None = None,
+) -> list[Cost]:
+    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too.
+
+    `first` is what each took before: one that took the budget is not done again.
+    """
+    walls = [[item.wall_s] for item in first] if first is not None else [[] for _ in works]
+    cpus = [[item.cpu_s] for item in first] if first is not None else [[] for _ in works]
     for _ in range(repeats):
         for work, wall_s, cpu_s in zip(works, walls, cpus, strict=True):
             if sum(cpu_s) >= budget_s:
                 continue
-            wall, cpu = time.perf_counter(), time.process_time()
-            work()
-            wall_s.append(time.perf_counter() - wall)
-            cpu_s.append(time.process_time() - cpu)
+            spent = timed(work)[1]
+            wall_s.append(spent.wall_s)
+            cpu_s.append(spent.cpu_s)
     return [Cost(min(wall_s), min(cpu_s), len(wall_s)) for wall_s, cpu_s in zip(walls, cpus, strict=True)]
 
 
@@ -62,32 +71,3 @@ def children_cpu_s() -> float:
     """Processor time of all ended children of this process, s."""
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     return spent.ru_utime + spent.ru_stime
-
-
-Answer = tuple[NDArray[np.float64], int]
-"""θ at a case's instants, or at the last of them, rad, and the work by the solver's own measure."""
-
-
-class Entry(NamedTuple):
-    """What is timed of a solver, and how it is set beyond its tolerance."""
-
-    solver: str
-    tolerance: float
-    solve: Callable[[], Answer]
-    how: str = ""
-
-
-def take_turns(case: str, exact: NDArray[np.float64], entries: Sequence[Entry], rounds: int) -> list[SolverRow]:
-    """A row for each entry."""
-    answers: dict[int, Answer] = {}
-
-    def solve(i: int) -> None:
-        answers[i] = entries[i].solve()
-
-    spent = costs([partial(solve, i) for i in range(len(entries))], rounds, float("inf"))
-    rows = []
-    for i, entry in enumerate(entries):
-        theta, work = answers[i]
-        error = float(np.abs(theta - exact[-theta.size :]).max())
-        rows.append(SolverRow(case, entry.solver, entry.tolerance, entry.how, work, error, spent[i].cpu_s))
-    return rows

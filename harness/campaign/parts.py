@@ -25,7 +25,7 @@ from harness.records.stress import StressRecord
 Row = dict[str, Any]
 Work = Callable[[str], list[Row]]
 R = TypeVar("R", BenchRecord, StressRecord)
-PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz")
+PACKAGES: Final = ("analytic", "meshes", "harness", "tests/fuzz", "tests/measures")
 
 
 @dataclass(frozen=True)
@@ -145,13 +145,6 @@ def command(name: str, quick: bool, measured: Mapping[str, Measured]) -> str:
     done = [part for part, item in measured.items() if item.rows or not item.left]
     some = f" --parts {','.join(done)}" if 0 < len(done) < len(measured) else ""
     return f"rockcheck {name}{' --quick' if quick else ''}{some}"
-
-
-def sentences(rows: Sequence[PartRow]) -> list[str]:
-    """The seconds of each part in words, and what is not measured yet."""
-    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s" for row in rows if row.tasks)
-    left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
-    return [f"Time by part: {spent}."] + ([f"Not measured yet: {', '.join(left)}."] if left else [])
 
 
 def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:

@@ -17,6 +17,8 @@ from queue import Empty, SimpleQueue
 from typing import Any, Final, Protocol
 from weakref import WeakSet
 
+from harness.model.errors import InputError, Mistake
+
 GRACE_S: Final = 5.0
 """Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
 LIMIT_S: Final = 4 * 3600.0
@@ -132,7 +134,7 @@ class _Worker:
 class LocalPool:
     """Processes on this machine, started once; a worker that dies or hangs costs its own task only, tried twice.
 
-    `limit_s` is the time for one task.
+    `limit_s` is the time for one task. Raises `InputError` for less than one job.
     """
 
     def __init__(self, jobs: int | None = None, limit_s: float = LIMIT_S, tries: int = TRIES) -> None:
@@ -141,6 +143,8 @@ class LocalPool:
         self._workers: list[_Worker] = []
         self._orders: SimpleQueue[_Order | None] = SimpleQueue()
         self._replies: SimpleQueue[_Reply] = SimpleQueue()
+        if jobs is not None and jobs < 1:
+            raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
         _OPEN.add(self)
 
     @property

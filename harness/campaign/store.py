@@ -80,6 +80,13 @@ class PlannedRow:
     run: Plain | None
 
 
+def check_begun(folder: Path, what: str, *names: str) -> None:
+    """Raise `InputError` where there is nothing to `--resume`: no file of these names (none given: no store) in `folder`."""
+    if not any((folder / name).exists() for name in names or (STORE_NAME,)):
+        wanted = f"{what} that was begun in {folder}"
+        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+
+
 class Store:
     """A store in one file; every write is one transaction, so a killed process loses nothing that was finished.
 

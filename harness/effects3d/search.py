@@ -17,7 +17,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.effects3d import Amplitude
-from harness.statics.plan import limit_of_rest_m_s2
+from harness.statics.rest import limit_of_rest_m_s2
 from meshes.footprint import reach_m
 
 STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04, "mujoco": 1.03}

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar
 from harness.campaign.cache_key import scene_key
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
-from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.campaign.task import Answer, Task
 from harness.effects3d.band import band
 from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
@@ -131,9 +131,8 @@ def run_effects(
     """
     start = time.perf_counter()
     study = load_effects(path)
-    if resume and not (folder / STORE_NAME).is_file():
-        wanted = f"a study that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "nothing there", "leave --resume out to begin"))
+    if resume:
+        check_begun(folder, "a study")
     base = base_of_scene(path.parent / study.scene)
     scene = base.scene({})
     _check(scene, path)

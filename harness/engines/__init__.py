@@ -23,7 +23,7 @@ REGISTRY: Final[Mapping[str, str]] = {
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
 THROWN: Final = ("spatial", "pybullet")
 """Engines of a scene that begins from a pose in space, with plastic impacts, and"""
-BOUNCING: Final = ("pybullet:plain",)
+BOUNCING: Final = ("spatial", "pybullet:plain")
 """where impacts give back a share of the velocity."""
 
 

@@ -92,7 +92,7 @@ class Engine(ABC):
     """Processor time of a step of an engine as it comes over that of the same engine with events located, at most."""
     agreements: ClassVar[int] = 2
     """Comparisons of a run with the next finer one that must hold in a row before an accuracy counts as reached: one where errors
-    are shown to fall evenly with the step (`python -m harness.bench.coverage`), two where runs may agree by chance."""
+    are shown to fall evenly with the step (`python -m tests.measures.coverage`), two where runs may agree by chance."""
 
     @abstractmethod
     def missing(self) -> str | None:

@@ -75,10 +75,10 @@ class Spatial(Engine):
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
         from analytic import AnalyticInputError, spatial
 
-        imposed = "a prescribed ratio at impact (contact.restitution; its impact is plastic, with friction)"
+        imposed = "a prescribed ratio at impact (contact.restitution; only a body thrown in space bounces)"
         asked = {
             "a pedestal (its statue stands on the floor)": scene.pedestal is not None,
-            imposed: scene.contact.restitution is not None,
+            imposed: scene.contact.restitution is not None and scene.initial.pose is None,
             MOVING_TABLE: scene.table == "moving",
             "a wall": scene.wall is not None,
         }
@@ -120,6 +120,7 @@ def problem_of(scene: Scene) -> Problem:
         motion.y,
         motion.z,
         gravity_m_s2=scene.gravity_m_s2,
+        restitution=scene.contact.restitution or 0.0,
         **start,
     )
 
@@ -153,7 +154,7 @@ def _leaning(scene: Scene, vertices: Array) -> dict[str, Any]:
     }
 
 
-def _trajectory(scene: Scene, solution: Solution) -> Trajectory:
+def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
     """The solution's samples with the columns that every engine of three dimensions records."""
     turn, t_s = solution.rotation, solution.t_s
     spin = np.einsum("tij,tj->ti", turn, solution.angular_velocity_rad_s)
@@ -220,7 +221,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
         },
         warnings=_warnings(certified),
     )
-    run = reduce_trajectory(scene, _trajectory(scene, solution), report)
+    run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
     return replace(
         run,
         outcome=Outcome.FRICTION_PARADOX if solution.outcome.value == "friction_paradox" else run.outcome,

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 JOINT: Final = {"contact.floor": "contact.floor_static"}
 """Keys that stand for several numbers moved by one factor, and the number that their median is told by."""
+FACTORS: Final = {"motion.time_scale": 1.0}
+"""Keys that stand for no number of the file but for a factor on what it holds, and that factor as the scene is."""
 WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
 
 
@@ -74,7 +76,7 @@ def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
 
 
 def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
-    value = _number(model, JOINT.get(key, key))
+    value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
     place = f'uncertainty."{key}"'
     if value is None or key.startswith("uncertainty"):
         raise Contradiction(

@@ -37,6 +37,12 @@ ASSUMPTIONS: Final = (
         0.03,
         "marble weighs 2700 to 2900 kg/m³ (stonewalls.ch, weight of stones)",
     ),
+    Assumption(
+        "motion.time_scale",
+        "lognormal",
+        0.05,
+        "our own: as for a frequency; the time between two records of a motion, and so its periods and its duration",
+    ),
     Assumption("statue.mass_kg", "lognormal", 0.03, "from a volume: marble weighs 2700 to 2900 kg/m³ (stonewalls.ch)"),
     Assumption(
         "statue.centroid_height_m",

@@ -52,6 +52,19 @@ def percent(share: float) -> str:
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
+def planar_alone(answers: Mapping[str, Assessment], file: str | None) -> list[str]:
+    """What is said where every answer leaves the shaking across the plane out: that, and the command that knows it."""
+    if not answers or not all(item.plane_only for item in answers.values()):
+        return []
+    said = "The scene is shaken across the rocking plane too: that shaking is in none of these probabilities. In space"
+    return [f"{said}: {command_in_space(file)} (pybullet's own runs, stratified by the planar model)."]
+
+
+def command_in_space(file: str | None) -> str:
+    """The command that asks an engine of three dimensions for the probability."""
+    return f"rockcheck assess {file or 'SCENE'} -e analytic -e pybullet"
+
+
 @dataclass(frozen=True)
 class NotAssessed:
     """Why there is no assessment by an engine."""
@@ -77,6 +90,7 @@ class FragilityRecord:
     probability_overturned: Sequence[float]
     draws: int
     factor_at: Mapping[str, float | None]
+    model: str = "analytic"
 
 
 @dataclass(frozen=True)
@@ -89,7 +103,7 @@ class Index:
 
 @dataclass(frozen=True)
 class OptionAnswer:
-    """One option by the analytic model: probability of a fall, slip of what slides (median, 95 %), difference to as it is."""
+    """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is."""
 
     name: str
     what: str
@@ -98,8 +112,8 @@ class OptionAnswer:
     probability_overturned: float
     low: float
     high: float
-    slip_median_m: float
-    slip_high_m: float
+    slip_median_m: float | None
+    slip_high_m: float | None
     difference: Interval | None
 
     @property
@@ -126,6 +140,7 @@ class OptionsRecord:
     difference_level: float
     left_out: Mapping[str, str]
     plane_only: bool = False
+    model: str = "analytic"
 
     @property
     def as_it_is(self) -> OptionAnswer:
@@ -144,20 +159,39 @@ class OptionsRecord:
 
 
 @dataclass(frozen=True)
-class ClearanceRecord:
-    """Room needed beyond the silhouette at rest, and the pedestal's slip, m: quantiles at `share` over the `standing` draws.
+class ClearanceByModel:
+    """How far, m, the outline, the middle of its top and the pedestal go beyond where they are at rest, by direction seen from
+    above, anticlockwise from the statue's right: a row of quantiles for each `share` of the `standing` draws.
 
-    Without quantiles too few draws stand; one that falls needs the statue's height.
+    A planar model has two directions; without any too few draws stand.
     """
 
     draws: int
     standing: int
+    direction_deg: Sequence[float] = ()
+    share: Sequence[float] = ()
+    outline_m: Sequence[Sequence[float]] = ()
+    top_m: Sequence[Sequence[float]] = ()
+    pedestal_m: Sequence[Sequence[float]] = ()
+
+    def at(self, share: float) -> dict[float, float]:
+        """How far the outline goes by direction at one of the shares that are told."""
+        return dict(zip(self.direction_deg, self.outline_m[list(self.share).index(share)], strict=True))
+
+
+@dataclass(frozen=True)
+class ClearanceRecord:
+    """The room needed by each model, beyond the outline at rest (k, 2) seen from above, m; one that falls needs its height."""
+
     height_m: float
-    share: Sequence[float]
-    right_m: Sequence[float] | None = None
-    left_m: Sequence[float] | None = None
-    slip_right_m: Sequence[float] | None = None
-    slip_left_m: Sequence[float] | None = None
+    rest_m: Sequence[Sequence[float]]
+    by_model: Mapping[str, ClearanceByModel]
+
+    @property
+    def answered(self) -> dict[str, ClearanceByModel]:
+        """The models of which enough draws stand, the one that knows most directions first."""
+        enough = {name: item for name, item in self.by_model.items() if item.share}
+        return dict(sorted(enough.items(), key=lambda item: -len(item[1].direction_deg)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

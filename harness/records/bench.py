@@ -230,6 +230,13 @@ class PartRow:
     busy_s: float = 0.0
 
 
+def part_sentences(rows: Sequence[PartRow]) -> list[str]:
+    """The seconds of each part in words, and what is not measured yet."""
+    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s" for row in rows if row.tasks)
+    left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
+    return [f"Time by part: {spent}."] + ([f"Not measured yet: {', '.join(left)}."] if left else [])
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BenchRecord(Record):
     """`result.json` of `rockcheck bench`; what is not measured yet is empty, or None."""

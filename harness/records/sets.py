@@ -61,6 +61,30 @@ class DistributionScores:
 
 
 @dataclass(frozen=True)
+class LogPeaks:
+    """Largest rotations of `cases` motions under which a model and its reference both rock and stand.
+
+    The ratio of the medians, the standard deviation of each model's logarithms, and the ratio of those two.
+    """
+
+    cases: int
+    median_ratio: Interval
+    dispersion: float
+    dispersion_of_reference: float
+    dispersion_ratio: Interval
+
+    @property
+    def sentence(self) -> str:
+        """Medians and dispersions, in words."""
+        median, spread = self.median_ratio, self.dispersion_ratio
+        return (
+            f"of {self.cases} under which both rock and stand the median peak is {median.value:.3g} times the reference's "
+            f"({median.low:.3g} to {median.high:.3g}), the dispersion of the logarithm {self.dispersion:.3g} beside "
+            f"{self.dispersion_of_reference:.3g} (ratio {spread.low:.3g} to {spread.high:.3g})"
+        )
+
+
+@dataclass(frozen=True)
 class ReliabilityBin:
     """Cases whose probability of falling lies from `low` to `high`: its mean, and the share that fell with Wilson's interval.
 
@@ -86,7 +110,7 @@ class SetScores:
     """One model against a reference over the cases that both answered.
 
     `verdicts` are the shares of each verdict, `flips` the cases whose outcomes differ within the stated uncertainty, `peaks` the
-    distributions of the peak rotation where there are enough of them.
+    distributions of the peak rotation and `log_peaks` their medians and dispersions where there are enough of them.
     """
 
     reference: str
@@ -95,6 +119,7 @@ class SetScores:
     verdicts: Mapping[str, float]
     flips: int
     peaks: DistributionScores | None
+    log_peaks: LogPeaks | None = None
 
     @property
     def sentence(self) -> str:
@@ -105,7 +130,7 @@ class SetScores:
             shares = (100.0 * value for value in (same.value, same.low, same.high))
             words.append("fallen or standing as {} in {:.0f} % ({:.0f} to {:.0f} %)".format(self.reference, *shares))
         words.append("too few cases to compare distributions" if self.peaks is None else self.peaks.sentence)
-        return "; ".join(words)
+        return "; ".join(words if self.log_peaks is None else [*words, self.log_peaks.sentence])
 
 
 @dataclass(frozen=True, kw_only=True)

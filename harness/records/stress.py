@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 from harness.model.run import OMITTED
 from harness.records.base import Record, Table
-from harness.records.bench import PartRow
+from harness.records.bench import PartRow, part_sentences
 
 
 @dataclass(frozen=True)
@@ -95,3 +96,35 @@ class StressRecord(Record):
         whole = not any(part.left for part in self.parts)
         sound = not any(cell.unexplained for cell in self.cells) and not any(item.harm for item in self.fuzz)
         return whole and sound and all(row.holds for row in self.scenes)
+
+
+def sentences(record: StressRecord) -> list[str]:
+    """What the record says: scenes that did not come out, cells by category, mutated inputs that did harm."""
+    wrong = [row for row in record.scenes if not row.holds]
+    sentences = []
+    if record.scenes:
+        sentences.append(
+            f"{len(record.scenes) - len(wrong)} of {len(record.scenes)} hard scenes come out as they must."
+        )
+    for row in wrong:
+        bad = "; ".join(f"{name}: {got}" for name, got in row.got.items() if got != row.wanted)
+        sentences.append(f"“{row.name}” (wanted: {row.wanted}): {bad}.")
+    sentences += [f"{name} was not run: {why}." for name, why in record.absent.items()]
+    sentences += [
+        f"Known failure, “{row.name}”, {name}: {text}." for row in record.scenes for name, text in row.known.items()
+    ]
+    counts = Counter(cell.category for cell in record.cells)
+    if counts:
+        sentences.append("Cells of the stability maps: " + ", ".join(f"{n} {name}" for name, n in counts.items()) + ".")
+    sentences += [
+        f"Unexplained: {cell.engine}, {cell.setting}, {cell.difficulty}: {cell.category}, {cell.evidence}."
+        for cell in record.cells
+        if cell.unexplained
+    ]
+    if inputs := sum(item.inputs for item in record.fuzz):
+        used, harm = sum(item.accepted for item in record.fuzz), sum(item.harm for item in record.fuzz)
+        sentences.append(f"{inputs} mutated inputs, {used} of them accepted and used, {harm} did harm.")
+    sentences += [
+        f"Mutated {item.reader}, seed {case.seed}: not refused in words." for item in record.fuzz for case in item.found
+    ]
+    return [*sentences, *part_sentences(record.parts)]

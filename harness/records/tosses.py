@@ -21,7 +21,7 @@ class Quartiles:
 
 @dataclass(frozen=True)
 class Missed:
-    """Median distance of the body's points, m, with each coefficient tried (None: a toss could not be computed).
+    """Median distance of the body's points, m, with each coefficient tried (None: most frames could not be computed).
 
     `by_friction` with plastic impacts, `by_restitution` at the fitted friction.
     """
@@ -53,7 +53,8 @@ class TossRow:
 
 @dataclass(frozen=True)
 class TossModel:
-    """A model with the coefficients fitted for it: `failed` tosses with why; errors over all frames, at the end, over time."""
+    """A model with the coefficients fitted for it: `failed` tosses with why, those of which the run `ended_s` before the last
+    frame (its last pose is held); errors over all frames, at the end, over time."""
 
     engine: str
     dt_s: float | None
@@ -61,6 +62,7 @@ class TossModel:
     restitution: float
     missed_m: Missed
     failed: Mapping[str, str]
+    ended_s: Mapping[str, float] = field(default_factory=dict)
     frames: PoseErrors | None = None
     end: PoseErrors | None = None
     over_time: Sequence[PoseErrors] = ()

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from analytic.excitation import Excitation, ZeroExcitation
 from harness.model.options import SKIPS, Capabilities, RunOptions
-from harness.model.scene import OVERTURN_RAD, Scene, Statue
+from harness.model.scene import OVERTURN_RAD, Scene
 from harness.statics.collision_shape import shape_needed
+from harness.statics.rest import LimitsOfRest, first_motion_s
 from harness.statics.symmetry import asymmetry
-from meshes.footprint import margin_m, outward_sides
-
-Array = NDArray[np.float64]
-LEVEL_M: Final = 1e-9
-"""Feet within this height of each other are level: what is left is rounding."""
 
 
 class Asked(Protocol):
@@ -69,99 +61,19 @@ def _decided(name: str, scene: Scene, engine: Asked, options: RunOptions) -> Ste
     return Step(name, engine.name, applies, reason)
 
 
-def limit_of_rest_m_s2(scene: Scene) -> float:
-    """Horizontal acceleration, in whatever direction, below which nothing can move while the floor moves horizontally only.
-
-    The least of uplift, g b / h with b the distance of the base's nearest edge (of its two corners when the motion stays in the
-    plane), and, on a pedestal, slip, μ_s g (docs/model.md, section 2).
-    """
-    statue, gravity = scene.statue, scene.gravity_m_s2
-    corner = min(statue.corner_left_m, statue.corner_right_m)
-    if not isinstance(scene.base_excitation.y, ZeroExcitation):
-        corner = min(corner, margin_m(statue.footprint_m))
-    uplift = gravity * corner / statue.centroid_height_m
-    return min(uplift, _holding_friction(scene) * gravity)
-
-
-def _holding_friction(scene: Scene) -> float:
-    """The least coefficient of static friction between statue and floor."""
-    contact = scene.contact
-    return contact.statue if scene.pedestal is None else min(contact.floor_static, contact.statue)
-
-
-def first_motion_s(scene: Scene) -> float:
-    """A time before which nothing can move, from the samples' own values (0 when the statue starts off rest).
-
-    A body with a rough base rests on its lowest vertices, which lie nearer than its corners; where its centroid is not above
-    them it tilts at once: 0 too.
-
-    For piecewise linear records the time is the last sample before a limit is first exceeded; for formulas it is 0.
-    """
-    if not scene.initial.still:
-        return 0.0
-    components = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
-    times = _knots(components, scene.duration_s)
-    if times is None:
-        return 0.0
-    polygon = resting_polygon_m(scene.statue)
-    if polygon is None:
-        return 0.0
-    if all(isinstance(item, ZeroExcitation) for item in components):
-        return scene.duration_s
-    x, y, z = (np.asarray(item.accel_m_s2(times), dtype=np.float64) for item in components)
-    over = np.flatnonzero(_leaves_rest(scene, polygon, x, y, scene.gravity_m_s2 - np.abs(z)))
-    if over.size == 0:
-        return scene.duration_s
-    return float(times[max(int(over[0]) - 1, 0)])
-
-
-def _leaves_rest(
-    scene: Scene, polygon_m: Array, x_m_s2: Array, y_m_s2: Array, gravity_m_s2: Array
-) -> NDArray[np.bool_]:
-    """At which instants the floor's acceleration passes what friction holds or what the base bears under that gravity.
-
-    The base bears it while the weight's line, leant by the acceleration, meets the floor inside the polygon that it rests on.
-    A planar body bears at least as much: its ends are the polygon's outermost points.
-    """
-    weight = np.maximum(gravity_m_s2, 0.0)
-    slips = np.hypot(x_m_s2, y_m_s2) >= _holding_friction(scene) * weight
-    push = -scene.statue.centroid_height_m * np.stack([x_m_s2, y_m_s2], axis=1)
-    normals, reach = outward_sides(polygon_m)
-    tips: NDArray[np.bool_] = np.any(push @ normals.T >= reach * weight[:, None], axis=1)
-    return slips | tips
-
-
-def resting_polygon_m(statue: Statue) -> Array | None:
-    """The polygon (k, 2), counter-clockwise, of the lowest vertices, which the statue rests on; None where it tilts off it."""
-    from meshes import MeshError
-    from meshes.footprint import footprint
-
-    feet = statue.footprint_m if statue.solid is None else statue.solid.feet_m
-    try:
-        polygon = footprint(feet, LEVEL_M)
-    except MeshError:  # fewer than three vertices, or all on a line
-        return None
-    return polygon[:, :2] if margin_m(polygon) > 0.0 else None
-
-
-def _knots(components: Sequence[Excitation], duration_s: float) -> np.ndarray[Any, np.dtype[np.float64]] | None:
-    """All sample times of records, or None when a component is a formula (its extremes lie between knots)."""
-    knots = [np.zeros(1)]
-    for item in components:
-        if isinstance(item, ZeroExcitation):
-            continue
-        samples = getattr(item, "t_s", None)
-        if samples is None:
-            return None
-        knots.append(np.asarray(samples))
-    return np.unique(np.clip(np.concatenate(knots), 0.0, duration_s))
-
-
 def _quiet_start(scene: Scene, options: RunOptions) -> Decision:
     quiet = first_motion_s(scene)
     if quiet > 0.0:
         return True, f"nothing can move before {quiet:.4g} s"
     return False, "the motion is not quiet at its start, or the statue starts off rest"
+
+
+def _quiet_rest(scene: Scene, options: RunOptions) -> Decision:
+    if scene.table != "frame":
+        return False, "the table moves, not the frame"
+    if LimitsOfRest.of(scene) is None:
+        return False, "the motion is a formula, or the statue tilts off the vertices that it rests on"
+    return True, "while the statue rests and the record's samples stay below what moves it"
 
 
 def _quiet_end(scene: Scene, options: RunOptions) -> Decision:
@@ -221,6 +133,7 @@ def _stop(scene: Scene, options: RunOptions) -> Decision:
 Decision = tuple[bool, str]
 DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
     "quiet_start": _quiet_start,
+    "quiet_rest": _quiet_rest,
     "quiet_end": _quiet_end,
     "energy_outcome": _energy,
     "base_only": _base_only,

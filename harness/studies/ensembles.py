@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from harness.comparison.scores.pointwise import Peak
-from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions
+from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
 from harness.comparison.verdict import ACROSS, Side, judge, shares
 from harness.model.history import History, Outcome
@@ -23,6 +23,8 @@ Answered = tuple[CaseRun, str | None]
 
 LEAST: Final = 8
 """Fewer cases than this have no distribution worth comparing: a quartile would rest on two values."""
+ROCKS_RAD: Final = 1e-4
+"""A statue that leans by less is at rest: what a contact engine gives (some 1e-5 rad) is no rocking."""
 MANY: Final = 1000
 """From here on a fifth of the bootstrap's resamples do: each costs the sorting of all cases."""
 
@@ -51,7 +53,9 @@ def _score(
     peaks = None
     if len(both) >= LEAST:
         sides = [[abs(run.peak_theta_rad) for run, _ in side] for side in zip(*both, strict=True)]
-        peaks = compare_distributions(*sides, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
+        peaks = compare_distributions(*sides, paired=True, resamples=RESAMPLES if len(both) <= MANY else RESAMPLES // 5)
+    rocked = [[abs(run.peak_theta_rad) for run, _ in pair] for pair in both if all(_rocks(run) for run, _ in pair)]
+    log_peaks = compare_logarithms(*zip(*rocked, strict=True)) if len(rocked) >= LEAST else None
     return SetScores(
         reference=reference,
         cases=len(both),
@@ -59,7 +63,13 @@ def _score(
         verdicts=shares([verdict for _, verdict in judged]),
         flips=sum(case.within_uncertainty for case, _ in judged),
         peaks=peaks,
+        log_peaks=log_peaks,
     )
+
+
+def _rocks(run: CaseRun) -> bool:
+    """Whether the statue rocks and stands: at rest it has no logarithm, falling no largest rotation."""
+    return run.outcome is Outcome.STANDS and abs(run.peak_theta_rad) > ROCKS_RAD
 
 
 def _judged(a: Answered, b: Answered, history: Callable[[str], History | None]) -> tuple[Case, Verdict]:

@@ -1,9 +1,14 @@
-"""Many scenes, several engines: what needs a run gets one, once; what is finished is never lost."""
+"""Many scenes, several engines: which case is sent to which engine and why; what needs a run gets one, once.
+
+A plan of any size is made as it is run; what is finished is never lost.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+import itertools
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -14,14 +19,22 @@ from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
 from harness.campaign.usage import Usage
-from harness.records.study import StudySummary
+from harness.records.study import CaseRun, StudySummary
+from harness.studies import case_selection as selection
 from harness.studies.case_blocks import block_tasks
-from harness.studies.cases import base_of
-from harness.studies.file import StudyFile
-from harness.studies.study_plan import Plan
+from harness.studies.case_tasks import CaseTasks
+from harness.studies.cases import Base, Case, base_of, expand
+from harness.studies.file import StudyFile, Value
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
+DEAREST_FIRST: Final = (
+    "pybullet:plain", "mujoco:plain", "mujoco", "pymunk:plain", "pybullet", "pymunk", "spatial", "analytic",
+)  # fmt: skip
+COST_ORDER: Final = {name: place for place, name in enumerate(DEAREST_FIRST)}
+"""Longest first keeps all workers busy to the end."""
+
+PlanRow = tuple[int, str, str | None, str, Mapping[str, Value]]
 
 
 @dataclass(frozen=True)
@@ -93,17 +106,7 @@ def run_study(
         beside.answers += campaign.aside
     campaign.usage.stop()
     store.write_plan(study_name(study), plan.rows())
-    totals = plan.totals()
-    return Summary(
-        cases=totals.cases,
-        wanted=totals.wanted,
-        distinct=totals.distinct,
-        found=len(campaign.reused),
-        computed=campaign.computed,
-        not_sent=totals.not_sent,
-        failed=campaign.failed,
-        usage=campaign.usage,
-    )
+    return plan.summary(campaign)
 
 
 def run_in_columns(
@@ -117,19 +120,106 @@ def run_in_columns(
     campaign = Campaign(store, pool, on_progress)
     campaign.run(block_tasks(study, base_of(study, path)), study.runs)
     campaign.usage.stop()
-    return Summary(
-        cases=study.runs,
-        wanted=study.runs,
-        distinct=study.runs,
-        found=study.runs - campaign.computed,
-        computed=campaign.computed,
-        not_sent=0,
-        failed=campaign.failed,
-        usage=campaign.usage,
-    )
+    counts = study.runs, study.runs, study.runs, study.runs - campaign.computed, campaign.computed, 0, campaign.failed
+    return Summary(*counts, campaign.usage)
 
 
 def study_name(study: StudyFile) -> str:
     """What names a study in its store: its title and the hash of its content."""
     digest = hashlib.sha256(study.model_dump_json().encode()).hexdigest()
     return f"{study.title} [{digest[:12]}]"
+
+
+class Plan:
+    """What is asked of each engine, as far as is known; what was planned once is not planned again."""
+
+    def __init__(self, study: StudyFile, base: Base) -> None:
+        self._study, self._base = study, base
+        self._tasks = CaseTasks(study, base)
+        self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
+        """Key and reason by case and engine."""
+        self._answers: dict[tuple[str, str], dict[selection.Place, selection.Answer]] = {}
+        self._fresh: list[tuple[Case, str, str]] = []
+        named = {name for variant in study.variant for name in variant.engines}
+        self._engines = sorted(named, key=lambda name: COST_ORDER[name])
+
+    def rounds(self) -> Iterator[tuple[int, Iterator[Task]]]:
+        """How many tasks, and the tasks, longest first; the next round rests on the answers of the last (see `learn`)."""
+        if self._study.ask.cases == "all":
+            yield self._study.runs, self._all()
+            return
+        cases = list(expand(self._study, self._base))
+        others = [name for name in self._engines if name != selection.REFERENCE]
+        for names in (self._engines[len(others) :], others):
+            while fresh := self._asked(cases, names):
+                yield len(fresh), iter(fresh)
+
+    def _all(self) -> Iterator[Task]:
+        """Every case: those of contact engines sorted, the others as they come."""
+        others = [name for name in self._engines if name != selection.REFERENCE]
+        tasks = []
+        for case in expand(self._study, self._base) if others else ():
+            tasks += [self._planned(case, name, selection.EVERY) for name in others if name in case.engines]
+        rest = self._of_reference()
+        # One of the compiled model's first: should it have to be compiled, the other workers need not wait for it.
+        yield from itertools.islice(rest, 1)
+        # Two bodies in contact take several times as long as one.
+        yield from sorted(tasks, key=lambda task: (COST_ORDER[task.group], not task.argument.pedestal))
+        yield from rest
+
+    def _of_reference(self) -> Iterator[Task]:
+        for case in expand(self._study, self._base) if selection.REFERENCE in self._engines else ():
+            if selection.REFERENCE in case.engines:
+                yield self._planned(case, selection.REFERENCE, selection.EVERY)
+
+    def _asked(self, cases: Sequence[Case], names: Sequence[str]) -> list[Task]:
+        """What these engines are asked now and were not asked before."""
+        by_variant: dict[str, list[Case]] = defaultdict(list)
+        for case in cases:
+            by_variant[case.variant].append(case)
+        tasks = []
+        for name in names:
+            for variant, members in by_variant.items():
+                if name not in members[0].engines:
+                    continue
+                places = [case.position for case in members]
+                reasons = selection.wanted(self._study, places, name, variant, self._answers)
+                for case in members:
+                    why, known = reasons.get(case.position), self._known.get((case.number, name))
+                    if why is None:
+                        self._known[case.number, name] = None, selection.left_out(self._study)
+                    elif known is None or known[0] is None:
+                        tasks.append(self._planned(case, name, why))
+                        self._fresh.append((case, name, tasks[-1].key))
+        return tasks
+
+    def _planned(self, case: Case, engine: str, why: str) -> Task:
+        task = self._tasks.of(case, engine)
+        self._known[case.number, engine] = task.key, why
+        return task
+
+    def learn(self, store: Store) -> None:
+        """Take the answers of the round that was run, which tell what is asked next."""
+        for case, engine, key in self._fresh:
+            row = store.get(key)
+            if row is not None:
+                run = CaseRun.stored(row.record)
+                share = run.validity.get("peak_over_slenderness")
+                known = self._answers.setdefault((engine, case.variant), {})
+                peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
+                known[case.position] = selection.Answer(run.outcome.value, peak)
+        self._fresh.clear()
+
+    def rows(self) -> Iterator[PlanRow]:
+        """All cases and engines in order: number, engine, key (None: not sent), reason, and what varies."""
+        for case in expand(self._study, self._base):
+            for engine in sorted(case.engines):
+                key, reason = self._known[case.number, engine]
+                yield case.number, engine, key, reason, {"variant": case.variant, **case.varied}
+
+    def summary(self, campaign: Campaign) -> Summary:
+        """How many cases, runs wanted, distinct ones and those not sent to an engine, and what a campaign did of them."""
+        keys = [key for key, _ in self._known.values() if key is not None]
+        cases, not_sent = len({number for number, _ in self._known}), len(self._known) - len(keys)
+        counts = cases, len(keys), len(set(keys)), len(campaign.reused), campaign.computed, not_sent, campaign.failed
+        return Summary(*counts, campaign.usage)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,7 +24,7 @@ from harness.validation.jobs import Model, parse_model
 from harness.validation.toss_scores import Coefficients, Errors, TossTask, quartiles, scored
 from harness.validation.tosses import Toss, holds_tosses, read_tosses
 
-TOSS_ENGINES: Final = ("pybullet", "pybullet:plain", "spatial")
+TOSS_ENGINES: Final = ("spatial", "pybullet", "pybullet:plain", "mujoco")
 FRICTIONS: Final = (0.10, 0.13, 0.15, 0.17, 0.18, 0.19, 0.20, 0.21, 0.23, 0.26, 0.30)
 """Coefficients tried: plastic on wood lies between 0.1 and 0.3."""
 RESTITUTIONS: Final = (None, 0.05, 0.1, 0.2, 0.4)
@@ -30,6 +32,8 @@ FITTED: Final = 1.0 / 3.0
 """Share of the tosses on which the coefficients are fitted."""
 OVER_TIME_S: Final = 0.1
 """Errors over time are told at every so many seconds."""
+
+SCORES: Final = "tosses.csv"
 
 Scored = dict[str, list[Errors | str]]
 
@@ -66,7 +70,7 @@ def validate_tosses(
     jobs: int | None = None,
     most: int | None = None,
 ) -> TossesRecord:
-    """Run the models on measured tosses of a scene's body and score them; writes result.json into `folder`.
+    """Run the models on measured tosses of a scene's body and score them; writes result.json and tosses.csv into `folder`.
 
     `body` is a scene file whose statue is thrown; the coefficients of friction and restitution with which a model comes nearest
     to a seeded third of the tosses are scored on the others. `most` takes the table's first so many tosses. Raises `InputError`
@@ -74,7 +78,7 @@ def validate_tosses(
     """
     start = time.perf_counter()
     base = load_scene(body)
-    tosses = read_tosses(table, base.statue)[:most]
+    tosses = read_tosses(table, base.statue, base.gravity_m_s2)[:most]
     if len(tosses) < 2:
         raise InputError(Mistake(str(table), "", "two tosses: one to fit, one to score", str(len(tosses))))
     known, absent = _models(models)
@@ -85,6 +89,8 @@ def validate_tosses(
         answers = {model.name: _of_model(pool, base, tosses, fitted, model) for model in known}
     finally:
         pool.close()
+    folder.mkdir(parents=True, exist_ok=True)
+    table_of_scores = _write_scores(folder / SCORES, answers)
     result = TossesRecord(
         tosses=table.name,
         body=body.name,
@@ -97,11 +103,19 @@ def validate_tosses(
         versions=record.versions(),
         machine=record.machine(),
         seconds=time.perf_counter() - start,
-        files=listing(()),
+        files=listing([table_of_scores]),
     )
-    folder.mkdir(parents=True, exist_ok=True)
     record.write_json(folder / RECORD, as_file(result))
     return result
+
+
+def _write_scores(path: Path, models: Mapping[str, TossModel]) -> Path:
+    """Every scored toss by every model as a table; its path."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["model", *(each.name for each in fields(TossRow))])
+        writer.writerows([name, *astuple(row)] for name, model in models.items() for row in model.rows)
+    return path
 
 
 def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
@@ -115,8 +129,9 @@ def _models(names: Sequence[str] | None) -> tuple[list[Model], dict[str, str]]:
 def _of_model(pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequence[int], model: Model) -> TossModel:
     """What is fitted for a model, and its scores on the tosses that are left."""
     grid = tuple(Coefficients(mu, e) for e in RESTITUTIONS for mu in FRICTIONS)
-    tried = _computed(pool, [TossTask(base, tosses[k], model, grid) for k in fitted])
-    miss = [_miss([answers[k] for answers in tried.values()]) for k in range(len(grid))]
+    fitting = [tosses[k] for k in fitted]
+    tried = _computed(pool, [TossTask(base, toss, model, grid) for toss in fitting])
+    miss = [_miss(fitting, [answers[k] for answers in tried.values()]) for k in range(len(grid))]
     best = grid[int(np.argmin(miss))]
     rest = [toss for k, toss in enumerate(tosses) if k not in set(fitted)]
     answers = _computed(pool, [TossTask(base, toss, model, (best,)) for toss in rest])
@@ -138,6 +153,7 @@ def _of_model(pool: LocalPool, base: Scene, tosses: Sequence[Toss], fitted: Sequ
             {name: value for name, value in bouncing.items() if np.isfinite(value)},
         ),
         failed,
+        {name: item.ended_s for name, item in known.items() if item.ended_s is not None},
         *_scores(known, rest),
     )
 
@@ -158,10 +174,13 @@ def _computed(pool: LocalPool, tasks: Sequence[TossTask]) -> Scored:
     return {task.toss.name: answers[task.toss.name] for task in tasks}
 
 
-def _miss(answers: Sequence[Errors | str]) -> float:
-    """Median over all frames of the mean distance of the body's points, m; infinite where a toss could not be computed."""
-    known = [item.points_m for item in answers if isinstance(item, Errors)]
-    return float(np.median(np.concatenate(known))) if len(known) == len(answers) else float("inf")
+def _miss(tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
+    """Median over all frames of the mean distance of the body's points, m: infinite in a toss that could not be computed."""
+    missed = [
+        item.points_m if isinstance(item, Errors) else np.full(len(toss.places_m), np.inf)
+        for toss, item in zip(tosses, answers, strict=True)
+    ]
+    return float(np.median(np.concatenate(missed)))
 
 
 def _scores(

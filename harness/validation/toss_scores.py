@@ -37,12 +37,13 @@ class Coefficients:
 @dataclass(frozen=True, eq=False)
 class Errors:
     """By frame (n,): angle between the computed and the measured rotation, distance of the centroids, mean distance of the
-    body's outer points (what the two do together; fitted).
+    body's outer points (what the two do together; fitted). Beyond `ended_s` the run's last pose is held.
     """
 
     rotation_rad: Array
     place_m: Array
     points_m: Array
+    ended_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def scene_of(base: Scene, toss: Toss, item: Coefficients) -> Scene:
         duration_s=toss.end_s,
         contact=Contact(base.contact.floor_static, base.contact.floor_kinetic, item.friction, item.restitution),
         base_excitation=BaseExcitation(still, still, still),
-        initial=Initial(pose=toss.start(base.gravity_m_s2)),
+        initial=Initial(pose=toss.start),
         output_dt_s=toss.frame_s,
     )
 
@@ -91,16 +92,21 @@ def scene_of(base: Scene, toss: Toss, item: Coefficients) -> Scene:
 def errors(toss: Toss, body: Statue, history: History) -> Errors:
     """A computed pose history beside the measured one, frame by frame."""
     turn, place = poses(body, history)
-    count = min(len(turn), len(toss.places_m))
-    measured, seen = rotation_matrices(toss.quaternions[:count]), toss.places_m[:count]
-    apart = np.einsum("nij,nik->njk", measured, turn[:count])
+    count = len(toss.places_m)
+    # A frame that a run did not reach counts too: a model must not gain by giving up.
+    reached = np.minimum(np.arange(count), len(turn) - 1)
+    turn, place = turn[reached], place[reached]
+    measured, seen = rotation_matrices(toss.quaternions), toss.places_m
+    apart = np.einsum("nij,nik->njk", measured, turn)
     # The angle of a rotation from both its sine and its cosine: neither is good near 0 and π alone.
     axis = np.stack([apart[:, 2, 1] - apart[:, 1, 2], apart[:, 0, 2] - apart[:, 2, 0], apart[:, 1, 0] - apart[:, 0, 1]])
     angle = np.arctan2(np.linalg.norm(axis, axis=0), np.trace(apart, axis1=1, axis2=2) - 1.0)
     points = body.outer_points_m
-    shift = place[:count] - seen
-    moved = points @ np.swapaxes(turn[:count] - measured, 1, 2) + shift[:, None, :]
-    return Errors(angle, np.linalg.norm(shift, axis=1), np.mean(np.linalg.norm(moved, axis=2), axis=1))
+    shift = place - seen
+    moved = points @ np.swapaxes(turn - measured, 1, 2) + shift[:, None, :]
+    end_s = float(history.t_s[-1])
+    ended_s = end_s if end_s < toss.end_s - 0.5 * toss.frame_s else None
+    return Errors(angle, np.linalg.norm(shift, axis=1), np.mean(np.linalg.norm(moved, axis=2), axis=1), ended_s)
 
 
 def poses(body: Statue, history: History) -> tuple[Array, Array]:

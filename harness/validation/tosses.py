@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Pose, Statue
+from harness.validation.flight import nearest_flight
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ FEWEST_FRAMES: Final = 3
 
 @dataclass(frozen=True, eq=False)
 class Toss:
-    """One toss: times (n,) from 0, evenly spaced; places (n, 3); quaternions (n, 4), w first; first velocities (3,) each.
+    """One toss: times (n,) from 0, evenly spaced; places (n, 3); quaternions (n, 4), w first; how it began.
 
     `raised_m` was added to every height so that the body's lowest point is on the table at the last frame.
     """
@@ -44,20 +45,13 @@ class Toss:
     frame_s: float
     places_m: Array
     quaternions: Array
-    velocity_m_s: Array
-    rate_rad_s: Array
+    start: Pose
     raised_m: float = 0.0
 
     @property
     def end_s(self) -> float:
         """Time of the last frame."""
         return self.frame_s * (len(self.places_m) - 1)
-
-    def start(self, gravity_m_s2: float) -> Pose:
-        """Its pose and velocities at the first frame; a backward difference is the velocity of half a frame before, in flight."""
-        (x, y, z), (a, b, c, d) = self.places_m[0].tolist(), self.quaternions[0].tolist()
-        (u, v, w), (p, q, r) = self.velocity_m_s.tolist(), self.rate_rad_s.tolist()
-        return Pose((x, y, z), (a, b, c, d), (u, v, w - 0.5 * gravity_m_s2 * self.frame_s), (p, q, r))
 
 
 def holds_tosses(path: Path) -> bool:
@@ -66,8 +60,10 @@ def holds_tosses(path: Path) -> bool:
     return text.partition("\n")[0].partition(",")[0].strip() == COLUMNS[0]
 
 
-def read_tosses(path: Path, body: Statue) -> list[Toss]:
-    """All tosses of a table, stood on it by the body's outer points. Raises `InputError` with every mistake."""
+def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> list[Toss]:
+    """All tosses of a table, stood on it by the body's outer points, begun as their flights say.
+
+    Raises `InputError` with every mistake."""
     text = decoded(read_bytes(path, "a table of tosses"), str(path), "a CSV file with a header and at least one toss")
     lines = [line for line in csv.reader(io.StringIO(text, newline="")) if line]
     if not lines or tuple(name.strip() for name in lines[0]) != COLUMNS:
@@ -90,7 +86,7 @@ def read_tosses(path: Path, body: Statue) -> list[Toss]:
         table = np.array([values for _, values in frames])
         wrong = _wrong(name, table, {toss.name for toss in tosses})
         if wrong is None:
-            tosses.append(_stood(name, table, body))
+            tosses.append(_stood(name, table, body, gravity_m_s2))
         else:
             mistakes.append(Mistake(str(path), f"toss {name}", *wrong))
     if not tosses and not mistakes:
@@ -116,7 +112,7 @@ def _wrong(name: str, table: Array, earlier: set[str]) -> tuple[str, str] | None
     return None
 
 
-def _stood(name: str, table: Array, body: Statue) -> Toss:
+def _stood(name: str, table: Array, body: Statue, gravity_m_s2: float) -> Toss:
     """The toss with its heights such that it ends on the table: a camera's height has a bias, rest has none."""
     turns = table[:, 4:8] / np.linalg.norm(table[:, 4:8], axis=1)[:, None]
     w, x, y, z = turns[-1].tolist()
@@ -124,4 +120,8 @@ def _stood(name: str, table: Array, body: Statue) -> Toss:
     lowest = float(table[-1, 3] + np.min(body.outer_points_m @ last.rotation[2]))
     places = table[:, 1:4] - np.array([0.0, 0.0, lowest])
     frame_s = float(table[-1, 0] / (len(table) - 1))
-    return Toss(name, frame_s, places, turns, table[0, 8:11], table[0, 11:14], -lowest)
+    (x, y, z), (a, b, c, d), (u, v, w, p, q, r) = places[0].tolist(), turns[0].tolist(), table[0, 8:14].tolist()
+    # A backward difference is the velocity of half a frame before.
+    first = Pose((x, y, z), (a, b, c, d), (u, v, w - 0.5 * gravity_m_s2 * frame_s), (p, q, r))
+    start = nearest_flight(body, gravity_m_s2, frame_s, places, turns, first)
+    return Toss(name, frame_s, places, turns, start, -lowest)

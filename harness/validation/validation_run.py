@@ -13,7 +13,7 @@ from harness import engines
 from harness.campaign.campaign import Campaign
 from harness.campaign.progress import progress
 from harness.campaign.runner import LocalPool
-from harness.campaign.store import STORE_NAME, Store
+from harness.campaign.store import STORE_NAME, Store, check_begun
 from harness.comparison.comparator import compare
 from harness.input.history_file import read_history
 from harness.model import run as record
@@ -69,12 +69,12 @@ def run_validation(
     `InputError` for a wrong table, model, file or number, or `resume` where there is nothing to go on.
     """
     start = time.perf_counter()
-    _check(folder, samples, jobs, resume)
+    _check(folder, samples, resume)
     chosen = [parse_model(text) for text in dict.fromkeys(models or engines.DEFAULT_ENGINES)]
     trials = read_table(experiments)
     intensities = _intensities(trials)
-    with Store(folder / STORE_NAME) as store:
-        with progress(experiments.name, quiet) as on_progress, closing(LocalPool(jobs)) as pool:
+    with closing(LocalPool(jobs)) as pool, Store(folder / STORE_NAME) as store:
+        with progress(experiments.name, quiet) as on_progress:
             campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
             answered = [
                 _answered(model, trials, Runs(store, campaign, model, seed), samples, fit_share) for model in chosen
@@ -165,14 +165,11 @@ def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[
     return list(odd)
 
 
-def _check(folder: Path, samples: int, jobs: int | None, resume: bool) -> None:
+def _check(folder: Path, samples: int, resume: bool) -> None:
     if not 0 <= samples <= MAX_SAMPLES:
         raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MAX_SAMPLES}", str(samples)))
-    if jobs is not None and jobs < 1:
-        raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
-    if resume and not (folder / STORE_NAME).is_file():
-        wanted = f"a validation that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+    if resume:
+        check_begun(folder, "a validation")
 
 
 def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:

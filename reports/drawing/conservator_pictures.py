@@ -143,13 +143,13 @@ def _compass(say: Language) -> list[Shape]:
     ]
 
 
-def plan_svg(source: RunSource, plan: Plan, title: str, say: Language) -> Markup:
+def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Markup:
     """Seen from above: the outline at rest, what holds every position of it, the pedestal, the wall; the room by side."""
-    stone, wall = source.scene.pedestal, source.scene.wall
+    stone, wall = scene.pedestal, scene.wall
     corners = [plan.rest_m, plan.moved_m]
     if stone is not None:
         half = 0.5 * np.array([stone.width_m, stone.depth_m])
-        centre = [0.5 * (source.scene.statue.corner_right_m - source.scene.statue.corner_left_m) + stone.offset_m, 0.0]
+        centre = [0.5 * (scene.statue.corner_right_m - scene.statue.corner_left_m) + stone.offset_m, 0.0]
         corners.append(centre + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
     low, high = np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
     scale = (SIDE - 4 * MARGIN) / float((high - low).max())
@@ -165,7 +165,7 @@ def plan_svg(source: RunSource, plan: Plan, title: str, say: Language) -> Markup
     ]
     if wall is not None:
         side = 1.0 if wall.side == "right" else -1.0
-        edge = source.scene.statue.corner_right_m if side > 0 else source.scene.statue.corner_left_m
+        edge = scene.statue.corner_right_m if side > 0 else scene.statue.corner_left_m
         x = float(place(np.array([[side * (edge + wall.distance_m), 0.0]]))[0, 0])
         # A wall farther away than the picture reaches is not drawn; its distance stands in words.
         if 0.0 < x < SIDE:

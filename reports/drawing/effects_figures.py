@@ -8,11 +8,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from markupsafe import Markup
+from scipy.spatial.transform import Rotation
 
-from harness.records.effects3d import BASELINE, Band, Effect, EffectsRecord
+from harness.records.effects3d import BASELINE, SOLID, Band, Effect, EffectsRecord
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg_axes import nice_ticks
+from reports.drawing.display_mesh import read_mesh
+from reports.drawing.scan_picture import Figure, directions_picture
 from reports.drawing.shapes import Disc, Path, Picture, Shape, Text, area, box, line
+from reports.source import RunSource
 
 SIZE: Final = 640.0
 RADIUS: Final = 275.0
@@ -156,6 +161,27 @@ def changes(record: EffectsRecord) -> Picture:
                 shift = (engines.index(item.engine) + 1.0) / (len(engines) + 1.0)
                 shapes += _dots(item, top + ROW * shift, most, look(item.engine, engines).colour)
     return Picture(WIDE, height, shapes)
+
+
+def scan_figure(record: EffectsRecord, source: RunSource) -> Figure | None:
+    """The scan turned back from the replay to the study's directions; None without a mesh, or where nothing overturns."""
+    solid = next(name for name in SOLID if name in record.engines)
+    peaks = {row.azimuth_deg: row.peak_g for row in record.amplitudes(solid, BASELINE) if row.peak_g is not None}
+    if source.mesh is None or record.replay is None or not peaks:
+        return None
+    turn = Rotation.from_euler("z", record.replay.azimuth_deg, degrees=True)
+    vertices, faces = read_mesh(source.mesh)
+    footprint = turn.apply(np.asarray(source.scene.statue.footprint_m))
+    return Figure(turn.apply(vertices), faces, footprint, min(peaks, key=lambda azimuth: peaks[azimuth]))
+
+
+def directions(record: EffectsRecord, source: RunSource) -> Markup | None:
+    """The scan with the rose's directions on the floor around it."""
+    figure = scan_figure(record, source)
+    if figure is None:
+        return None
+    words = "The scan, and the directions by their angles; the arrow points towards"
+    return directions_picture(figure).svg(f"{words} {figure.weakest_deg:g}°.")
 
 
 def _x(relative: float, most: float) -> float:

@@ -9,10 +9,12 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import History
+from harness.model.in_space import SOLID_COLUMNS
+from harness.records.assess import ClearanceRecord
 from meshes.footprint import convex_hull, lower_chain
 from reports.charts.decimate import kept_samples
 from reports.drawing.display_mesh import read_mesh
-from reports.drawing.kinematics import SOLID_COLUMNS, Array, posed_in_space_m, section
+from reports.drawing.kinematics import Array, posed_in_space_m, section
 from reports.source import RunSource
 
 POSES: Final = 240
@@ -46,6 +48,26 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
     sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
     room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items()}
     return Plan(rest, moved, room)
+
+
+def probable_plan(item: ClearanceRecord, share: float) -> Plan | None:
+    """The plan that holds this share of the draws that stand, by the model that knows most directions; None where none tells."""
+    answer = next(iter(item.answered.values()), None)
+    if answer is None or share not in answer.share:
+        return None
+    rest, beyond = np.asarray(item.rest_m, dtype=np.float64), answer.at(share)
+    towards = {side: np.array(way) for side, way in SIDES.items()}
+    angles = {side: float(np.degrees(np.arctan2(way[1], way[0])) % 360.0) for side, way in SIDES.items()}
+    room = {side: round(beyond[angle], 4) for side, angle in angles.items() if angle in beyond}
+    if len(beyond) <= len(room):
+        return Plan(rest, _hull(np.vstack([rest + room[side] * towards[side] for side in room])), room)
+    from scipy.spatial import HalfspaceIntersection
+
+    ways = np.radians(list(beyond))
+    normals = np.column_stack([np.cos(ways), np.sin(ways)])
+    reached = (rest @ normals.T).max(axis=0) + list(beyond.values())
+    corners = HalfspaceIntersection(np.column_stack([normals, -reached]), rest.mean(axis=0)).intersections
+    return Plan(rest, _hull(np.asarray(corners)), room)
 
 
 def _body(source: RunSource) -> Array:

@@ -4,24 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harness.model.in_space import SOLID_COLUMNS, rotations
 from harness.records.scene import SceneRecord
 
 Array = NDArray[np.float64]
-
-SOLID_COLUMNS: Final = (
-    "pitch_rad",
-    "roll_rad",
-    "yaw_rad",
-    "corner_right_x_m",
-    "corner_right_y_m",
-    "corner_right_z_m",
-)
-"""Columns of a 3D engine's history that give the statue's whole pose: R = R_z(yaw) R_y(pitch) R_x(roll) and its right corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +58,5 @@ def section(scene: SceneRecord) -> Section:
 
 def posed_in_space_m(points_m: Array, corner_right_m: float, pose: Mapping[str, float]) -> Array:
     """Points (n, 3) of the statue frame at a 3D engine's pose (values of `SOLID_COLUMNS`), in the table's frame."""
-    pitch, roll, yaw, *corner = (pose[name] for name in SOLID_COLUMNS)
-    cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
-    turn = np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-    return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ turn.T + corner)
+    corner = [pose[name] for name in SOLID_COLUMNS[3:]]
+    return np.asarray((points_m - [corner_right_m, 0.0, 0.0]) @ rotations(pose).T + corner)

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.model.history import History
+from harness.model.in_space import SOLID_COLUMNS
 from harness.records.scene import MotionRecord
 from reports.charts.event import run_event_s
 from reports.charts.packed import packed_array
 from reports.charts.palette import look
 from reports.drawing.display_mesh import display_mesh
-from reports.drawing.kinematics import SOLID_COLUMNS, section
+from reports.drawing.kinematics import section
 from reports.pages.assets import packed_json
 from reports.source import RunSource
 

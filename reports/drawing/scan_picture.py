@@ -1,8 +1,9 @@
-"""A prepared scan as it stands: its base, its weakest direction, the axes of its file and of the scene."""
+"""A scan as it stands: its base, its weakest direction, the directions of the floor, the axes of its file and of the scene."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.palette import MUTED
 from reports.drawing.display_mesh import Array, decimated
-from reports.drawing.shapes import Picture, Shape, Text, area, line
+from reports.drawing.shapes import Path, Picture, Shape, Text, area, line, moved
 
 SIDE: Final = 640.0
 MARGIN: Final = 70.0
@@ -21,44 +22,83 @@ MOST_FACES: Final = 4000
 FROM_WEAKEST_DEG: Final = 55.0
 """The eye stands so far round from the weakest direction: the arrow is seen from its side, and before the statue."""
 RAISED_DEG: Final = 25.0
+CLEAR: Final = 1.15
+"""Radius of the ring of directions, of the body's farthest point seen from above."""
+NAMED_DEG: Final = 45
+"""Every such direction has its angle beside it, but one under the arrow."""
+COVERED_DEG: Final = 8.0
 BASE: Final = "#0072B2"
 WEAKEST: Final = "#c2185b"
 LIGHT: Final = np.array([-0.4, 0.5, 0.77])
 """Where the light comes from, seen by the eye: to the right, upwards, towards it."""
 
 
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """What is drawn: vertices (n, 3), faces (m, 3), corners of the base (k, 2 or 3), the direction that the arrow takes."""
+
+    vertices_m: Array
+    faces: NDArray[np.int64]
+    footprint_m: Array
+    weakest_deg: float
+
+
 def scan_picture(solid: Solid, rotation: Array, name: str) -> Picture:
     """The solid with its base and weakest direction; `rotation` (3, 3) is from the axes of the file `name` to the solid's."""
     weakest = weakest_azimuth_deg(solid.footprint_m)
     balance = float(np.rad2deg(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0]))
+    words = f"weakest towards {weakest:.0f}° from x: balances at {balance:.1f}°"
+    shapes: list[Shape] = [Text(0.5 * SIDE, 46.0, words, colour=WEAKEST)]
+    shapes += _standing(Figure(np.asarray(solid.vertices_m), np.asarray(solid.faces), solid.footprint_m, weakest))
     view = _view(weakest + FROM_WEAKEST_DEG)
-    size = float(np.linalg.norm(np.ptp(solid.vertices_m, axis=0)))
-    scale = (SIDE - 2 * MARGIN) / size
-    centre = 0.5 * (solid.vertices_m.min(axis=0) + solid.vertices_m.max(axis=0))
+    shapes += _axes(view, rotation, MARGIN, "the file's")
+    shapes += _axes(view, np.eye(3), SIDE - MARGIN, "the scene's")
+    shapes.append(Text(0.5 * SIDE, 24.0, f"{name}: {solid.height_m:.3g} m high, on {len(solid.footprint_m)} corners"))
+    return Picture(SIDE, SIDE, shapes)
+
+
+def directions_picture(figure: Figure) -> Picture:
+    """The statue on a floor on which the directions stand by their angles, no higher than it needs to be."""
+    shapes = _standing(figure)
+    heights = np.concatenate([shape.points_px[:, 1] for shape in shapes if isinstance(shape, Path)])
+    top, bottom = float(heights.min()) - MARGIN / 3.0, float(heights.max()) + MARGIN / 3.0
+    return Picture(SIDE, bottom - top, moved(shapes, 0.0, -top))
+
+
+def _standing(figure: Figure) -> list[Shape]:
+    """The floor's directions, the body, its base and the arrow, seen from beside the arrow."""
+    vertices, faces = figure.vertices_m, figure.faces
+    view = _view(figure.weakest_deg + FROM_WEAKEST_DEG)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    around = CLEAR * float(np.linalg.norm(vertices[:, :2], axis=1).max())
+    size = max(float(np.linalg.norm(high - low)), 2.0 * around)
+    scale, centre = (SIDE - 2 * MARGIN) / size, 0.5 * (low + high)
 
     def place(points: Array) -> Array:
         seen = scale * (np.atleast_2d(points) - centre) @ view.T
         return np.column_stack([0.5 * SIDE + seen[:, 0], 0.5 * SIDE - seen[:, 1]])
 
-    towards = np.array([np.cos(np.deg2rad(weakest)), np.sin(np.deg2rad(weakest)), 0.0])
-    reach = float(np.max(solid.footprint_m[:, :2] @ towards[:2]))
-    tip = (reach + 0.3 * size) * towards
-    (x, y), start = place(tip)[0], place(np.zeros(3))[0]
+    def level(azimuth_deg: Array | float) -> Array:
+        turns = np.atleast_1d(np.deg2rad(azimuth_deg))
+        return np.column_stack([np.cos(turns), np.sin(turns), np.zeros(len(turns))])
+
+    shapes: list[Shape] = [line(place(around * level(np.arange(0.0, 361.0, 3.0))), MUTED)]
+    shapes += [line(place(np.outer([0.93, 1.0], around * level(azimuth))), MUTED) for azimuth in range(0, 360, 15)]
+    apart = (np.arange(0, 360, NAMED_DEG) - figure.weakest_deg + 180.0) % 360.0 - 180.0
+    for azimuth in np.arange(0, 360, NAMED_DEG)[np.abs(apart) > COVERED_DEG]:
+        x, y = place((around + 18.0 / scale) * level(azimuth))[0].tolist()
+        shapes.append(Text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
+    towards = level(figure.weakest_deg)[0]
+    reach = float(np.max(figure.footprint_m[:, :2] @ towards[:2]))
+    (x, y), start = place((reach + 0.3 * size) * towards)[0], place(np.zeros(3))[0]
     back = (start - np.array([x, y])) / np.linalg.norm(start - np.array([x, y]))
     across = np.array([-back[1], back[0]])
     head = np.array([x, y]) + 14.0 * np.array([[0.0, 0.0], back + 0.45 * across, back - 0.45 * across])
-    footprint = place(np.column_stack([solid.footprint_m[:, :2], np.zeros(len(solid.footprint_m))]))
-    vertices, faces = np.asarray(solid.vertices_m), np.asarray(solid.faces)
+    footprint = place(np.column_stack([figure.footprint_m[:, :2], np.zeros(len(figure.footprint_m))]))
     if len(faces) > MOST_FACES:
         vertices, faces = decimated(vertices, faces, MOST_FACES)
-    shapes: list[Shape] = _faces(vertices, faces, view, place)
-    shapes += [area(footprint, BASE, BASE, 2.0, opacity=0.35), line([start, (x, y)], WEAKEST, 3.0), area(head, WEAKEST)]
-    words = f"weakest towards {weakest:.0f}° from x: balances at {balance:.1f}°"
-    shapes.append(Text(0.5 * SIDE, 46.0, words, colour=WEAKEST))
-    shapes += _axes(view, rotation, MARGIN, "the file's")
-    shapes += _axes(view, np.eye(3), SIDE - MARGIN, "the scene's")
-    shapes.append(Text(0.5 * SIDE, 24.0, f"{name}: {solid.height_m:.3g} m high, on {len(solid.footprint_m)} corners"))
-    return Picture(SIDE, SIDE, shapes)
+    shapes += _faces(vertices, faces, view, place)
+    return [*shapes, area(footprint, BASE, BASE, 2.0, 0.35), line([start, (x, y)], WEAKEST, 3.0), area(head, WEAKEST)]
 
 
 def _view(azimuth_deg: float) -> Array:

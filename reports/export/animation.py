@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History
+from harness.model.in_space import SOLID_COLUMNS
 from harness.records.result_folder import MARK, check_marked, writing
 from reports.charts.histories import histories_figure
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.charts.static_svg import picture
 from reports.charts.static_svg_axes import Axis, axes
 from reports.drawing.display_mesh import display_mesh
-from reports.drawing.kinematics import SOLID_COLUMNS, Section, posed_in_space_m, section
+from reports.drawing.kinematics import Section, posed_in_space_m, section
 from reports.drawing.replay import default_model
 from reports.drawing.shapes import Path, Shape, Text, area, box, line, moved
 from reports.drawing.silhouette import silhouette_m

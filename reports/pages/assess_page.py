@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from harness.assess.words import advice, reserve, room
+from markupsafe import Markup
+
+from harness.assess.by_model import MODEL
+from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
 from harness.records.assess import (
     Assessment,
     AssessRecord,
+    ClearanceByModel,
     ClearanceRecord,
     FragilityRecord,
     Index,
@@ -19,9 +23,13 @@ from harness.records.assess import (
     OptionsRecord,
     ProbabilityDifference,
     percent,
+    planar_alone,
 )
 from reports.charts.palette import HAIRLINE, INK, MUTED
+from reports.drawing.conservator_pictures import plan_svg
+from reports.drawing.floor_plan import probable_plan
 from reports.text.chance import tone_of_answers
+from reports.text.language import ENGLISH
 from reports.text.numbers import digits
 from reports.text.wording import Verdict
 
@@ -34,21 +42,17 @@ TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
 def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
     """Everything that the assess template shows."""
     return {
-        "title": record.title,
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
         "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
-        "assumed": record.assumed,
         "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
         "chart": None if record.fragility is None else _chart(record.fragility),
+        "chart_model": None if record.fragility is None else record.fragility.model,
         "advice": [] if record.options is None else advice(record.options),
         "options": None if record.options is None else _options(record.options),
         "room": None if record.clearance is None else room(record.clearance),
+        "plan": _plan(record),
         "clearance": [] if record.clearance is None else _clearance(record.clearance),
-        "notes": record.notes,
-        "seed": record.seed,
-        "versions": record.versions,
-        "machine": record.machine,
     }
 
 
@@ -60,6 +64,7 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     # What knows all of the shaking speaks first; the most probable fall decides the colour.
     first = next((name for name, item in answers.items() if not item.plane_only), next(iter(answers)))
     points = [f"{name}: {item.sentence}." for name, item in answers.items()]
+    points += planar_alone(answers, record.scene.file)
     points += [_difference(name, item) for name, item in record.difference_from_model.items()]
     if record.fragility is not None:
         points.append(reserve(record.fragility, record.plane_only))
@@ -118,6 +123,8 @@ def _options(record: OptionsRecord) -> dict[str, object]:
         "words": [(item.name, _source(item)) for item in record.options if item.what],
         "left_out": record.left_out,
         "draws": record.draws,
+        "model": record.model,
+        "planar": record.model == MODEL,
         "fewer": sorted({item.draws for item in record.options} - {record.draws}),
         "level": percent(record.difference_level),
     }
@@ -133,16 +140,42 @@ def _option(item: OptionAnswer) -> list[str]:
         )
         shown = "helps" if item.helps else "harms" if item.harms else "not shown"
         points = f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
-    slips = [f"{slip:.3f} m" if item.slip_high_m > 0.0 else "none" for slip in (item.slip_median_m, item.slip_high_m)]
+    slips = [_slip(slip, item.slip_high_m) for slip in (item.slip_median_m, item.slip_high_m)]
     return [cell.replace(" ", "\u00a0") for cell in (falls, shown, interval, points, *slips)]
 
 
-def _clearance(item: ClearanceRecord) -> list[tuple[str, list[str]]]:
-    """Rows of quantiles: the outline's room and the pedestal's slip on both sides, m."""
-    columns = item.right_m, item.left_m, item.slip_right_m, item.slip_left_m
-    rows = zip(*(column or () for column in columns), strict=True)
-    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in rows)
-    return [(f"{percent(share)} of 100", row) for share, row in zip(item.share, cells, strict=False)]
+def _slip(slip_m: float | None, most_m: float | None) -> str:
+    if slip_m is None:
+        return "not followed"
+    return f"{slip_m:.3f} m" if most_m else "none"
+
+
+def _plan(record: AssessRecord) -> Markup | None:
+    if record.clearance is None or (plan := probable_plan(record.clearance, CLEAR)) is None:
+        return None
+    return plan_svg(record.scene, plan, room(record.clearance), ENGLISH)
+
+
+def _clearance(item: ClearanceRecord) -> list[dict[str, object]]:
+    """For each model a table by direction: quantiles of the outline's way, and of its top's and the pedestal's at one share."""
+    return [{"name": name, "heads": _heads(answer), "rows": _rooms(answer)} for name, answer in item.answered.items()]
+
+
+def _heads(item: ClearanceByModel) -> list[str]:
+    outline = [f"outline, {percent(share)} of 100" for share in item.share]
+    return [*outline, *(f"{part}, {percent(CLEAR)} of 100" for part in ("top", "pedestal"))]
+
+
+def _rooms(item: ClearanceByModel) -> list[tuple[str, list[str]]]:
+    at = list(item.share).index(CLEAR)
+    columns = zip(*item.outline_m, item.top_m[at], item.pedestal_m[at], strict=True)
+    cells = ([f"{value:.3f} m".replace(" ", "\u00a0") for value in row] for row in columns)
+    return [(_towards(angle), row) for angle, row in zip(item.direction_deg, cells, strict=True)]
+
+
+def _towards(angle_deg: float) -> str:
+    side = {0.0: "right", 90.0: "back", 180.0: "left", 270.0: "front"}.get(angle_deg)
+    return f"{angle_deg:g}°" + (f", {side}" if side else "")
 
 
 def _source(item: OptionAnswer) -> str:
@@ -157,7 +190,7 @@ def _chart(fragility: FragilityRecord) -> dict[str, object]:
             "x": fragility.factor,
             "y": fragility.probability_overturned,
             "line": {"color": INK, "width": 2},
-            "name": "analytic",
+            "name": fragility.model,
             "showlegend": False,
             "hovertemplate": "× %{x:.2f}: %{y:.0%}<extra></extra>",
         },

@@ -38,18 +38,12 @@ def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
     rows, scenes = record.rows, list(dict.fromkeys(row.scene for row in record.rows))
     charts = [(f"work-{k}", scene, precision_figure(scene, rows, record.target_rad)) for k, scene in enumerate(scenes)]
     return {
-        "title": record.title,
         "verdict": bench_verdict(record),
-        "chips": [],
         "charts": charts,
         "scaling": scaling_figure(record.scaling) if record.scaling else None,
         "extra": tables(record),
         "heads": HEADS,
         "tables": [(scene, [_cells(row, rows) for row in rows if row.scene == scene]) for scene in scenes],
-        "command": record.command,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

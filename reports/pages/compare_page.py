@@ -38,7 +38,6 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     # Both may have the same name, in two folders.
     names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")
     return {
-        "title": record.title,
         "verdict": Verdict(
             f"{scores.a} and {scores.b} {scores.verdict}",
             "agree" if scores.verdict.startswith("agree") else "differ",
@@ -47,8 +46,6 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
         "figure": compare_figure(names, a, b),
         "rows": [(words, [meaning, *cells]) for words, meaning, cells in score_rows({record.title: scores})],
         "command": shlex.join(["rockcheck", "compare", scores.a, scores.b, "--out", folder.name]),
-        "versions": record.versions,
-        "machine": record.machine,
     }
 
 

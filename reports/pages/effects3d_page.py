@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.records.effects3d import BASELINE, SOLID, Band, EffectsRecord
 from reports.charts.palette import look
-from reports.drawing.effects_figures import changes, curves, rose
+from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.run_page import replay_values
 from reports.source import run_source
@@ -45,13 +45,13 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     source = run_source(folder / record.replay.folder) if record.replay else None
     replay = replay_values(source) if source is not None and source.histories else None
     return {
-        "title": record.title,
         "verdict": effects_verdict(record),
         "chips": [
             {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
             for name in engines
         ],
         "picture": scene_svg(record.scene),
+        "directions": source and directions(record, source),
         "scene_title": record.scene.title,
         "rose": rose(record).svg(ROSE_WORDS),
         "keys": [{"name": item.name, "colour": item.colour} for item in curves(record)],
@@ -66,14 +66,10 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
         "replay": replay,
         "replay_words": replay_words(record),
         "summary": record.summary.sentence,
-        "notes": record.notes,
         "resolution": f"{100.0 * record.study.search.resolution:g}",
         "most": f"{record.study.search.most_g:g}",
         "command": f"rockcheck study {shlex.quote(record.file)}",
         "replay_command": "" if record.replay is None else record.replay.command,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

@@ -19,6 +19,7 @@ from reports.charts.library import chart_library
 from reports.charts.palette import DARK, dark_css
 from reports.pages.assets import environment, source_text
 from reports.text.language import Language, language
+from reports.text.numbers import unit
 
 REPORT_NAME: Final = "report.html"
 CONSERVATOR_NAME: Final = "conservator.html"
@@ -41,7 +42,8 @@ PAGES: Final = {
     "stress": "reports.pages.stress_page",
     "compare": "reports.pages.compare_page",
 }
-"""Which module knows each kind of record: its `context(folder, record)` gives the values of its template."""
+"""Which module knows each kind of record: its `context(folder, record)` gives the values of its template
+beside the record's own fields."""
 
 
 def write_report(folder: Path, language_code: str = "en") -> Path:
@@ -79,9 +81,15 @@ def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], 
 
 
 def _report(folder: Path, record: Record) -> str:
-    values = import_module(PAGES[record.kind]).context(folder, record)
+    values = _common(record) | import_module(PAGES[record.kind]).context(folder, record)
     machinery = {"script": source_text("page.js"), "chart_library": chart_library(), "dark": DARK}
     return _render(f"{record.kind}.html.j2", values | machinery)
+
+
+def _common(record: Record) -> dict[str, object]:
+    """What a template sees of any record: its fields as they are, unless its page says them in its own way, and its seconds."""
+    seconds = getattr(record, "seconds", None)
+    return {**vars(record), "chips": [], "seconds": "" if seconds is None else unit(seconds, "s")}
 
 
 def _conservator(folder: Path, record: Record, say: Language) -> str:

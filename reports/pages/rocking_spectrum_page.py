@@ -21,7 +21,6 @@ def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
     sizes, shapes = len(record.size_m), len(record.slenderness)
     law = "of the momentum balance" if record.restitution == "momentum" else digits(float(record.restitution))
     return {
-        "title": record.title,
         "verdict": verdict(record),
         "falls": _map(record, record.probability_overturned, "P", 1.0),
         "peaks": _map(record, record.peak_median, "peak/α", 1.0),
@@ -36,8 +35,6 @@ def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
             for item in record.motions
         ],
         "summary": str(record.summary),
-        "versions": record.versions,
-        "machine": record.machine,
     }
 
 

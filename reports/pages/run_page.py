@@ -45,7 +45,6 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
     source = source_of(folder, record)
     names = list(source.runs)
     return {
-        "title": record.title,
         "kind": "run",
         "verdict": run_verdict(source),
         "chips": [
@@ -87,9 +86,6 @@ def context(folder: Path, record: RunRecord) -> dict[str, object]:
         },
         "toml": toml_text(source.scene.toml) if source.scene.toml else None,
         "command": command(source),
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from harness.records.stress import Cell, StressRecord
-from reports.text.numbers import count_word, unit
+from harness.records.stress import Cell, StressRecord, sentences
 from reports.text.wording import Verdict
 
 SIGNS: Final = {"stable": "●", "inaccurate": "◐", "drifting": "↗", "diverged": "✕"}
@@ -18,51 +16,20 @@ def context(_folder: Path, record: StressRecord) -> dict[str, object]:
     """Everything that the stress template shows."""
     engines = list(dict.fromkeys(cell.engine for cell in record.cells))
     return {
-        "title": record.title,
         "verdict": stress_verdict(record),
-        "chips": [],
         "maps": [(engine, *stability_map(engine, record.cells), notes(engine, record.cells)) for engine in engines],
         "signs": SIGNS,
         "engines": list(dict.fromkeys(name for scene in record.scenes for name in scene.got)),
-        "scenes": record.scenes,
-        "fuzz": record.fuzz,
-        "command": record.command,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 
 def stress_verdict(record: StressRecord) -> Verdict:
-    """How many hard scenes came out as they must, what the maps hold, what the mutated inputs did."""
-    scenes = record.scenes
-    wrong = [scene.name for scene in scenes if not scene.holds]
-    counts = Counter(cell.category for cell in record.cells)
-    unexplained = [cell for cell in record.cells if cell.unexplained]
-    held = ", ".join(f"{counts[name]} {name}" for name in SIGNS if counts[name])
-    points = [f"Cells of the stability maps: {held}."] if counts else []
-    if unexplained:
-        points.append(f"{len(unexplained)} cells of the maps that are not stable stand without an explanation.")
-    points += [f"{name} was not run: {why}." for name, why in record.absent.items()]
-    known = [scene.name for scene in scenes if scene.known]
-    if known:
-        points.append(f"Known failures, each with the setting that avoids it: {', '.join(known)}.")
-    inputs, bad = sum(item.inputs for item in record.fuzz), sum(item.harm for item in record.fuzz)
-    if inputs:
-        points.append(f"Of {inputs} mutated inputs {bad} ended in a traceback, a hang or a half-written output.")
-    left = [f"{part.part} ({len(part.left)} to do)" for part in record.parts if part.left]
-    if left:
-        points.append(f"Not measured yet: {', '.join(left)}.")
-    if not scenes:
-        return Verdict("No hard scene was run", "differ", points)
-    if wrong:
-        headline = f"{count_word(len(wrong)).capitalize()} of {len(scenes)} hard scenes did not come out as they must"
-        return Verdict(headline, "failed", [*(f"Wrong: {name}." for name in wrong), *points])
-    return Verdict(
-        f"All {len(scenes)} hard scenes come out as they must",
-        "differ" if unexplained or bad or left else "agree",
-        points,
-    )
+    """How many hard scenes came out as they must, then what else the record says."""
+    if not record.scenes:
+        return Verdict("No hard scene was run", "differ", sentences(record))
+    first, *points = sentences(record)
+    wrong = any(not scene.holds for scene in record.scenes)
+    return Verdict(first.removesuffix("."), "failed" if wrong else "agree" if record.holds else "differ", points)
 
 
 def stability_map(engine: str, cells: Sequence[Cell]) -> tuple[list[str], list[tuple[str, list[Cell | None]]]]:

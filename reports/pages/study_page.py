@@ -56,9 +56,7 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
     keys = varying_keys(cases)
     charts, rose = study_charts(record, models, cases, keys), rose_picture(models, cases)
     return {
-        "title": record.title,
         "verdict": study_verdict(record, models, cases),
-        "chips": [],
         "picture": scene_svg(record.scene),
         "scene_title": record.scene.title,
         "vary": [(label(key), ", ".join(_shown(value) for value in values)) for key, values in record.vary.items()],
@@ -81,16 +79,11 @@ def context(folder: Path, record: StudyRecord) -> dict[str, object]:
         "rose": None if rose is None else rose.svg(ROSE_WORDS),
         "has_map": any(name.startswith("map") for name, _, _ in charts),
         "summary": record.summary.sentence,
-        "audit": record.audit,
-        "witness": record.witness,
         "reasons": Counter(row.reason for row in record.rows).most_common(),
         "notes": weighed([*study_warnings(record.rows), *record.notes]),
         "usage": "" if record.usage is None else record.usage.sentence,
         "engine_seconds": [(name, unit(value, "s")) for name, value in record.engine_seconds.items()],
         "command": f"rockcheck study {shlex.quote(record.file)}",
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
         "panel_script": source_text("panels.js"),
     }
 

@@ -26,11 +26,9 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
     return {
         "title": f"Validation against {record.count} measured tosses",
         "verdict": tosses_verdict(record),
-        "chips": [],
         "names": list(models),
         "score_rows": score_rows(models),
         "fitted": {name: fitted_words(item) for name, item in models.items()},
-        "absent": record.absent,
         "shares": (len(record.fitted_on), record.count - len(record.fitted_on)),
         "raised": {key: unit(value, "m") for key, value in vars(record.raised_m).items()},
         "charts": [
@@ -39,9 +37,6 @@ def context(folder: Path, record: TossesRecord) -> dict[str, object]:
         ],
         "rows": toss_rows(models),
         "command": command(record),
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 
@@ -58,6 +53,11 @@ def tosses_verdict(record: TossesRecord) -> Verdict:
     ]
     points += [
         f"{name} could not compute {len(item.failed)} tosses." for name, item in record.models.items() if item.failed
+    ]
+    points += [
+        f"{name} ended {len(item.ended_s)} tosses before their last frame: its last pose is held there."
+        for name, item in record.models.items()
+        if item.ended_s
     ]
     sentence = f"{best} is nearest: its rotation is off by {unit(known[best], 'rad')} at the median of all frames"
     return Verdict(sentence, "agree", points)
@@ -91,7 +91,7 @@ def fitted_words(item: TossModel) -> str:
 
 
 def _missed(value_m: float | None) -> str:
-    return "not every toss could be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
+    return "most could not be computed" if value_m is None else f"{1e3 * value_m:.1f} mm"
 
 
 def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:

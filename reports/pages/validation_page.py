@@ -31,17 +31,12 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
     return {
         "title": f"Validation against {record.tests} measured tests",
         "verdict": validation_verdict(record),
-        "chips": [],
         "names": [*models, BASELINE],
         "score_rows": score_rows(record),
         "pairs": pair_sentences(record.pairs),
         "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
         "charts": charts(record),
         "fitted": {name: _fitted(item.fitted) for name, item in models.items()},
-        "fit_share": record.fit_share,
-        "unfitted": record.unfitted,
-        "unexplained": record.unexplained,
-        "baseline": record.baseline,
         "models": list(models),
         "rows": [_row(row, list(models)) for row in record.rows],
         "histories": [
@@ -49,10 +44,6 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
         ],
         "settings": [(name, _settings(item)) for name, item in models.items()],
         "command": command(record),
-        "runs": record.runs,
-        "versions": record.versions,
-        "machine": record.machine,
-        "seconds": unit(record.seconds, "s"),
     }
 
 

@@ -88,6 +88,7 @@ VALIDITY_WORDS: Final[Mapping[str, str]] = {
 
 SKIP_WORDS: Final[Mapping[str, str]] = {
     "quiet_start": "the time before anything can move",
+    "quiet_rest": "the times of rest in which nothing can move",
     "quiet_end": "the time after everything has come to rest for good",
     "energy_outcome": "what follows once the outcome is certain",
     "base_only": "contact of parts other than the base",

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from harness.model.history import Outcome
+from harness.records.assess import planar_alone
 from harness.records.run import EngineRunRecord, RunRecord
 from harness.records.scores import ROBUST
 from reports.drawing.kinematics import section
@@ -42,7 +43,9 @@ def run_verdict(source: RunSource) -> Verdict:
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
     each = [f"{name}: {other.sentence}." for name, other in answers.items()] if len(answers) > 1 else []
-    return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), [*each, given, *nominal.points])
+    beyond = planar_alone(answers, source.scene.file)
+    points = [*each, *beyond, given, *nominal.points]
+    return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)
 
 
 def _nominal(source: RunSource) -> Verdict:

@@ -41,6 +41,7 @@ def test_integrals_follow_the_acceleration(motion: Excitation) -> None:
         scale = QUADRATURE_REL * max(motion.peak_m_s2, 1e-300)
         np.testing.assert_allclose(motion.velocity_m_s(t), velocity, rtol=0, atol=scale)
         np.testing.assert_allclose(motion.displacement_m(t), displacement, rtol=0, atol=scale)
+        assert motion.velocity_at(t[70_001]) == pytest.approx(float(motion.velocity_m_s(t[70_001])), rel=0, abs=scale)
         v0, d0 = velocity[-1], displacement[-1]
 
 

@@ -26,7 +26,7 @@ from analytic.kernel.records import Records
 from analytic.kernel.track import advance
 from analytic.problem import Options, Problem
 from analytic.solver import prepare
-from harness.bench.analytic_model import FORCED, STATUE
+from tests.measures.analytic_model import FORCED, STATUE
 
 Floats = NDArray[np.float64]
 ORDER: Final = 13

@@ -11,10 +11,9 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from harness import engines
-from harness.bench.contact_engines import KINDS, analytic_run
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.comparison.distance import errors
 from harness.model.options import RunOptions
+from tests.measures.contact_engines import KINDS, PAPER, analytic_run, paper_scene
 
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
 

@@ -18,13 +18,13 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.bench.seeded_scenes import random_scene, wide_scene
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.comparison.distance import errors
 from harness.engines.base import Engine, EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from tests.measures.contact_engines import PAPER, paper_scene
+from tests.measures.seeded_scenes import random_scene, wide_scene
 
 STEPS_S: Final = (4e-3, 1e-3, 2.5e-4)
 FINEST_S: Final = 1e-4

@@ -16,9 +16,9 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
-from harness.bench.standard_scenes import paper_scene
 from harness.engines.base import Engine, Settings
 from harness.model.options import RunOptions
+from tests.measures.contact_engines import paper_scene
 
 RUNS: Final = (100, 1000)
 """Runs after which the resident memory is read."""

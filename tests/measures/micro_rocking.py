@@ -1,6 +1,6 @@
 """Micro-rocking, in half-cycles of some milliseconds that decide what follows: an engine's error by step, a scene's sensitivity.
 
-`python -m tests.measures.micro_rocking ENGINE [SEED...]` prints a line per scene of `harness.bench.seeded_scenes.random_scene`.
+`python -m tests.measures.micro_rocking ENGINE [SEED...]` prints a line per scene of `tests.measures.seeded_scenes.random_scene`.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines
-from harness.bench.contact_engines import analytic_run
-from harness.bench.seeded_scenes import random_scene
 from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
+from tests.measures.contact_engines import analytic_run
+from tests.measures.seeded_scenes import random_scene
 
 SEEDS: Final = (10129, 20399, 20809, 20844, 20866)
 """Well-conditioned scenes that whole steps missed, by up to 0.2 rad at every step of 0.5 ms and more."""

@@ -14,7 +14,7 @@ from typing import Final, final
 
 import analytic
 from analytic.constants import GRAVITY_M_S2
-from harness.bench.pages import renew_tables, table
+from tests.measures.pages import renew_tables, table
 
 PAGE: Final = "paper_forms.md"
 MODULE: Final = "tests.measures.paper_forms"

@@ -14,7 +14,6 @@ import numpy as np
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import engines
-from harness.bench.pages import renew, table
 from harness.comparison.distance import errors
 from harness.engines.analytic import block_of
 from harness.input.mesh_statue import statue_of
@@ -22,6 +21,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Scene, Statue
 from meshes.solid import solid_from_mesh
+from tests.measures.pages import renew, table
 
 WIDTH_M: Final = 0.4
 HEIGHT_M: Final = 1.2

@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from harness import engines
-from harness.bench.seeded_scenes import random_scene
 from harness.comparison.distance import error_rad
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests.measures.mechanisms import Change, changed
+from tests.measures.seeded_scenes import random_scene
 
 STEP_S: Final = 1e-3
 COUNT, FIRST_SEED = 60, 780_000

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import analytic
-from harness.bench.pages import DOCS, renewed
 from tests.measures import paper_forms
+from tests.measures.pages import DOCS, renewed
 
 
 @pytest.fixture(scope="module")

@@ -15,13 +15,13 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.bench.pages import renew, table
-from harness.bench.seeded_scenes import random_scene
 from harness.bench.skips import difference
 from harness.engines.base import Engine
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from tests.measures.pages import renew, table
+from tests.measures.seeded_scenes import random_scene
 
 FIRST_SEED: Final = 30_000
 SCENES: Final[Mapping[str, int]] = {"analytic": 100, "pymunk": 100, "pybullet": 100, "mujoco": 20}

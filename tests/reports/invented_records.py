@@ -1,4 +1,4 @@
-"""Invented records of a validation, a bench and a stress run for the pages' own tests; scores are the harness's own."""
+"""Invented records of most kinds for the pages' own tests; scores are the harness's own."""
 
 from __future__ import annotations
 
@@ -8,18 +8,22 @@ from typing import Any
 
 import numpy as np
 
+from harness.assess.assessment import assess
 from harness.comparison.comparator import compare
+from harness.comparison.history_files import compare_files
+from harness.comparison.history_files import write_comparison as write_comparison_of
 from harness.comparison.statistics import fragility
 from harness.comparison.statistics.outcomes import FELL, Case, score_outcomes
 from harness.model import run as record
 from harness.model.history import Outcome
-from harness.records.base import plain
+from harness.records.base import as_file, plain
 from harness.records.bench import BenchRecord, Choice, Covered, PartRow, PrecisionRow, ScalingRow, SkipRow
 from harness.records.scores import Scores
 from harness.records.sets import FragilityCurve
 from harness.records.stress import Cell, HardRow, Mutated, StressRecord
 from harness.records.validation import FallScores
 from tests import doubles
+from tests.scenes_for_tests import paestum
 
 COMMON: dict[str, Any] = {"schema_version": record.SCHEMA_VERSION, "seconds": 20.0, "seed": 0}
 
@@ -199,3 +203,22 @@ def stress(*, sound: bool = True) -> StressRecord:
 def write_stress(folder: Path, *, sound: bool = True) -> Path:
     """The invented stress run in a folder."""
     return _write(folder, plain(stress(sound=sound)))
+
+
+def write_assessment(folder: Path) -> Path:
+    """The model's probability of the paper's statue over a few draws."""
+    folder.mkdir(parents=True)
+    found = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
+    record.write_json(folder / "result.json", as_file(found))
+    return folder
+
+
+def write_comparison(folder: Path) -> Path:
+    """Two histories given as files, one with few digits."""
+    folder.mkdir(parents=True)
+    a, b = folder.parent / "a.csv", folder.parent / "b.csv"
+    doubles.rocking().write_csv(a)
+    history = doubles.rocking()
+    np.savetxt(b, np.column_stack((history.t_s, history.theta_rad)), "%.5g", ",", header="t_s,theta_rad", comments="")
+    write_comparison_of(a, b, compare_files(a, b), folder)
+    return folder

@@ -10,6 +10,8 @@ import pytest
 
 from reports.pages.page import CONSERVATOR_NAME, write_report
 from tests.reports import invented_records, invented_study
+from tests.reports.invented_effects import write_effects
+from tests.reports.invented_records import write_assessment, write_comparison
 from tests.reports.invented_run import write_invented
 
 pytestmark = pytest.mark.browser
@@ -20,6 +22,9 @@ WRITERS = {
     "table": invented_study.write_table_study,
     "map": invented_study.write_map_study,
     "rose": invented_study.write_rose_study,
+    "effects": write_effects,
+    "assessment": write_assessment,
+    "comparison": write_comparison,
     "validation": invented_records.write_validation,
     "bench": invented_records.write_bench,
     "stress": invented_records.write_stress,
@@ -56,6 +61,23 @@ def opened(browser: Any, pages: dict[str, Path]) -> Iterator[Callable[[str, str]
 def test_no_rule_is_broken(opened: Callable[[str, str], Any], name: str) -> None:
     page = opened(name, "light")
     assert page.evaluate(BROKEN) == []
+    page.close()
+
+
+@pytest.mark.parametrize("name", ["rose", "effects", "assessment", "comparison", "validation", "bench", "stress"])
+def test_it_fits_a_telephone_and_a_sheet(opened: Callable[[str, str], Any], name: str) -> None:
+    """No page scrolls sideways on either, and no command is cut at the sheet's edge."""
+    page = opened(name, "light")
+    for width, height, media in ((390, 844, "screen"), (794, 1123, "print")):
+        page.set_viewport_size({"width": width, "height": height})
+        page.emulate_media(media=media)
+        page.wait_for_function(
+            f"document.documentElement.scrollWidth <= {width}", timeout=10_000
+        )  # charts follow later
+    assert (
+        page.evaluate("[...document.querySelectorAll('pre')].filter((x) => x.scrollWidth > x.clientWidth + 1).length")
+        == 0
+    )
     page.close()
 
 

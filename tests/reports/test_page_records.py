@@ -160,12 +160,12 @@ def test_a_bench_names_who_meets_the_target_and_keeps_failures(tmp_path: Path) -
 
 
 def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
-    assert stress_verdict(invented_records.stress()).headline.startswith("All 2")
+    assert stress_verdict(invented_records.stress()).headline == "2 of 2 hard scenes come out as they must"
     invented_records.write_stress(tmp_path / "wrong", sound=False)
     wrong = stress_verdict(invented_records.stress(sound=False))
     assert wrong.tone == "failed"
-    assert "Wrong: vertical −1 g." in wrong.points
-    assert "without an explanation" in " ".join(wrong.points)
+    assert "“vertical −1 g” (wanted: " in " ".join(wrong.points)
+    assert "Unexplained: " in " ".join(wrong.points)
     assert shown(tmp_path / "wrong").count('class="claim does-not-hold"') == 1
 
 

@@ -23,6 +23,7 @@ from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import kinetic_energy, touches_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import rests
+from analytic.spatial.kernel.restitution import strike
 from analytic.spatial.kernel.track import note_event, note_interval
 from analytic.spatial.kernel.vectors import (
     Vector,
@@ -35,7 +36,6 @@ from analytic.spatial.kernel.vectors import (
     plus,
     put,
     row3,
-    to_body,
     to_table,
     vector,
 )
@@ -127,12 +127,13 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     rows, before_j = axes(m.y), kinetic_energy(s, m, m.y)
     size = limits(s, m, 10.0 * s.still_m_s, True)
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
-    if not choose(s, m, rows, to_body(rows, v0), True, size):
+    possible, returns = strike(s, m, rows, size)
+    if not possible:
         s.outcome = NO_MODE
         return
     cone = _worst_cone(s, m)
     m.impulse[:] = 0.0
-    if s.mode == FLAT_REST:
+    if s.mode == FLAT_REST and not returns:
         m.y[7:13] = 0.0
     else:
         put(m.y, 7, plus(v0, to_table(rows, vector(m.response, 0))))

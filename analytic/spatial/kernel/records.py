@@ -36,6 +36,8 @@ class Run:
     gravity_m_s2: float
     friction_static: float
     friction_kinetic: float
+    restitution: float
+    """Share of the normal velocity that an impact gives back."""
     duration_s: float
     overturn_cos: float
     """Cosine of the tilt at which the body counts as overturned."""

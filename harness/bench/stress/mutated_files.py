@@ -1,21 +1,16 @@
-"""Mutated input files: the fuzz of the source tree (`tests/fuzz`), run in processes of its own; its rows summed by kind.
-
-The packages alone do not hold it: where the source tree is not here, the record says so.
-"""
+"""Mutated input files: the fuzz of the source tree (`tests/fuzz`), run in processes of its own; its rows summed by kind."""
 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Final
 
+from harness.bench import source_tree
 from harness.campaign.parts import Row
 from harness.records.stress import Harm, Mutated
 
-ROOT: Final = Path(__file__).resolve().parents[3]
+FUZZ: Final = "tests.fuzz"
 PIECE: Final = 1000
 """Inputs of one process, of all kinds in turn: its start of two seconds is lost in them."""
 COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
@@ -29,7 +24,7 @@ SAID: Final = 2000
 
 def missing() -> str | None:
     """Why no file can be mutated here, or None."""
-    return None if (ROOT / "tests" / "fuzz").is_dir() else "tests/fuzz of the source tree is not here"
+    return source_tree.missing(FUZZ)
 
 
 def tasks(inputs: int) -> list[str]:
@@ -39,9 +34,7 @@ def tasks(inputs: int) -> list[str]:
 
 def compute(task: str) -> list[Row]:
     """A row for each kind of one piece, and one for the process where it died."""
-    first, last = task.removeprefix("inputs ").split(" to ")
-    command = [sys.executable, "-m", "tests.fuzz", first, last]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = source_tree.ask(FUZZ, *task.removeprefix("inputs ").split(" to "))
     rows = [json.loads(line) for line in done.stdout.splitlines()]
     # A file that did harm is a row; a process that ended before its last kind is one more.
     return rows if done.returncode in (0, HARM) else [*rows, *died(f"{task}: {done.stderr[-SAID:]}")]

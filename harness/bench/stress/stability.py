@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from importlib import import_module
 from typing import Any, Final
 
 from harness import engines
-from harness.bench.precision import largest
+from harness.bench import source_tree
+from harness.bench.precision import DEFAULTS
 from harness.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import SHAKEN, body, leaning
@@ -76,8 +77,8 @@ def compute(quick: bool, task: str) -> list[Row]:
     cells = list(
         explained(list(_cells_of(row, scene, engine, exact, quick)), partial(_converged, row, scene, engine, exact))
     )
-    if name == "pybullet":
-        cells += _hulls(row, scene, exact, cells)
+    if name == "pybullet" and not source_tree.missing(DEFAULTS):
+        cells += _hulls(row, cells, checks.allowed_rad(exact))
     return [asdict(cell) for cell in cells]
 
 
@@ -139,25 +140,18 @@ def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, str]:
     return ("stable" if all(item.holds for item in drifts) else "drifting"), evidence
 
 
-HULLS: Final = (
-    ("hull, own margin, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0}),
-    ("hull, margin 0, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4}),
-)
-"""pybullet's known failure, and the setting that avoids it on the floor."""
-
-
-def _hulls(row: Difficulty, scene: Scene, exact: Run, own: Sequence[Cell]) -> Iterator[Cell]:
+def _hulls(row: Difficulty, own: Sequence[Cell], allowed_rad: float) -> Iterator[Cell]:
     """pybullet's own hull, which this project does not use: with its default collision margin and without one.
 
     `own`: the row's cells of this project's contact, on spheres at the base's vertices, of which a stable one avoids a failure.
+    The hull's errors are measured by the source tree; without it there are no such cells.
     """
-    module = import_module("harness.bench.pybullet_defaults")
-    allowed, cells = checks.allowed_rad(exact), []
-    for label, given in HULLS:
-        t_s, theta = module.run(scene, module.EngineDefaults(**given))
-        error = largest(t_s[t_s <= checks.holds_until_s(exact)], theta, exact)
-        category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed else "stable"
-        evidence = f"error {error:.1e} rad of {allowed:.1e} rad allowed"
+    done = source_tree.ask(DEFAULTS, "--hull", row.name)
+    done.check_returncode()
+    cells = []
+    for label, error in json.loads(done.stdout):
+        category = "diverged" if not math.isfinite(error) else "inaccurate" if error > allowed_rad else "stable"
+        evidence = f"error {error:.1e} rad of {allowed_rad:.1e} rad allowed"
         cells.append(Cell("pybullet", label, row.name, category, evidence))
     whole = [cell for cell in own if cell.category == "stable" and not cell.short]
     yield from (replace(cell, explained=_hull_avoided(cell, cells[1], whole)) for cell in cells)

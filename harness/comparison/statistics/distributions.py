@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harness.model.history import Array
 from harness.records.scores import CONFIDENCE, Interval
-from harness.records.sets import DistributionScores
+from harness.records.sets import DistributionScores, LogPeaks
 
 RESAMPLES: Final = 1000
 """Bootstrap resamples: the 2.5 % quantile then rests on 25 of them, a standard error of 0.5 % in probability."""
@@ -97,17 +97,43 @@ def bootstrap(
     return Interval(float(value), float(low), float(high), confidence)
 
 
+def compare_logarithms(a: ArrayLike, b: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES) -> LogPeaks | None:
+    """Median and dispersion of positive values of the same cases (n,) in two models; intervals by resampling cases.
+
+    A pair stays a pair, so that what both models share of a motion's luck is in neither interval. None where one has no scatter.
+    """
+    x, y = (np.log(np.asarray(values, dtype=np.float64)) for values in (a, b))
+
+    def spread(cases: NDArray[np.intp]) -> float:
+        own, other = (float(np.std(values[cases], ddof=1)) for values in (x, y))
+        return own / other if other > 0.0 else np.nan
+
+    def middle(cases: NDArray[np.intp]) -> float:
+        return float(np.exp(np.median(x[cases]) - np.median(y[cases])))
+
+    median, ratio = (bootstrap(each, x.size, seed=seed, resamples=resamples) for each in (middle, spread))
+    if median is None or ratio is None:
+        return None
+    return LogPeaks(x.size, median, float(np.std(x, ddof=1)), float(np.std(y, ddof=1)), ratio)
+
+
 def compare_distributions(
-    a: ArrayLike, b: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES
+    a: ArrayLike, b: ArrayLike, *, seed: int = 0, resamples: int = RESAMPLES, paired: bool = False
 ) -> DistributionScores:
-    """Compare two samples (peak rotations of two models over many motions) by distribution."""
+    """Compare two samples (peak rotations of two models over many motions) by distribution.
+
+    `paired`: both are of the same cases in one order; the area's interval is then of the cases resampled, each pair as one.
+    """
+    first, second = (np.asarray(values, dtype=np.float64).ravel() for values in (a, b))
     x, y = _sample(a, "a"), _sample(b, "b")
     rng = np.random.default_rng(seed)
     pooled = np.concatenate((x, y))
     drawn = np.empty(resamples)
     null = np.empty(resamples)
     for k in range(resamples):
-        drawn[k] = area_metric(rng.choice(x, x.size), rng.choice(y, y.size))
+        i = rng.integers(0, x.size, x.size)
+        j = i if paired else rng.integers(0, y.size, y.size)
+        drawn[k] = area_metric(first[i], second[j])
         shuffled = rng.permutation(pooled)
         null[k] = area_metric(shuffled[: x.size], shuffled[x.size :])
     tail = 0.5 * (1.0 - CONFIDENCE)

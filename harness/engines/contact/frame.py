@@ -34,12 +34,11 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
 
 def mean_gravity(scene: Scene, start_s: float, end_s: float) -> tuple[float, float, float]:
     """The same for one step, m/s²."""
-    edges, length_s = np.array([start_s, end_s]), end_s - start_s
+    length_s = end_s - start_s
     mean = [0.0, 0.0, 0.0]
     for axis, item in enumerate((scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)):
         if not isinstance(item, ZeroExcitation):
-            before, after = item.velocity_m_s(edges)
-            mean[axis] = float(after - before) / length_s
+            mean[axis] = (item.velocity_at(end_s) - item.velocity_at(start_s)) / length_s
     return -mean[0], -mean[1], -mean[2] - scene.gravity_m_s2
 
 

@@ -34,10 +34,14 @@ def planar(up: Array, spin: Array) -> tuple[Array, Array]:
 
 def statue_columns(statue: Statue, turn: Array, centroid_m: Array) -> dict[str, Array]:
     """Pose of the statue, (n, 3, 3) and (n, 3) in the table's frame, as the columns that every 3D engine records."""
+    roll = np.arctan2(turn[:, 2, 1], turn[:, 2, 2])
+    sin, cos = np.sin(roll), np.cos(roll)
+    # A body on its side (pitch ±π/2) has roll and yaw about one axis: yaw is what is left after the roll, whatever that is.
+    yaw = np.arctan2(sin * turn[:, 0, 2] - cos * turn[:, 0, 1], cos * turn[:, 1, 1] - sin * turn[:, 1, 2])
     columns = {
-        "roll_rad": np.arctan2(turn[:, 2, 1], turn[:, 2, 2]),
-        "pitch_rad": np.arcsin(np.clip(-turn[:, 2, 0], -1.0, 1.0)),
-        "yaw_rad": np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0])),
+        "roll_rad": roll,
+        "pitch_rad": np.arctan2(-turn[:, 2, 0], np.hypot(turn[:, 2, 1], turn[:, 2, 2])),
+        "yaw_rad": np.unwrap(yaw),
         "out_of_plane_rad": np.arcsin(np.clip(turn[:, 1, 2], -1.0, 1.0)),
         "statue_y_m": centroid_m[:, 1] - centroid_m[0, 1],
     }

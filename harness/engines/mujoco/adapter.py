@@ -55,7 +55,7 @@ class Mujoco3D(Engine):
     name: ClassVar[str] = "mujoco"
     capabilities: ClassVar[Capabilities] = Capabilities(
         dimensions=3, uses_mesh=True, own_impact=True, pedestal_tips=True, statue_slips=True, flies=True, forces=True,
-        skips=frozenset({"no_history", "stop_at_overturn"}), edge_shape="the base's vertices alone",
+        posed_start=True, skips=frozenset({"no_history", "stop_at_overturn"}), edge_shape="the base's vertices alone",
     )  # fmt: skip
     order: ClassVar[float] = 1.0
 
@@ -122,7 +122,8 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
     gravity = frame.apparent_gravity(scene, edges)
     states, again = _stepped(mujoco, model, scene, own, gravity, options, repeats=repeats)
     marched = len(states) - 1
-    states = states[: _until_fallen(states)]
+    if scene.initial.pose is None:
+        states = states[: _until_fallen(states)]
     seen = trajectory(scene, own.dt_s, edges[: len(states)], gravity[: len(states) - 1, [0, 2]], states)
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     # A soft contact gives g τ² under the weight, τ being its time constant; over the base's width that is a rotation.
@@ -142,8 +143,12 @@ def _simulated(name: str, scene: Scene, own: MujocoSettings, options: RunOptions
 
 
 def _start(scene: Scene, own: MujocoSettings, data: Any) -> None:
-    """Stand the statue on the vertex about which its initial rotation turns it, half a step ahead of t = 0."""
-    statue, pedestal = scene.statue, scene.pedestal
+    """Stand the statue on the vertex about which its initial rotation turns it, half a step ahead of t = 0; or throw it."""
+    statue, pedestal, pose = scene.statue, scene.pedestal, scene.initial.pose
+    if pose is not None:
+        data.qpos[:7] = [*pose.position_m, *pose.quaternion_wxyz]
+        data.qvel[:6] = [*pose.velocity_m_s, *pose.angular_velocity_rad_s]
+        return
     theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
     base = statue.footprint_m[:, [0, 2]] - np.array([0.0, statue.centroid_height_m])
     cos, sin = math.cos(theta), math.sin(theta)
@@ -181,7 +186,8 @@ def _stepped(
             stuck, again = _follow(mujoco, model, data, scene, friction, rows[k], gravity[k] * own.dt_s, stuck)
             repeated += again
         rows[k + 1, :n], rows[k + 1, n:] = data.qpos, data.qvel
-        if k % BLOCK_STEPS == 0 and _may_end(own, options, k + 1, _axis(data.qpos[3:7])):
+        looks = k % BLOCK_STEPS == 0 and scene.initial.pose is None
+        if looks and _may_end(own, options, k + 1, _axis(data.qpos[3:7])):
             rows = rows[: k + 2]
             break
     return rows, repeated

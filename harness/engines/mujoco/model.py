@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from harness.model.scene import Scene
 
+Array = NDArray[np.float64]
+
 FOOT_M: Final = 1e-4
-"""Radius of the spheres at the base's vertices."""
+"""Radius of the spheres at the base's vertices, on which it stands."""
+POINT_M: Final = 1e-7
+"""Radius of those at all outer points of what is thrown: they lie outside of it by this, whichever way is down."""
 IMPEDANCE: Final = {True: 0.9999, False: 0.99}
 """Share of a contact's acceleration that its force gives, with a pedestal and without. At 0.9999 a foot lies 0.2 nm deep at
 0.25 ms: rounding lifts it off while it bears load, and MuJoCo drops a contact, its friction too, where it sees a gap. At 0.99 it
@@ -22,7 +29,7 @@ def model_xml(scene: Scene, dt_s: float, stiff_steps: float) -> str:
 
     stiff_steps: the contact's time constant in steps of dt_s.
     """
-    statue, pedestal, h = scene.statue, scene.pedestal, scene.statue.centroid_height_m
+    statue, pedestal = scene.statue, scene.pedestal
     impedance = IMPEDANCE[pedestal is not None]
     stiff = f'solref="{stiff_steps * dt_s:.9g} 1" solimp="{impedance} {impedance} 0.001 0.5 2"'
     i = statue.inertia_tensor_kg_m2
@@ -30,10 +37,10 @@ def model_xml(scene: Scene, dt_s: float, stiff_steps: float) -> str:
     inertia = " ".join(f"{value:.17g}" for value in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]))
     feet, pairs = [], []
     support = "floor" if pedestal is None else "pedestal"
-    touching = statue.footprint_m if statue.solid is None else statue.solid.feet_m
-    for k, (x, y, z) in enumerate(touching):
-        place = f"{x:.17g} {y:.17g} {z - h + FOOT_M:.17g}"
-        feet.append(f'<geom name="foot{k}" type="sphere" size="{FOOT_M}" pos="{place}" contype="0" conaffinity="0"/>')
+    radius = FOOT_M if scene.initial.pose is None else POINT_M
+    for k, (x, y, z) in enumerate(_feet(scene)):
+        place = f"{x:.17g} {y:.17g} {z:.17g}"
+        feet.append(f'<geom name="foot{k}" type="sphere" size="{radius}" pos="{place}" contype="0" conaffinity="0"/>')
         pairs.append(_pair(f"foot{k}", support, scene.contact.statue, stiff))
     bodies = (
         f'<body name="statue"><freejoint/><inertial pos="0 0 0" mass="{statue.mass_kg:.17g}" fullinertia="{inertia}"/>'
@@ -45,11 +52,25 @@ def model_xml(scene: Scene, dt_s: float, stiff_steps: float) -> str:
         bodies += f'<body name="block"><freejoint/>{box}</body>'
         pairs.append(_pair("pedestal", "floor", scene.contact.floor_static, stiff, name=FLOOR_PAIR))
     return (
-        f'<mujoco><option timestep="{dt_s:.17g}" cone="elliptic" solver="Newton" iterations="200" tolerance="1e-14" '
-        f'impratio="{IMPEDANCE_RATIO[pedestal is not None]:g}"/><worldbody>'
+        f'<mujoco><option timestep="{dt_s:.17g}" integrator="{integrator(scene)}" cone="elliptic" solver="Newton" '
+        f'iterations="200" tolerance="1e-14" impratio="{IMPEDANCE_RATIO[pedestal is not None]:g}"/><worldbody>'
         f'<geom name="floor" type="plane" size="100 100 1" contype="0" conaffinity="0"/>{bodies}</worldbody>'
         f"<contact>{''.join(pairs)}</contact></mujoco>"
     )
+
+
+def integrator(scene: Scene) -> str:
+    """MuJoCo's integrator: that of order four where a body is thrown, as the Euler one's gyroscopic torque is of first order."""
+    return "Euler" if scene.initial.pose is None else "RK4"
+
+
+def _feet(scene: Scene) -> Array:
+    """Centres of the feet from the centroid (n, 3): of the base's vertices, or of all outer points of what is thrown."""
+    statue = scene.statue
+    if scene.initial.pose is not None:
+        return statue.outer_points_m
+    base = np.asarray(statue.footprint_m if statue.solid is None else statue.solid.feet_m)
+    return np.asarray(base + np.array([0.0, 0.0, FOOT_M - statue.centroid_height_m]))
 
 
 def _pair(first: str, second: str, friction: float, stiff: str, name: str = "") -> str:

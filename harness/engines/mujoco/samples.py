@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from analytic.rotation import rotation_matrices
 from harness.engines.contact.spatial import planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
+from harness.engines.mujoco.model import integrator
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -32,7 +33,8 @@ def trajectory(scene: Scene, dt_s: float, t_s: Array, gravity_xz: Array, rows: A
     """Rows of positions and velocities, shape (n, nq + nv), as samples in the table's frame at t_s, shape (n,)."""
     pedestal = scene.pedestal is not None
     nq = 14 if pedestal else 7
-    q, v, half = rows[:, :nq], rows[:, nq:], 0.5 * dt_s
+    # RK4 moves both at once; semi-implicit Euler's places lead by half a step.
+    q, v, half = rows[:, :nq], rows[:, nq:], 0.5 * dt_s if integrator(scene) == "Euler" else 0.0
     zero = np.zeros(t_s.size)
     turn, spin = _back(q[:, 3:7], v[:, 3:6], half)
     centroid = q[:, :3] - half * v[:, :3]

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
 ON_FLOOR_RAD: Final = (7e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)
 """What the levels are expected to err by where the scene is planar and on the floor: at least twice the largest errors of
-`python -m harness.bench.pybullet_levels`, as random scenes err by more (docs/pybullet_contact.md).
+`python -m tests.measures.pybullet_levels`, as random scenes err by more (docs/pybullet_contact.md).
 """
 ON_PEDESTAL_RAD: Final = (6e-4, 4e-4, 1.5e-4, 5e-5, 4e-5, 2e-5, 5e-6)
 """The same on a pedestal, and"""
@@ -60,7 +60,7 @@ class Bullet3D(Engine):
         posed_start=True,
         moving_table=True,
         forces=True,
-        skips=frozenset({"quiet_start", "quiet_end", "base_only", "mirror", "no_history"}),
+        skips=frozenset({"quiet_start", "quiet_rest", "quiet_end", "base_only", "mirror", "no_history"}),
     )
     order: ClassVar[float] = 1.0
     agreements: ClassVar[int] = 1
@@ -121,7 +121,7 @@ class Bullet3D(Engine):
         report = Report(
             engine=self.name,
             settings=level.as_dict(),
-            steps=len(phases.record.t_s) - 1,
+            steps=len(phases.record.t_s) - 1 - phases.record.at_rest,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
             stuck_below_m_s=floor_friction(scene, level.dt_s).stuck_below_m_s,

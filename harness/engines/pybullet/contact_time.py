@@ -70,4 +70,4 @@ class ContactTimeEstimate:
 
     def _height(self, row: Row) -> tuple[float, float]:
         stepper = self.state.stepper
-        return self.touch.heights(row, stepper.table_place[2], stepper.table_rate[2])[self.foot]
+        return self.touch.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])

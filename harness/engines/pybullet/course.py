@@ -14,6 +14,7 @@ from harness.engines.pybullet import feet, loop, mirror, pose
 from harness.engines.pybullet.edge import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.loop import MOST_FREE, Watch
+from harness.engines.pybullet.rest_spell import RestSpells
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.step_state import StepState
@@ -22,7 +23,7 @@ from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
-from harness.statics.plan import first_motion_s
+from harness.statics.rest import LimitsOfRest, first_motion_s
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,9 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
         watch = _watch(scene, level, whole, options, crossing)
         rest_of = _part(scene, level, whole, schedule, watch, full=full, crossing=crossing, done=record)
         record = _joined(record, rest_of)
-    said = _skipped(scene, first * level.dt_s, full_from, record.rested, in_plane=setup.in_plane)
+    said = _skipped(
+        scene, first * level.dt_s, record.at_rest * level.dt_s, full_from, record.rested, in_plane=setup.in_plane
+    )
     return RunPhases(record, said, full_from, full, setup.mirrored)
 
 
@@ -134,16 +137,24 @@ def _watch(scene: Scene, level: BulletSettings, setup: Setup, options: RunOption
         p = scene.pedestal
         half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
         edges = EdgeWatch(setup.hull_m, half, LOOK_AHEAD_STEPS * level.dt_s, greatest_pull_m_s2(scene))
+    axis, rest = _vector(setup.axes[2]), _vector(setup.rest.rotation[:, 2])
+    limits = LimitsOfRest.of(scene) if options.allows("quiet_rest") and _may_be_skipped(scene, setup) else None
     return Watch(
-        axis=_vector(setup.axes[2]),
-        rest=_vector(setup.rest.rotation[:, 2]),
+        axis=axis,
+        rest=rest,
         quiet_from=math.ceil(end_s / level.dt_s) if may_rest else None,
         impose=scene.contact.restitution is not None,
         leave=edges if crossing is None else crossing,
         stop=options.stop,
         touch=touch_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
+        spells=None if limits is None else RestSpells(limits, setup.axes, axis, rest),
     )
+
+
+def _may_be_skipped(scene: Scene, setup: Setup) -> bool:
+    """Whether limits of rest are known: of a statue that rests upright on a table that is kept still in its own frame."""
+    return setup.rest.lean_rad == 0.0 and scene.table == "frame"
 
 
 def touch_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = False) -> ContactGaps:
@@ -196,6 +207,7 @@ def _joined(before: StepLog, after: StepLog) -> StepLog:
         before.flat + after.flat[after.width :],
         after.ledger,
         after.rested,
+        before.at_rest + after.at_rest,
     )
 
 
@@ -205,7 +217,7 @@ def quiet_start_s(scene: Scene, setup: Setup) -> float:
 
 
 def _skipped(
-    scene: Scene, quiet_s: float, full_from_s: float | None, rested: bool, *, in_plane: bool
+    scene: Scene, quiet_s: float, rest_s: float, full_from_s: float | None, rested: bool, *, in_plane: bool
 ) -> tuple[str, ...]:
     said = []
     if in_plane:
@@ -220,6 +232,8 @@ def _skipped(
             else "no part of the statue came below the pedestal's top or beside it, where its edges are"
         )
         said.append(f"base_only: collision shapes beyond the vertices that touch; {why}")
+    if rest_s > 0.0:
+        said.append(f"quiet_rest: {rest_s:.4g} s in all, in which the statue rests and nothing can move it")
     if rested:
         said.append("quiet_end: the rest of the run, in which statue and table are still")
     return tuple(said)

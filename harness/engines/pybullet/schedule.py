@@ -7,13 +7,14 @@ step before to the middle of this one. The first step begins with synchronous ve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.excitation import Excitation, ZeroExcitation
+from analytic.excitation import ZeroExcitation
 from harness.engines.contact import frame
 from harness.model.scene import Scene
 
@@ -56,18 +57,16 @@ class Schedule:
         if end_s <= start_s:
             return 0.0, 0.0, 0.0
         pull = [0.0, 0.0, -self.scene.gravity_m_s2 * (end_s - start_s) / step_s]
-        edges = np.array([start_s, end_s])
-        for axis, part in self._parts:
-            before, after = part.velocity_m_s(edges).tolist()
-            pull[axis] -= (after - before) / step_s
+        for axis, velocity in self._velocities:
+            pull[axis] -= (velocity(end_s) - velocity(start_s)) / step_s
         return pull[0], pull[1], pull[2]
 
     @cached_property
-    def _parts(self) -> list[tuple[int, Excitation]]:
-        """The axes along which the frame is accelerated, with their motions."""
+    def _velocities(self) -> list[tuple[int, Callable[[float], float]]]:
+        """The axes along which the frame is accelerated, with the velocities of their motions, m/s, at one time each."""
         base_excitation = self.scene.base_excitation
         parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
-        return [(axis, part) for axis, part in parts if not isinstance(part, ZeroExcitation)]
+        return [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
 
     def table(self, t_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step and its mean velocity in it."""

@@ -150,6 +150,19 @@ class StepState:
             stepper.look(pulls, before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
+    def rest(self, count: int) -> None:
+        """So many whole steps in which nothing can move: samples as they are, without velocities, and no step of Bullet's."""
+        row, record = self.row, self.record
+        self.row = (*row[:7], *NO_PULL, *NO_PULL, *row[13:20], *(0.0 for _ in row[20:]))
+        record.flat.frombytes(count * record.pack(*self.row))
+        numbers = range(self.number + 1, self.number + count + 1)
+        record.t_s.extend([number * self.step_s for number in numbers])
+        record.kick_s.extend([(number - 0.5) * self.step_s for number in numbers])
+        record.at_rest += count
+        self.number += count
+        self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
+        self.jolted, self.jolts, self.half_cycle = False, 0, None
+
     def _foresee(self, kick_s: float, length_s: float) -> None:
         """What Bullet's gyroscopic torque misses in a step that takes the velocities to `kick_s`; after an impact their change
         is not known yet.

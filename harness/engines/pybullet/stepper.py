@@ -47,7 +47,8 @@ STICKS_BELOW: Final = 0.3
 class StepLog:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
-    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before.
+    `t_s` are times of the places, `kick_s` of the velocities, at most half a step before; `at_rest` counts the samples that no
+    step made, as nothing could move.
     """
 
     width: int
@@ -56,6 +57,7 @@ class StepLog:
     flat: array[float] = field(default_factory=lambda: array("d"))
     ledger: Ledger = field(default_factory=Ledger)
     rested: bool = False
+    at_rest: int = 0
 
     @property
     def rows(self) -> Array:

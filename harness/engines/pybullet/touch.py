@@ -34,6 +34,8 @@ REST_M: Final = 1e-7
 """so far the solver iterations may leave one that rests."""
 LATE: Final = 0.05
 """A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
+SOON_STEPS: Final = 8
+"""Steps ahead for which the feet that can come down are looked for among many."""
 FEW: Final = 12
 """Up to so many feet plain numbers are quicker than arrays."""
 
@@ -55,8 +57,12 @@ class ContactGaps:
     ) -> None:
         statue = scene.statue
         self.feet_m, self.half_m, self.within_m = np.ascontiguousarray(feet_m), half_m, within_m
+        self.feet = [tuple(foot) for foot in feet_m.tolist()]
         few = len(feet_m) <= FEW and within_m is None
-        self.few = [tuple(foot) for foot in feet_m.tolist()] if few else None
+        self.few = self.feet if few else None
+        # Numbers of the feet that can come down soon, and until when no other can.
+        self.soon, self.soon_until_s = list(range(len(feet_m))), math.inf if few else -math.inf
+        self.ahead_s, self.distances_m = SOON_STEPS * step_s, np.linalg.norm(feet_m, axis=1)
         self.base_m = statue.corner_left_m + statue.corner_right_m
         # What rocks out of its plane stands on feet that close and open all the time.
         least = max(LEAST_RAD_S, LEAST_RAD_S2 * step_s) if scene.planar else LEAST_RATE_RAD_S
@@ -67,21 +73,29 @@ class ContactGaps:
         self.drift_m_s2 = self.drift_s * step_s
         self.late_s = LATE * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
-        self.bounds = 2.0 * pull / statue.centroid_height_m * np.linalg.norm(feet_m, axis=1)
+        self.bounds = 2.0 * pull / statue.centroid_height_m * self.distances_m
         self.bound = self.bounds.tolist()
 
-    def __call__(self, row: Row, floor_m: float = 0.0, floor_m_s: float = 0.0) -> tuple[float, float, int]:
-        """These times and that foot's number; `floor_m`, `floor_m_s` are the height of a moving table and its velocity.
+    def __call__(self, row: Row, t_s: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
+        """These times and that foot's number, of a row at `t_s`; `floor_m`, `floor_m_s` are the height of a moving table and its
+        velocity.
 
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if self.few is None:
+        if self.within_m is not None:
             return self._of_many(row, falling, floor_m, floor_m_s)
-        near = min(NEAR_M, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
-        first_s = soonest_s = math.inf
+        if t_s >= self.soon_until_s:
+            self._choose(row, floor_m, floor_m_s, t_s)
+        near = NEAR_M
+        if self.few is not None:
+            near = min(near, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
+        first_s, soonest_s = math.inf, self.soon_until_s - t_s
         foot = -1
-        for index, (gap, closing) in enumerate(self.heights(row, floor_m, floor_m_s)):
+        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+        for index in self.soon:
+            fx, fy, fz = self.feet[index]
+            gap, closing = fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)
             falls = closing > falling and gap > -self.late_s * closing
             if gap > near or (falls and gap > 0.0):
                 bound = self.bound[index]
@@ -93,6 +107,14 @@ class ContactGaps:
                 if time_s < first_s:
                     first_s, foot = time_s, index
         return first_s, soonest_s, foot
+
+    def _choose(self, row: Row, floor_m: float, floor_m_s: float, t_s: float) -> None:
+        """The feet that can come down within the next steps, even where an impact of another turns the statue's velocity over."""
+        gap, closing = self._all_gaps(row, floor_m, floor_m_s)
+        ahead_s = self.ahead_s
+        turning = 2.0 * math.hypot(row[10], row[11], row[12]) * self.distances_m
+        reach = (np.maximum(closing, 0.0) + turning + 0.5 * self.bounds * ahead_s) * ahead_s + NEAR_M
+        self.soon, self.soon_until_s = np.flatnonzero(gap <= reach).tolist(), t_s + ahead_s
 
     def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
         """The same for arrays."""
@@ -147,6 +169,14 @@ class ContactGaps:
             return list(zip(gap.tolist(), closing.tolist(), strict=True))
         (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
         return [(fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)) for fx, fy, fz in self.few]
+
+    def height(self, foot: int, row: Row, floor_m: float, floor_m_s: float) -> tuple[float, float]:
+        """The same of one foot."""
+        if self.within_m is not None:
+            return self.heights(row, floor_m, floor_m_s)[foot]
+        (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
+        fx, fy, fz = self.feet[foot]
+        return fx * ha + fy * hb + fz * hc + place, -(fx * va + fy * vb + fz * vc + rate)
 
     def _all_gaps(self, row: Row, floor_m: float, floor_m_s: float) -> tuple[Array, Array]:
         """The same as arrays, shape (k,) each; infinite heights beside the pedestal's top."""

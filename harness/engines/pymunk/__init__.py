@@ -16,7 +16,7 @@ from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
-from harness.statics.plan import first_motion_s
+from harness.statics.rest import first_motion_s
 
 LEVELS: Final = (
     (4e-3, 90, 4e-4),

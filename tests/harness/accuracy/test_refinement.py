@@ -13,8 +13,6 @@ from harness.accuracy.outlook import hopeless
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.simulation import simulate
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
-from harness.bench.coverage import FIRST_SEED, coverage
-from harness.bench.seeded_scenes import random_scene, wide_scene
 from harness.engines.base import Engine, Settings
 from harness.engines.pymunk import Munk2D
 from harness.model.history import History, Outcome
@@ -22,6 +20,8 @@ from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from tests import budgets_engines as budget
+from tests.measures.coverage import FIRST_SEED, coverage
+from tests.measures.seeded_scenes import random_scene, wide_scene
 from tests.scenes_for_tests import paestum
 
 TIMES = np.linspace(0.0, 1.0, 1001)

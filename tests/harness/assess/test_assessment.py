@@ -19,6 +19,7 @@ from harness.assess.words import summary
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation
+from harness.records.assess import planar_alone
 from reports.text.chance import tone_of_answers, worse_tone
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, rectangle, scene
@@ -84,7 +85,15 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     assert not any("Nothing need be done" in line for line in summary(record).splitlines())
     on_pedestal = paestum(0.429, 3.0, duration_s=1.0)
     excitation = replace(on_pedestal.base_excitation, y=push)
-    assert list(assess_models(on_pedestal.but(base_excitation=excitation), draws=20)) == ["analytic"]
+    across = on_pedestal.but(base_excitation=excitation)
+    alone = assess_models(across, draws=20)
+    assert list(alone) == ["analytic"]
+    said = planar_alone(alone, "mine.toml")
+    assert len(said) == 1
+    assert "shaken across the rocking plane too" in said[0]
+    assert "rockcheck assess mine.toml -e analytic -e pybullet" in said[0]
+    assert said[0] in summary(replace(record, assessment=alone, scene=replace(record.scene, file="mine.toml")))
+    assert not planar_alone(answers, "mine.toml"), "the exact body answers the other"
 
 
 def test_an_assumed_strength_is_the_files_own(tmp_path: Path) -> None:

@@ -7,12 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic import Record
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.model_draws import model_draws, sweepable
+from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
 from harness.model.assumed import ASSUMPTIONS, assumption
 from harness.model.errors import InputError
+from harness.model.scene import BaseExcitation
 from tests import budgets_assess as budget
+from tests.scenes_for_tests import PAESTUM, paestum, scene
 
 ROOT = Path(__file__).parents[3]
 ASSUMED = '{ kind = "assumed" }'
@@ -69,3 +73,32 @@ def test_a_blocks_centroid_and_corners_are_swept_as_each_scene_says(tmp_path: Pa
 def test_nothing_is_assumed_of_any_other_key(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="keys of which a width is assumed"):
         load_scene(with_table(tmp_path, f'"duration_s" = {ASSUMED}'))
+
+
+STRETCH = 1.2
+
+
+def test_a_stretched_axis_of_time_is_a_slower_and_longer_motion(tmp_path: Path) -> None:
+    """A record whose samples lie farther apart, and a harmonic motion of that much lower frequency, both for as much longer."""
+    inputs = uncertain_inputs(load_scene(with_table(tmp_path, f'"motion.time_scale" = {ASSUMED}')))
+    assert [(item.key, item.value, item.width) for item in inputs] == [("motion.time_scale", 1.0, 0.05)]
+    times = np.arange(0.0, 3.0, 0.02)
+    shaken = 3.0 * np.sin(9.0 * times) + np.sin(31.0 * times)
+    as_given = paestum(0.429, 3.0, duration_s=3.0)
+    slower = paestum(0.429, 3.0 / STRETCH, duration_s=3.0 * STRETCH)
+    record = as_given.but(base_excitation=BaseExcitation(x=Record(times, shaken), z=Record(times, 0.4 * shaken)))
+    longer = {axis: Record(STRETCH * times, factor * shaken) for axis, factor in (("x", 1.0), ("z", 0.4))}
+    thrown = scene(PAESTUM, theta_rate_rad_s=0.2, duration_s=2.0)
+    pairs = (
+        (as_given, slower),
+        (record, slower.but(base_excitation=BaseExcitation(**longer))),
+        (thrown, scene(PAESTUM, theta_rate_rad_s=0.2, duration_s=2.0 * STRETCH)),
+    )
+    for given, expected in pairs:
+        swept = model_draws(given, {"motion.time_scale": np.array([1.0, STRETCH])})
+        single = model_draws(varied(given, {"motion.time_scale": STRETCH}), {})
+        true = model_draws(expected, {})
+        assert swept.peak_share[1] == pytest.approx(true.peak_share[0], rel=budget.SWEPT_REL)
+        assert single.peak_share[0] == pytest.approx(true.peak_share[0], rel=budget.SWEPT_REL)
+        assert swept.peak_slip_m[1] == pytest.approx(true.peak_slip_m[0], rel=budget.SWEPT_REL, abs=budget.ROUNDING)
+        assert swept.overturned[1] == single.overturned[0] == true.overturned[0]

@@ -22,6 +22,7 @@ from harness.model.history import History
 from harness.model.options import SKIPS, RunOptions
 from harness.records.base import plain, validated
 from harness.records.bench import BenchRecord, Covered, PrecisionRow, ScalingRow, SkipRow, Start, Throughput
+from tests.measures import engine_defaults
 
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
 
@@ -102,6 +103,7 @@ def test_an_error_is_seen() -> None:
 
 def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
     rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
+    rows += engine_defaults.rows_of(FREE, FREE.scene())
     groups = {(item.engine, item.group) for item in rows}
     assert {("pymunk", "ladder"), ("pymunk", "accuracy"), ("pybullet", "default"), ("pybullet", "peer")} <= groups
     best = min(item.error_rad for item in rows if item.engine == "pybullet")
@@ -123,7 +125,6 @@ def test_a_failing_level_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None
         raise EngineFailure("no such scene for me")
 
     monkeypatch.setattr(Munk2D, "simulate", refuses)
-    monkeypatch.setattr(precision, "_defaults", lambda *args: iter(()))
     rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True))
     assert rows
     assert {item.failed for item in rows} == {"no such scene for me"}

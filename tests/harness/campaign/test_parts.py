@@ -12,10 +12,11 @@ from typing import Any
 
 import pytest
 
-from harness.campaign.parts import Part, command, measure, seconds, sentences
+from harness.campaign.parts import Part, command, measure, seconds
 from harness.campaign.recover import recover
 from harness.campaign.store import STORE_NAME, Store
 from harness.model.errors import InputError
+from harness.records.bench import part_sentences
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
 
@@ -69,7 +70,7 @@ def test_one_part_is_measured_anew_the_others_are_kept(tmp_path: Path) -> None:
 
 def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> None:
     found = measure(tmp_path, parts(Counting()), ["second"], STAMP, silent)
-    told = sentences(seconds(found))
+    told = part_sentences(seconds(found))
     assert told[1] == "Not measured yet: first (3 to do)."
     assert told[0].startswith("Time by part: second ")
 

@@ -18,6 +18,7 @@ import pytest
 
 from harness.campaign import runner
 from harness.campaign.runner import AHEAD, Crash, LocalPool
+from harness.model.errors import InputError
 from tests.harness.campaign.endings import ended
 
 MAIN = threading.main_thread().ident or 0
@@ -36,6 +37,11 @@ def results(tasks: list[str], jobs: int) -> dict[str, Any]:
     # `eval` is the one function that a fresh process knows and that does what a test says.
     LocalPool(jobs).run(eval, tasks, done)
     return found
+
+
+def test_less_than_one_process_is_refused() -> None:
+    with pytest.raises(InputError, match="--jobs: wanted a whole number of at least 1, got 0"):
+        LocalPool(0)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import pytest
 
-from harness.bench.random_scenes import GENERATORS
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from tests import budgets_engines as budget
 from tests.measures.micro_rocking import rows
+from tests.measures.random_scenes import GENERATORS
 from tests.scenes_for_tests import rectangle, scene
 
 ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)

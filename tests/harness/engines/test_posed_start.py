@@ -27,7 +27,7 @@ from tests.analytic.spatial.reference_body import Case
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 
 BLOCK = rectangle(0.3, 1.2, depth_m=0.4)
-POSED = ("pybullet", "pybullet:plain")
+POSED = ("pybullet", "pybullet:plain", "mujoco", "mujoco:plain")
 LEANS = pytest.mark.xfail(strict=True, reason="Bullet's friction of a sliding vertex leans to the table's axes")
 LANDED_S = 0.15
 """Some 0.04 s after the first impact of a throw, before the next."""
@@ -77,6 +77,13 @@ def test_torque_free_flight_errs_by_the_first_order_of_the_step(name: str) -> No
     assert errors[1] < budget.FIRST_ORDER * errors[0]
 
 
+@pytest.mark.parametrize("name", ["spatial", "pybullet", "mujoco", "mujoco:plain"])
+def test_torque_free_flight_keeps_its_attitude(name: str) -> None:
+    pose = Pose((0.0, 0.0, 100.0), velocity_m_s=(1.0, 2.0, 0.0), angular_velocity_rad_s=(1.0, 0.5, 3.0))
+    on = thrown(pose, 2.0)
+    assert np.max((turned(run(name, on, 1e-3)) * exact(on).inv()).magnitude()) < budget.TORQUE_FREE_RAD
+
+
 def exact(on: Scene) -> Rotation:
     """The reference's rotations at the output times."""
     pose, statue = on.initial.pose, on.statue
@@ -118,13 +125,19 @@ def test_a_dropped_block_lands_when_it_must_and_stays(name: str) -> None:
 
 
 def test_a_block_dropped_flat_bounces_by_its_coefficient_of_restitution() -> None:
-    """To e² of its height; pybullet, which locates plastic impacts, refuses."""
+    """To e² of its height, exactly in `spatial`; pybullet, which locates plastic impacts, refuses."""
     on = thrown(Pose((0.0, 0.0, 0.7)), 0.3).but(contact=Contact(0.2, 0.15, 1.0, 0.5))
     found = run("pybullet:plain", on, 2.5e-4)
     assert found.history is not None
     height = found.history.extra["corner_right_z_m"]
     after = found.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2) + 0.02
     assert np.max(height[after]) == pytest.approx(0.25 * 0.1, rel=budget.BOUNCE_RELATIVE)
+    exactly = run("spatial", on.but(output_dt_s=1e-4), 0.01)
+    assert exactly.history is not None
+    after = exactly.history.t_s > math.sqrt(2.0 * 0.1 / GRAVITY_M_S2)
+    top = np.max(exactly.history.extra["corner_right_z_m"][after])
+    # A sample at most half an output step from the top is lower by g dt²/8.
+    assert top == pytest.approx(0.25 * 0.1, abs=GRAVITY_M_S2 * 1e-8 / 8.0)
     refused = run("pybullet", on, 2.5e-4)
     assert "a coefficient of restitution is pybullet:plain's" in refused.message
 

@@ -9,13 +9,13 @@ import pytest
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.random_scenes import GENERATORS
 from harness.input.scene_file import load_scene
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.records.witness import sentences
 from harness.scene_run import witness
 from harness.scene_run.witness import BUDGET, witnesses
+from tests.measures.random_scenes import GENERATORS
 
 SCENES = Path(__file__).parents[3] / "scenes"
 

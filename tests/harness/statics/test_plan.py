@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,8 @@ from harness import engines
 from harness.accuracy.simulation import simulate
 from harness.model.options import SKIPS, RunOptions
 from harness.model.scene import BaseExcitation
-from harness.statics.plan import first_motion_s, limit_of_rest_m_s2, plan
+from harness.statics.plan import plan
+from harness.statics.rest import LimitsOfRest, first_motion_s, limit_of_rest_m_s2
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum
 
@@ -79,3 +82,24 @@ def test_what_the_harness_leaves_out_says_how_to_have_it() -> None:
     }
     assert not every["planar"].applies
     assert not every["lazy_engines"].applies
+
+
+def test_rest_goes_on_until_the_next_sample_that_moves_the_statue_as_it_has_turned() -> None:
+    scene = paestum(0.3, 2.0, pedestal=False).but(
+        base_excitation=BaseExcitation(x=rising().scaled(-1.0)), duration_s=9.0
+    )
+    limits = LimitsOfRest.of(scene)
+    assert limits is not None
+    assert [limits.until_s(t) for t in (0.0, 1.0, 3.0, 7.0, 8.0)] == [2.0, 2.0, 3.0, 7.0, 9.0]
+    # Turned by half a turn the far corner is where the near one was: 0.463 g is never reached.
+    assert limits.until_s(0.0, np.pi) == 9.0
+
+
+def test_a_tall_pedestal_that_tips_under_its_statue_ends_the_quiet_start() -> None:
+    scene = paestum(0.3, 2.0).but(base_excitation=BaseExcitation(x=rising()), duration_s=8.0)
+    pedestal = scene.pedestal
+    assert pedestal is not None
+    sticky = scene.but(contact=type(scene.contact)(1.0, 1.0, 1.0))
+    tall = sticky.but(pedestal=replace(pedestal, height_m=5.0))
+    assert first_motion_s(sticky) == 8.0
+    assert first_motion_s(tall) == 2.0

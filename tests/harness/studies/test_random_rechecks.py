@@ -9,8 +9,8 @@ import pytest
 from harness.model.history import Outcome
 from harness.records.study import StudyRow, Value
 from harness.studies import case_selection as selection
+from harness.studies.case_selection import recheck
 from harness.studies.file import StudyFile
-from harness.studies.random_rechecks import recheck
 from tests import doubles
 
 SIZE = 17

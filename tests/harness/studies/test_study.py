@@ -18,9 +18,9 @@ from harness.model.scene import Scene
 from harness.records.run import EngineRunRecord
 from harness.studies import case_selection as selection
 from harness.studies import estimate
+from harness.studies.case_selection import recheck
 from harness.studies.cases import Base, base_of, expand
 from harness.studies.file import load_study
-from harness.studies.random_rechecks import recheck
 from harness.studies.rows import study_rows
 from harness.studies.study_run import Summary, run_study, study_name
 from tests.harness.studies.small_study import STUDY, contents, written

@@ -273,7 +273,6 @@ def _with_history(folder: Path, path: Path) -> Path:
         ({"models": ["pymunk@dt=fast"]}, "ENGINE@dt=S"),
         ({"models": ["pymunk@dt=5"]}, "a step between"),
         ({"samples": -1}, "from 0 to"),
-        ({"jobs": 0}, "at least 1"),
         ({"resume": True}, "begun"),
     ],
 )

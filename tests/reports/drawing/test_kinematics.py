@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from reports.drawing.kinematics import SOLID_COLUMNS, Section, posed_in_space_m
+from harness.model.in_space import SOLID_COLUMNS
+from reports.drawing.kinematics import Section, posed_in_space_m
 from tests.budgets_reports import POSE_M
 
 OUTLINE = np.array([[-0.3585, 0.0], [0.0682, 0.0], [0.0682, 1.46], [-0.3585, 1.46]])

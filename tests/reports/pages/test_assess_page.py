@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 
 from harness.assess.assessment import assess
-from harness.model.run import write_json
 from harness.records.assess import Assessment, ProbabilityDifference
-from harness.records.base import as_file
 from reports.pages.assess_page import assess_verdict
 from reports.pages.page import write_report
 from reports.text.chance import tone_of_probability, worse_tone
+from tests.reports.invented_records import write_assessment
 from tests.scenes_for_tests import paestum
 
 
@@ -58,9 +57,7 @@ def test_the_most_probable_fall_decides_the_colour() -> None:
 
 
 def test_a_page_is_written_of_an_assessment(tmp_path: Path) -> None:
-    record = assess(paestum(0.429, 3.0, duration_s=2.0), ["analytic"], draws=200).record
-    write_json(tmp_path / "result.json", as_file(record))
-    page = write_report(tmp_path).read_text(encoding="utf-8")
+    page = write_report(write_assessment(tmp_path / "out")).read_text(encoding="utf-8")
     assert "of what may be true" in page
     assert "assumed" in page
     assert "By the strength of the shaking" in page

@@ -5,85 +5,26 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pytest
 
-import harness
-from harness.effects3d import BASELINE
-from harness.effects3d.summary import effects, static_rose
-from harness.model.history import Outcome
-from harness.model.run import machine, versions, write_json
+from harness.model.run import write_json
 from harness.records.base import as_file
-from harness.records.effects3d import (
-    Amplitude,
-    AskedRecord,
-    Band,
-    Departure,
-    EffectsRecord,
-    EffectsSummary,
-    SearchRecord,
-)
-from harness.records.scene import SceneRecord
+from harness.records.effects3d import EffectsRecord
+from harness.records.kinds import read_result
 from reports.drawing import shapes
-from reports.drawing.effects_figures import Curve, changes, rose, rose_of
+from reports.drawing.effects_figures import Curve, changes, rose, rose_of, scan_figure
 from reports.pages.effects3d_page import direction_rows, effects_verdict
 from reports.pages.page import write_report
-
-AZIMUTHS = (0.0, 60.0, 180.0, 270.0)
-SOLID_G = {0.0: 0.25, 60.0: 0.50, 180.0: 0.22, 270.0: None}
-PLANAR_G = {0.0: 0.25, 60.0: 1.0, 180.0: 0.22, 270.0: None}
+from reports.source import run_source
+from tests.budgets_reports import BASE_M
+from tests.reports.invented_effects import SOLID_G, effects_record, write_effects
 
 
 @pytest.fixture(scope="module")
-def record(root: Path) -> EffectsRecord:
-    """An invented record of four directions, two engines, one effect."""
-    scene = harness.load_scene(root / "scenes" / "3d_effects_base.toml")
-
-    def row(condition: str, engine: str, azimuth: float, peak: float | None) -> Amplitude:
-        outcome: Outcome | Literal[""] = "" if peak is None else Outcome.OVERTURNED_RIGHT
-        return Amplitude(condition, azimuth, engine, peak, 0.1, outcome, 9)
-
-    rows = [row(BASELINE, "pybullet", a, SOLID_G[a]) for a in AZIMUTHS]
-    rows += [row(BASELINE, "analytic", a, PLANAR_G[a]) for a in AZIMUTHS]
-    name = "centroid 3 % higher"
-    rows += [row(name, "pybullet", a, 0.97 * peak) for a, peak in SOLID_G.items() if peak is not None]
-    sides = [row(BASELINE, "analytic", a, PLANAR_G[a]) for a in (0.0, 180.0, 270.0)]
-    departure = Departure(60.0, "pybullet", 0.475, Outcome.STANDS, 0.04, 0.03, 0.01, 0.02, -0.005, 0.012, 0.25)
-    asked = AskedRecord(
-        kind="effects3d",
-        title="an invented rose",
-        scene="base.toml",
-        directions=4,
-        every=1,
-        engines=["pybullet", "analytic"],
-        conditions=[name],
-        samples=5,
-        share=0.95,
-        seed=0,
-        search=SearchRecord(1.2, 0.002, 1e-3),
-    )
-    return EffectsRecord(
-        title="an invented rose",
-        file="rose.toml",
-        scene=SceneRecord.of(scene),
-        notes=[],
-        study=asked,
-        rows=rows,
-        sides=sides,
-        static=static_rose(scene, AZIMUTHS, sides),
-        bands=[Band(0.0, 0.24, 0.25, None, 0.1, 5)],
-        departures=[departure],
-        effects=effects(rows, [name]),
-        left_out={"base planed flat": "the base is flat"},
-        unit_g=0.3,
-        replay=None,
-        summary=EffectsSummary("4 directions", 4, 8, 0, 72, 0, 1.0),
-        versions=versions(),
-        machine=machine(),
-        seconds=1.0,
-    )
+def record() -> EffectsRecord:
+    return effects_record()
 
 
 def test_the_verdict_counts_where_the_planar_model_is_too_safe(record: EffectsRecord) -> None:
@@ -139,3 +80,20 @@ def test_a_rose_joins_only_directions_asked_one_after_another() -> None:
     there = {path.stroke: np.isfinite(path.points_px[:, 0]).tolist() for path in paths[::-1]}  # the key comes last
     assert there["#000"] == [True] * 4
     assert there["#d50"] == [True, False, True, True, True]
+
+
+def test_the_scan_is_turned_back_from_the_replay_to_the_roses_directions(record: EffectsRecord, tmp_path: Path) -> None:
+    source = run_source(write_effects(tmp_path / "study") / "replay")
+    replayed = read_result(tmp_path / "study")
+    assert isinstance(replayed, EffectsRecord)
+    figure = scan_figure(replayed, source)
+    assert figure is not None
+    own, drawn = np.asarray(record.scene.statue.footprint_m)[:, :2], figure.footprint_m[:, :2]
+    apart = np.linalg.norm(own[:, None] - drawn[None], axis=2)
+    assert apart.min(axis=0).max() < BASE_M
+    assert apart.min(axis=1).max() < BASE_M
+    np.testing.assert_allclose(
+        figure.vertices_m[figure.vertices_m[:, 2] < BASE_M].max(axis=0)[:2], own.max(axis=0), atol=BASE_M
+    )
+    assert figure.weakest_deg == min((a for a, peak in SOLID_G.items() if peak), key=lambda a: SOLID_G[a] or np.inf)
+    assert scan_figure(record, source) is None, "without a replay it is not known how the mesh was turned"

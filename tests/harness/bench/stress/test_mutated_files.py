@@ -36,7 +36,7 @@ def test_a_stress_run_reads_mutated_files_in_a_process_of_its_own(monkeypatch: p
     (row,) = compute("inputs 0 to none")
     assert row["tracebacks"] == 1
     assert "ValueError" in row["found"][0]["what"]
-    monkeypatch.setattr("harness.bench.stress.mutated_files.ROOT", Path("/nowhere"))
+    monkeypatch.setattr("harness.bench.source_tree.ROOT", Path("/nowhere"))
     assert tasks(WHOLE) == []
     assert missing() == "tests/fuzz of the source tree is not here"
 

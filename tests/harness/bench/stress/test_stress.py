@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from harness import engines
+from harness.bench import source_tree
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks, explained, stability
 from harness.bench.stress import hard_scenes as scenes
-from harness.bench.stress import invariance_checks as invariance
 from harness.bench.stress.catalogue import catalogue, leaning
 from harness.bench.stress.explained import converged
 from harness.bench.stress.stress_run import sentences
@@ -24,6 +25,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import PartRow
 from harness.records.stress import Cell, HardRow, Harm, Mutated, StressRecord
+from tests.measures import invariance_checks as invariance
 
 QUICK = ("released 1e-6 rad below balance", "released 1e-3 rad beyond balance", "0.01 m high", "100 m high",
          "floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines", "height to width 50",
@@ -315,6 +317,15 @@ def test_other_bodies_orders_and_distances_are_compared(monkeypatch: pytest.Monk
     whole = invariance._run
     monkeypatch.setattr(invariance, "_run", lambda *given: offset(whole(*given), 2e-3))
     assert not invariance._far().holds
+
+
+def test_a_question_is_answered_by_a_process_of_the_source_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert tuple(invariance.ASKED) == scenes.QUESTIONS == tuple(scenes.questions(False))
+    (row,) = scenes.answer(scenes.QUESTIONS[-1])
+    assert HardRow(**row).holds
+    assert not HardRow(**scenes.answer("what nobody asks")[0]).holds
+    monkeypatch.setattr(source_tree, "ROOT", Path("/nowhere"))
+    assert scenes.questions(False) == []
 
 
 def test_a_motion_that_is_none_must_be_refused(monkeypatch: pytest.MonkeyPatch) -> None:

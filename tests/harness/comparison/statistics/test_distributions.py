@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from harness.comparison.statistics import distributions
-from tests.budgets_compare import QUANTILE_SE, ROUNDING_REL
+from tests.budgets_compare import LEAST_SUITES, QUANTILE_SE, ROUNDING_REL, SUITES
 
 
 @pytest.fixture
@@ -80,3 +80,27 @@ def test_equal_distributions_stay_below_the_null_and_others_do_not() -> None:
     assert apart.area.value > apart.area_null
     assert apart.ks_p < 1e-3 < same.ks_p
     assert apart.area.low < apart.area.value < apart.area.high
+
+
+def test_resampled_cases_hold_the_area_between_two_alike_models() -> None:
+    """Two models that differ by a hair in every case: their area is that hair, not the scatter of the cases."""
+    values = np.random.default_rng(2).lognormal(size=30)
+    area = distributions.compare_distributions(values, values + 1e-3, resamples=100, paired=True).area
+    assert area.low == pytest.approx(1e-3)
+    assert area.value == pytest.approx(1e-3)
+
+
+def test_median_and_dispersion_of_peaks_cover_what_they_were_drawn_with() -> None:
+    """A model whose peaks are 1.1 times the other's, with scatter of its own: 95 % intervals cover in 95 of 100 suites, ± 2.2."""
+    rng, truth, covered = np.random.default_rng(5), 1.1, np.zeros(2)
+    wide = math.sqrt(0.6**2 + 0.1**2) / 0.6
+    for seed in range(SUITES):
+        shared = 0.6 * rng.standard_normal(40)
+        own = shared + math.log(truth) + 0.1 * rng.standard_normal(40)
+        scores = distributions.compare_logarithms(np.exp(own), np.exp(shared), seed=seed, resamples=200)
+        assert scores is not None
+        intervals = (scores.median_ratio, truth), (scores.dispersion_ratio, wide)
+        covered += [interval.low <= value <= interval.high for interval, value in intervals]
+        assert scores.dispersion == pytest.approx(float(np.std(own, ddof=1)))
+    assert (covered >= LEAST_SUITES).all()
+    assert distributions.compare_logarithms([0.1] * 9, [0.2] * 9) is None, "without scatter there is no ratio"

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from harness import engines
-from harness.bench.coverage import random_scene
 from harness.model.history import History
 from harness.model.options import RunOptions
+from tests.measures.coverage import random_scene
 from tests.scenes_for_tests import paestum
 
 STEP_S = 1e-3

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from harness import engines
-from harness.bench.coverage import random_scene
 from harness.engines.base import EngineFailure
 from harness.engines.event_stepping.interventions import Ledger
 from harness.model.options import RunOptions
@@ -19,6 +18,7 @@ from harness.records import base
 from harness.records.run import EngineRunRecord
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
+from tests.measures.coverage import random_scene
 from tests.scenes_for_tests import paestum
 
 PLACES = {

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from harness.accuracy.simulation import simulate
-from harness.bench.seeded_scenes import GENERATORS
 from harness.engines.base import EngineFailure
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed
+from tests.measures.seeded_scenes import GENERATORS
 from tests.measures.steering_mutants import MUTANTS, STEP_S
 from tests.scenes_for_tests import paestum
 

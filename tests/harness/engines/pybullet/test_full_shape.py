@@ -13,7 +13,6 @@ import pytest
 from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
-from harness.bench.seeded_scenes import random_scene
 from harness.engines import load
 from harness.engines.pybullet import course, feet, pose, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing
@@ -29,6 +28,7 @@ from meshes import decomposition, load_solid
 from meshes.solid import solid_from_mesh
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet, exact, worst
+from tests.measures.seeded_scenes import random_scene
 from tests.meshes import toadstool
 from tests.meshes.shapes import prism
 from tests.scenes_for_tests import scene

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.bench.seeded_scenes import random_scene
 from harness.model.scene import BaseExcitation, Scene
 from harness.statics.symmetry import asymmetry
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet
+from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum
 
 

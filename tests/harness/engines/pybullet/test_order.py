@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.bench.seeded_scenes import random_scene
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
 from harness.engines.pybullet import course
@@ -22,6 +21,7 @@ from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet, exact
+from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 
 pytest.importorskip("pybullet")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from harness.bench.seeded_scenes import tipping_scene
 from tests import budgets_bullet as budget
 from tests.harness.engines.pybullet.cases import apart, bullet
+from tests.measures.seeded_scenes import tipping_scene
 from tests.scenes_for_tests import paestum
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.bench.seeded_scenes import random_scene
 from harness.bench.standard_scenes import PEDESTAL, TWO
 from harness.engines.analytic import TwoBlock
 from harness.engines.pymunk import Munk2D
@@ -18,6 +17,7 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.studies.cases import Base
 from tests import budgets_engines as budget
+from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 ENGINE, MODEL = Munk2D(), TwoBlock()

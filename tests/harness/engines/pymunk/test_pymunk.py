@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
-from harness.bench.pymunk_defaults import baseline_loop
 from harness.engines.analytic import TwoBlock
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.pymunk import Munk2D
@@ -20,6 +19,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
+from tests.measures.contact_engines import baseline_loop
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, rectangle, scene
 
 CASES = [(0.334, 2.0), (0.334, 3.0), (0.429, 2.0), (0.429, 3.0)]

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.bench import pymunk_defaults
 from harness.engines.pymunk import world
 from harness.engines.pymunk.settings import MunkSettings
 from tests import budgets_engines as budget
+from tests.measures import contact_engines
 from tests.scenes_for_tests import rectangle, scene
 
 DT_S = 1e-4
@@ -27,11 +27,11 @@ def ratio(widths: float, restitution: float, patch: pytest.MonkeyPatch) -> float
             shape.elasticity = math.sqrt(restitution)
         return built
 
-    patch.setattr(pymunk_defaults, "build", bouncing)
+    patch.setattr(contact_engines, "build", bouncing)
     block = rectangle(1.0 / widths, 1.0)
     alpha = block.slenderness_rad(1)
     on = scene(block, theta_rad=0.5 * alpha, mu_statue=2.0, duration_s=1.0)
-    rows = pymunk_defaults.baseline_loop(on, MunkSettings(DT_S, 0.0, 60, 60, 1e-8, 1e-6))[1]
+    rows = contact_engines.baseline_loop(on, MunkSettings(DT_S, 0.0, 60, 60, 1e-8, 1e-6))[1]
     theta = -np.array([row[2] for row in rows])
     falls = np.flatnonzero(theta < 0.0)
     returns = np.flatnonzero(theta[falls[0] :] > 0.0)

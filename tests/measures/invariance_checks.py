@@ -1,8 +1,13 @@
-"""Hard questions that are not one file: repeated, mirrored, perturbed, permuted, refined, and motions that are none."""
+"""Hard questions that are not one file: repeated, mirrored, perturbed, permuted, refined, and motions that are none.
+
+`python -m tests.measures.invariance_checks QUESTION` prints its row of JSON: the part `questions` of `rockcheck stress`.
+"""
 
 from __future__ import annotations
 
+import json
 import math
+import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
@@ -17,8 +22,7 @@ from harness import engines
 from harness.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.bench.stress import checks
 from harness.bench.stress.catalogue import ALL, CONTACT, leaning
-from harness.bench.stress.hard_scenes import solution
-from harness.campaign.parts import Row
+from harness.bench.stress.hard_scenes import QUESTIONS, solution
 from harness.comparison.distance import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
@@ -51,16 +55,6 @@ HULL_RAD: Final = 1e-3
 """What more vertices on the same two corners may change of the peak, over the peak."""
 SAME: Final = RunOptions(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
-
-
-def tasks(quick: bool) -> list[str]:
-    """The questions, each by its first sentence."""
-    return [] if quick else list(QUESTIONS)
-
-
-def compute(task: str) -> list[Row]:
-    """The row of one question."""
-    return [asdict(QUESTIONS[task]())]
 
 
 def _row(name: str, answers: Mapping[str, tuple[bool, str]], wanted: str = HOLDS) -> HardRow:
@@ -257,8 +251,15 @@ def _no_motion() -> HardRow:
     return _row("motions with NaN, without samples, with one sample", {"reading": (good, said)}, "refused")
 
 
-QUESTIONS: Final[Mapping[str, Callable[[], HardRow]]] = {
-    (question.__doc__ or "").split(".")[0]: question
-    for question in (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion)
-}
-"""Every question by the first sentence of its docstring, the longest first."""
+ASKED: Final[Mapping[str, Callable[[], HardRow]]] = dict(
+    zip(
+        QUESTIONS,
+        (_far, _hulls, _touched, _permuted, _repeated, _mirrored, _perturbed, _refined, _no_motion),
+        strict=True,
+    )
+)
+"""What answers each question of the stress run."""
+
+
+if __name__ == "__main__":
+    print(json.dumps(asdict(ASKED[sys.argv[1]]())))

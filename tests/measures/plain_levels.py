@@ -1,6 +1,6 @@
 """Plain and event-located engines side by side: error against processor time, over the paper's cases.
 
-`python -m harness.bench.plain_levels` renews the table of docs/bench.md: for each engine, step and kind of scene the largest
+`python -m tests.measures.plain_levels` renews the table of docs/bench.md: for each engine, step and kind of scene the largest
 error of the rotation against the analytic model in the first second, and the processor time of a second.
 """
 
@@ -11,21 +11,20 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness import engines
-from harness.bench.contact_engines import analytic_run
-from harness.bench.pages import renew, table
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.comparison.distance import errors
 from harness.engines.base import Engine
 from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.witness import PLAIN
+from tests.measures.contact_engines import PAPER, analytic_run, paper_scene
+from tests.measures.pages import renew, table
 
 KINDS: Final = {"no pedestal": (False, 0.15), "pedestal": (True, 0.15), "two coefficients": (True, 0.20)}
 """Kinds of scene: with a pedestal, its static friction beside a kinetic one of 0.15."""
 STEPS_S: Final = (1e-3, 2.5e-4)
 NAMES: Final = ("pymunk", "pybullet", "mujoco")
-MODULE: Final = "harness.bench.plain_levels"
+MODULE: Final = "tests.measures.plain_levels"
 
 
 def rows() -> Iterator[list[str]]:

@@ -1,6 +1,6 @@
 """The base contact and the solver's settings, settled by measurement: the tables of docs/pybullet_contact.md.
 
-`python -m harness.bench.pybullet_settings [TABLE...]` computes them again, or those named. Errors are against the analytic model
+`python -m tests.measures.pybullet_settings [TABLE...]` computes them again, or those named. Errors are against the analytic model
 over the first second of the surveyed statue, given by its numbers, under the paper's cases; costs are processor time.
 """
 
@@ -17,9 +17,6 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.bench.pages import renew_tables
-from harness.bench.pages import table as page_table
-from harness.bench.standard_scenes import PAPER, paper_scene
 from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
@@ -33,6 +30,9 @@ from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions
 from harness.model.scene import Pedestal, Scene
+from tests.measures.contact_engines import PAPER, paper_scene
+from tests.measures.pages import renew_tables
+from tests.measures.pages import table as page_table
 
 Array = NDArray[np.float64]
 Build = Callable[[World, Scene, course.Setup], None]
@@ -252,4 +252,4 @@ def table(name: str) -> str:
 
 if __name__ == "__main__":
     made = {name: partial(table, name) for name in TABLES}
-    renew_tables("pybullet_contact.md", "harness.bench.pybullet_settings", made, sys.argv[1:])
+    renew_tables("pybullet_contact.md", "tests.measures.pybullet_settings", made, sys.argv[1:])

@@ -17,7 +17,7 @@ _MODELS_OWN: Final = (
 _STARTS: Final = {
     "libraries": ("import numpy, numba", ""),
     "analytic": ("import analytic; analytic.simulate", ""),
-    "trivial kernel": ("from harness.bench.trivial import add", "add(1.0)"),
+    "trivial kernel": ("from tests.measures.trivial import add", "add(1.0)"),
     "analytic kernel": (_MODELS_OWN, "f(b, r, duration_s=0.01)"),
 }
 _PROGRAM: Final = """

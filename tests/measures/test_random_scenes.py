@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench import seeded_rows
-from harness.bench.random_scenes import Judged, SceneRow, row_of, tables
-from harness.bench.seeded_rows import measured
-from harness.bench.seeded_scenes import GENERATORS
 from harness.records.bench import Statement
+from tests.measures import seeded_rows
+from tests.measures.random_scenes import Judged, SceneRow, row_of, tables
+from tests.measures.seeded_rows import measured
+from tests.measures.seeded_scenes import GENERATORS
 
 
 def test_a_row_holds_each_engine_s_statement_and_each_pair_s_verdict() -> None:
@@ -66,7 +66,7 @@ def test_what_is_measured_is_kept_and_rows_of_other_code_are_not_taken(
 
 
 def test_the_command_line_asks_for_seeds_and_a_file() -> None:
-    words = seeded_rows.command_line("harness.bench.random_scenes", None, 100, 710_000)
+    words = seeded_rows.command_line("tests.measures.random_scenes", None, 100, 710_000)
     assert seeded_rows.seeds_of(words.parse_args([])) == range(710_000, 710_100)
     given = words.parse_args(["2", "5"])
     assert (seeded_rows.seeds_of(given), given.out.name) == (range(5, 7), "random_scenes.jsonl")

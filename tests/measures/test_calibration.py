@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.bench.calibration import CalibrationRow, diagram, row_of, shaken, text
-from harness.bench.pages import begin
-from harness.bench.seeded_rows import measured
+from tests.measures.calibration import CalibrationRow, diagram, row_of, shaken, text
+from tests.measures.pages import begin
+from tests.measures.seeded_rows import measured
 
 SEED = 780_000
 
@@ -48,7 +48,7 @@ def test_bins_of_false_probabilities_are_named() -> None:
 
 def test_the_page_s_diagram_lies_within_its_band_in_every_bin(root: Path) -> None:
     page = (root / "docs" / "probability.md").read_text(encoding="utf-8")
-    part = page.partition(begin("harness.bench.calibration"))[2].partition("<!-- end -->")[0]
+    part = page.partition(begin("tests.measures.calibration"))[2].partition("<!-- end -->")[0]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| 0.")
     ]

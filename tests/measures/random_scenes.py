@@ -1,6 +1,6 @@
 """Random scenes of three generators: how often stated uncertainties hold, and whether finer runs refute any "differ: model".
 
-`python -m harness.bench.random_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of each generator on one core, keeps a
+`python -m tests.measures.random_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of each generator on one core, keeps a
 line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
 """
 
@@ -15,15 +15,15 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import statement, truth_of
-from harness.bench.pages import renew, table
-from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
-from harness.bench.seeded_scenes import GENERATORS
 from harness.comparison.comparator import compare
 from harness.model.run import Run
 from harness.records.bench import Statement
 from harness.records.scores import Verdict
 from harness.scene_run.scene_run import run_scene
+from tests.measures.coverage import statement, truth_of
+from tests.measures.pages import renew, table
+from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import GENERATORS
 
 NAMES: Final = ("analytic", "pymunk", "pybullet")
 SCENES: Final = 100
@@ -31,7 +31,7 @@ FIRST_SEED: Final = 710_000
 """Seeds from here on were used for nothing else."""
 FINEST_S: Final = 1e-5
 """Step of a run that stands for the truth, at least."""
-MODULE: Final = "harness.bench.random_scenes"
+MODULE: Final = "tests.measures.random_scenes"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Unseen wide scenes by engines as they come beside those that locate events: do they agree, does each know its own error?
 
-`python -m harness.bench.plain_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of the generator `wide` on one core, keeps
+`python -m tests.measures.plain_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds of the generator `wide` on one core, keeps
 a line of JSON for each scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
 """
 
@@ -13,11 +13,6 @@ from typing import Final
 from harness import engines
 from harness.accuracy.horizon import horizon_of
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import statement, truth_of
-from harness.bench.pages import renew, table
-from harness.bench.random_scenes import FINEST_S, counted
-from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
-from harness.bench.seeded_scenes import wide_scene
 from harness.comparison.distance import error_rad
 from harness.model.run import Run
 from harness.model.scene import Scene
@@ -25,6 +20,11 @@ from harness.records.bench import Statement
 from harness.records.witness import LEAST_S, PLAIN
 from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
 from harness.scene_run.witness import convention
+from tests.measures.coverage import statement, truth_of
+from tests.measures.pages import renew, table
+from tests.measures.random_scenes import FINEST_S, counted
+from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import wide_scene
 
 NAMES: Final = ("pymunk", "pybullet")
 SCENES: Final = 200
@@ -34,7 +34,7 @@ SHARE: Final = 0.5
 """Of the joint uncertainty that is asked, for each of both engines."""
 PERTURBED: Final = 1e-3
 """A start or motion that is known no better than this is predictable until the horizon: plain engines err by about as much."""
-MODULE: Final = "harness.bench.plain_scenes"
+MODULE: Final = "tests.measures.plain_scenes"
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ of many runs, in which solvers of a like cost take turns. A solver that is not i
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +29,10 @@ from analytic import (
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.problem import Options, Problem
-from analytic.results import Prepared
-from analytic.solver import prepare
-from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
-from harness.bench.timing import Answer, Entry, cost, take_turns
+from analytic.solver import Prepared, prepare
+from harness.bench.timing import cost, costs
 from harness.records.bench import SolverRow, Throughput
+from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)
 STATUE: Final = Block.two_corners(
@@ -44,6 +44,34 @@ REPEATS: Final = 5
 INSTANTS: Final = 20
 RECORD_STEP_S: Final = 0.01
 """Sampling of the record of 60 s."""
+
+Answer = tuple[NDArray[np.float64], int]
+"""θ at a case's instants, or at the last of them, rad, and the work by the solver's own measure."""
+
+
+class Entry(NamedTuple):
+    """What is timed of a solver, and how it is set beyond its tolerance."""
+
+    solver: str
+    tolerance: float
+    solve: Callable[[], Answer]
+    how: str = ""
+
+
+def take_turns(case: str, exact: NDArray[np.float64], entries: Sequence[Entry], rounds: int) -> list[SolverRow]:
+    """A row for each entry."""
+    answers: dict[int, Answer] = {}
+
+    def solve(i: int) -> None:
+        answers[i] = entries[i].solve()
+
+    spent = costs([partial(solve, i) for i in range(len(entries))], rounds, float("inf"))
+    rows = []
+    for i, entry in enumerate(entries):
+        theta, work = answers[i]
+        error = float(np.abs(theta - exact[-theta.size :]).max())
+        rows.append(SolverRow(case, entry.solver, entry.tolerance, entry.how, work, error, spent[i].cpu_s))
+    return rows
 
 
 def record_60s(peak_m_s2: float, seed: int) -> SampledAcceleration:

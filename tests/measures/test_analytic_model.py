@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from analytic import Friction, Harmonic, Pedestal
-from harness.bench import analytic_model as bench
-from harness.bench import start
-from harness.bench.reference_integrators import Model, heyoka_solver, scipy_run
-from harness.bench.timing import Answer, Entry, take_turns
 from tests import budgets_bench as budgets
+from tests.measures import analytic_model as bench
+from tests.measures import start
+from tests.measures.analytic_model import Answer, Entry, take_turns
+from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 
 SHORT = [replace(case, duration_s=2.5 if case.duration_s == 10.0 else 7.0) for case in bench.CASES]
 

@@ -1,8 +1,8 @@
 """What each level of refinement errs by: `expected_error_rad` states the largest of its errors and a finer level's, and more
 on the floor (docs/pybullet_contact.md).
 
-`python -m harness.bench.pybullet_levels` prints the errors on every scene and renews the page's table: the surveyed statue's four
-cases on the floor and on its pedestal, with one coefficient of friction, with two, and with a ratio imposed, and the bench's
+`python -m tests.measures.pybullet_levels` prints the errors on every scene and renews the page's table: the surveyed statue's
+four cases on the floor and on its pedestal, with one coefficient of friction, with two, and with a ratio imposed, and the bench's
 standard set. Errors are of the rotation over the whole run, against the analytic model, or, for a scan, against a third of the
 finest level's step.
 """
@@ -13,14 +13,14 @@ import sys
 from collections.abc import Iterator
 from typing import Final
 
-from harness.bench.contact_engines import KINDS
-from harness.bench.pages import renew, table
-from harness.bench.standard_scenes import PAPER, paper_scene, resolved, standard_set
+from harness.bench.standard_scenes import resolved, standard_set
 from harness.comparison.distance import errors
 from harness.engines import load
 from harness.model.options import SKIPS, RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
+from tests.measures.contact_engines import KINDS, PAPER, paper_scene
+from tests.measures.pages import renew, table
 
 HALF: Final = RunOptions()
 WHOLE: Final = RunOptions(skips=frozenset(SKIPS) - {"mirror"})
@@ -76,7 +76,7 @@ def main() -> None:
         sys.stdout.write(" ".join(f"{value:8.1e}" for value in values) + f"  {of}: stated\n")
     steps = [f"{1e3 * level.dt_s:g} ms" for level in load("pybullet").refinement_levels(paper_scene(*PAPER[0]))]
     rows = [[of, *(f"{value:.1e}" for value in values)] for of, values in largest.items()]
-    renew("pybullet_contact.md", "harness.bench.pybullet_levels", table(["", *steps[:-1], "residual 0"], rows))
+    renew("pybullet_contact.md", "tests.measures.pybullet_levels", table(["", *steps[:-1], "residual 0"], rows))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,7 @@
-"""pymunk without this project: a space as it comes (`run`), and a plain loop over this project's bodies (`baseline_loop`)."""
+"""pymunk without this project: a space as it comes."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +9,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from harness.engines.contact import frame
-from harness.engines.pymunk.settings import MunkSettings
-from harness.engines.pymunk.world import build, rotated
+from harness.engines.pymunk.world import rotated
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -67,26 +65,3 @@ def _statue(scene: Scene, top_m: float) -> pymunk.Body:
     lowest = float(rotated(section, scene.initial.theta_rad)[:, 1].min())
     body.angle, body.position = -scene.initial.theta_rad, (0.0, top_m - lowest)
     return body
-
-
-def baseline_loop(scene: Scene, settings: MunkSettings) -> tuple[float, list[tuple[float, ...]]]:
-    """Seconds and read-outs of a plain loop: pymunk's own step and properties, same bodies, settings and motion.
-
-    No friction that switches, no split steps, no reduction. The motion's accelerations are computed within the time.
-    """
-    world = build(scene, settings)
-    space, bodies = world.space, [body for body in (world.statue, world.pedestal) if body is not None]
-    dt = settings.dt_s
-    rows: list[tuple[float, ...]] = []
-    begin = time.perf_counter()
-    edges = np.arange(frame.step_count(scene.duration_s, dt) + 1, dtype=np.float64) * dt
-    gravity = frame.apparent_gravity(scene, edges)[:, [0, 2]].tolist()
-    for x, z in gravity:
-        space.gravity = (x, z)
-        space.step(dt)
-        row: list[float] = []
-        for body in bodies:
-            place, velocity = body.position, body.velocity
-            row += (place.x, place.y, body.angle, velocity.x, velocity.y, body.angular_velocity)
-        rows.append(tuple(row))
-    return time.perf_counter() - begin, rows

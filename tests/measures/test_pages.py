@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.bench import pages
-from harness.bench.pages import DOCS, END, begin, renew_tables, renewed, table
-from tests.measures import paper_forms
+from tests.measures import pages, paper_forms
+from tests.measures.pages import DOCS, END, begin, renew_tables, renewed, table
 
 
 def test_only_what_stands_between_the_marks_is_renewed() -> None:
@@ -36,11 +35,11 @@ def test_the_tables_that_are_wanted_are_measured_alone(tmp_path: Path, monkeypat
 
 
 def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None:
-    from harness.bench import pybullet_settings
+    from tests.measures import pybullet_settings
 
     named = {
         "tests.measures.paper_forms": paper_forms.TABLES,
-        "harness.bench.pybullet_settings": pybullet_settings.TABLES,
+        "tests.measures.pybullet_settings": pybullet_settings.TABLES,
     }
     marks = [
         mark

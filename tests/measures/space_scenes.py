@@ -1,6 +1,6 @@
 """Contact engines held to the exact rigid body on random scenes in three dimensions (`seeded_scenes.space_scene`).
 
-`python -m harness.bench.space_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds on one core, keeps a line of JSON for each
+`python -m tests.measures.space_scenes [COUNT FIRST] [--out FILE]` computes COUNT seeds on one core, keeps a line of JSON for each
 scene (a call that was interrupted goes on where it stopped) and renews the tables of docs/coverage.md.
 """
 
@@ -17,10 +17,6 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.simulation import simulate
-from harness.bench.coverage import statement
-from harness.bench.pages import renew, table
-from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
-from harness.bench.seeded_scenes import space_scene
 from harness.campaign.runner import Crash, Hung, LocalPool, Pool
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
@@ -28,6 +24,10 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
 from harness.validation.toss_scores import poses
+from tests.measures.coverage import statement
+from tests.measures.pages import renew, table
+from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import space_scene
 
 NAMES: Final = ("pybullet", "mujoco")
 EXACT: Final = "spatial"
@@ -40,7 +40,7 @@ IMPACTS: Final = 3
 """Attitudes are compared at that step until after so many impacts, up to the fourth."""
 SLID: Final = 1e-6
 """A vertex has slid where it took more than this share of m g h."""
-MODULE: Final = "harness.bench.space_scenes"
+MODULE: Final = "tests.measures.space_scenes"
 
 
 @dataclass(frozen=True)

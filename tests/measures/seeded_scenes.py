@@ -1,4 +1,5 @@
-"""Seeded scenes that no setting was tuned on: three generators of planar ones, one of scenes in three dimensions."""
+"""Seeded scenes that no setting was tuned on: three generators of planar ones (the first is the bench's own, `random_scene`), one
+of scenes in three dimensions."""
 
 from __future__ import annotations
 
@@ -12,12 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+from harness.model.scene import BaseExcitation, Contact, Pedestal, Scene, Statue
 from meshes.footprint import reach_m
+from tests.measures.coverage import DURATION_S, block, random_scene, seeded
 
 Array = NDArray[np.float64]
 
-DURATION_S: Final = 3.0
 TIPPING_S: Final = 2.0
 """A statue that tips with its pedestal has fallen, or come to rest, by then."""
 _WIDE: Final = 17
@@ -30,26 +31,6 @@ _TIPPING_SHARE: Final = 1.0 / 6.0
 _SPATIAL_SHARE: Final = 0.25
 _MOST_UP: Final = 0.5
 """More than half of gravity upwards and downwards is a question of flight, not of rocking."""
-
-
-def random_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
-    """A reproducible scene: a statue of any size and asymmetry, pedestal or none, any friction, harmonic, pulse or record."""
-    rng = np.random.default_rng(seed)
-    height = rng.uniform(0.3, 1.2)
-    left, right = height * rng.uniform(0.08, 0.5, 2)
-    mass = rng.uniform(50.0, 900.0)
-    depth = 0.8 * (left + right)
-    inertia = mass * (height**2 + 0.25 * (left + right) ** 2) / 3.0 * rng.uniform(0.7, 1.2)
-    statue = block(mass, float(left), float(right), height, inertia, depth)
-    pedestal = None
-    if rng.random() < 0.5:
-        width = (left + right) * rng.uniform(1.1, 2.0)
-        pedestal = Pedestal(mass * rng.uniform(0.2, 1.5), float(width), depth, height * rng.uniform(0.1, 0.4))
-    kinetic = rng.uniform(0.08, 0.4)
-    static = kinetic * rng.uniform(1.0, 1.4)
-    limit = GRAVITY_M_S2 * min(left, right) / height
-    excitation = BaseExcitation(x=_motion(rng, limit * rng.uniform(1.1, 4.0)))
-    return _scene(f"seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, 2.0), excitation)
 
 
 def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
@@ -86,7 +67,7 @@ def wide_scene(seed: int, duration_s: float = DURATION_S) -> Scene:
         along = excitation.x
         upwards = min(up, _MOST_UP * GRAVITY_M_S2 / along.peak_m_s2)
         excitation = BaseExcitation(along, along.scaled(across), along.scaled(upwards))
-    return _scene(f"wide seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, on_support), excitation)
+    return seeded(f"wide seed {seed}", duration_s, statue, pedestal, Contact(static, kinetic, on_support), excitation)
 
 
 def tipping_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
@@ -118,7 +99,7 @@ def tipping_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
         motion = Pulse("one_sine", peak, float(rng.uniform(0.3, 1.0)), float(rng.uniform(0.0, 0.3)))
     statue = block(float(mass), left, right, float(height), float(inertia), depth)
     contact = Contact(static, static * float(rng.uniform(0.8, 1.0)), 2.0)
-    return _scene(f"tipping pedestal, seed {seed}", duration_s, statue, pedestal, contact, BaseExcitation(x=motion))
+    return seeded(f"tipping pedestal, seed {seed}", duration_s, statue, pedestal, contact, BaseExcitation(x=motion))
 
 
 def space_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
@@ -145,7 +126,7 @@ def space_scene(seed: int, duration_s: float = TIPPING_S) -> Scene:
             motions.append(Pulse("one_sine", peak, 1.0 / frequency_hz, float(rng.uniform(0.0, 0.2))))
     friction = _log_uniform(rng, 0.2, 1.2)
     contact = Contact(friction, friction, friction)
-    return _scene(f"space seed {seed}", duration_s, statue, None, contact, BaseExcitation(*motions))
+    return seeded(f"space seed {seed}", duration_s, statue, None, contact, BaseExcitation(*motions))
 
 
 def _base(rng: np.random.Generator, half_m: float) -> Array:
@@ -186,36 +167,8 @@ GENERATORS: Final[Mapping[str, Callable[[int], Scene]]] = {
 }
 
 
-def block(mass: float, left: float, right: float, height: float, inertia: float, depth: float) -> Statue:
-    """A rectangular body of the given centroid height and corners, twice as high as its centroid."""
-    top, half = 2.0 * height, 0.5 * depth
-    section = np.array([[-left, 0.0], [right, 0.0], [right, top], [-left, top]])
-    footprint = np.array([[-left, -half, 0.0], [right, -half, 0.0], [right, half, 0.0], [-left, half, 0.0]])
-    across, along = mass * (left + right) ** 2 / 12.0, mass * depth**2 / 12.0
-    tensor = np.diag([inertia - across + along, inertia, across + along])
-    return Statue(mass, height, left, right, inertia, top, depth, section, footprint, tensor)
-
-
-def _scene(
-    title: str, duration_s: float, statue: Statue, pedestal: Pedestal | None, contact: Contact, motion: BaseExcitation
-) -> Scene:
-    return Scene(title, duration_s, GRAVITY_M_S2, Form(), statue, pedestal, contact, motion)
-
-
 def _log_uniform(rng: np.random.Generator, least: float, most: float) -> float:
     return float(math.exp(rng.uniform(math.log(least), math.log(most))))
-
-
-def _motion(rng: np.random.Generator, peak_m_s2: float) -> Excitation:
-    kind = int(rng.integers(3))
-    if kind == 0:
-        return Harmonic(peak_m_s2, float(rng.uniform(0.8, 5.0)))
-    if kind == 1:
-        return Pulse("one_sine", peak_m_s2, float(rng.uniform(0.2, 1.2)), float(rng.uniform(0.0, 0.5)))
-    times = np.linspace(0.0, DURATION_S, 151)
-    noise = rng.normal(size=times.size)
-    smooth = np.convolve(noise, np.hanning(9), mode="same") * np.sin(np.pi * times / DURATION_S)
-    return SampledAcceleration(times, peak_m_s2 * smooth / np.max(np.abs(smooth)))
 
 
 def _wide_motion(rng: np.random.Generator, peak_m_s2: float, frequency_hz: float) -> BaseExcitation:

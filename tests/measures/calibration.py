@@ -1,6 +1,6 @@
 """Are probabilities true? Random scenes, inputs drawn as stated, observed by an engine as it comes: the reliability diagram.
 
-`python -m harness.bench.calibration [COUNT FIRST] [--engine NAME] [--out FILE]` computes COUNT scenes on one core, keeps a line
+`python -m tests.measures.calibration [COUNT FIRST] [--engine NAME] [--out FILE]` computes COUNT scenes on one core, keeps a line
 of JSON for each (a call that was interrupted goes on where it stopped) and renews that engine's table of docs/probability.md.
 
 A random scene falls surely or surely not; so each is shaken at the strength at which the model's nominal run begins to fall,
@@ -20,13 +20,13 @@ from harness.assess.engine_runs import DrawnRun, overturns
 from harness.assess.inputs import draw, row, uncertain_inputs
 from harness.assess.model_draws import model_draws
 from harness.assess.variation import varied
-from harness.bench.pages import renew, table
-from harness.bench.seeded_rows import SeededRow, command_line, measured, seeds_of
-from harness.bench.seeded_scenes import random_scene
 from harness.comparison.statistics.outcomes import FELL
 from harness.comparison.statistics.probabilities import brier, reliability
 from harness.model.scene import Scene
 from harness.records.sets import ReliabilityBin
+from tests.measures.pages import renew, table
+from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_scenes import random_scene
 
 SCENES: Final = 300
 FIRST_SEED: Final = 770_000
@@ -38,7 +38,7 @@ FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 8.0, 101))
 SPREAD: Final = 0.2
 """Logarithmic spread of the factor on that strength: twice the assumed uncertainty of a strength, so that all bins are filled."""
 OBSERVER: Final = "pymunk:plain"
-MODULE: Final = "harness.bench.calibration"
+MODULE: Final = "tests.measures.calibration"
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,91 @@
+"""Options and fragility of a statue on the floor that is shaken across its rocking plane, by the exact body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from harness.assess.compared import AS_IT_IS, DIFFERENCE_LEVEL, common, paired_difference
+from harness.assess.in_space import SPACE, Ends, ends_in_space
+from harness.assess.inputs import draw, uncertain_inputs
+from harness.assess.options import Option
+from harness.assess.sensitivity import factors_at
+from harness.assess.stratified import LEVEL
+from harness.assess.variation import file_scale
+from harness.comparison.statistics.distributions import wilson
+from harness.model.scene import Scene, Uncertain
+from harness.records.assess import FragilityRecord, OptionAnswer, OptionsRecord
+from harness.records.scores import Interval
+
+OPTION_DRAWS: Final = 300
+"""Draws of each option: a difference of 10 points at a half is then shown where half of what falls is the same in both."""
+OPTION_STEPS: Final = 400_000
+"""Steps of each option's runs together: some fifteen seconds of one core."""
+FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 4.0, 13))
+"""Factors on the motion: every second of the planar model's."""
+FRAGILITY_DRAWS: Final = 64
+"""Draws at each factor: ± 10 % at a half."""
+FRAGILITY_STEPS: Final = 80_000
+"""Steps of the runs at one factor together: some three seconds of one core."""
+
+
+def compare_in_space(
+    scene: Scene,
+    inputs: Sequence[Uncertain],
+    options: Sequence[Option],
+    left_out: Mapping[str, str],
+    seed: int,
+    on_progress: Callable[[str], None],
+) -> OptionsRecord | None:
+    """Every option's probability of a fall on common draws; None for a scene that the exact body does not know."""
+    values = draw(inputs, OPTION_DRAWS, seed)
+    on_progress(f"options in space: {AS_IT_IS}")
+    own = ends_in_space(scene, values, OPTION_STEPS)
+    if own is None:
+        return None
+    answers, unknown = [_answer(AS_IT_IS, "", "", own, None)], dict(left_out)
+    for option in options:
+        on_progress(f"options in space: {option.name}")
+        if option.user:
+            other = option.change(scene)
+            ends = ends_in_space(other, common(inputs, values, uncertain_inputs(other), seed), OPTION_STEPS)
+        else:
+            ends = ends_in_space(scene, values, OPTION_STEPS, option.change)
+        if ends is None:
+            unknown[option.name] = f"{SPACE} does not know its scene (it stands on the floor, without a wall)"
+        else:
+            answers.append(_answer(option.name, option.what, option.source, ends, own))
+    return OptionsRecord(answers, own.size, LEVEL, DIFFERENCE_LEVEL, unknown, model=SPACE)
+
+
+def _answer(name: str, what: str, source: str, ends: Ends, own: Ends | None) -> OptionAnswer:
+    share = wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
+    if share is None:
+        raise ValueError("an option without draws")
+    difference = None if own is None else difference_of_ends(ends, own)
+    return OptionAnswer(name, what, source, ends.size, share.value, share.low, share.high, None, None, difference)
+
+
+def difference_of_ends(ends: Ends, own: Ends) -> Interval:
+    """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
+    size = min(ends.size, own.size)
+    fell, stood = ends[:size] == "overturned", ends[:size] == "stands"
+    fell_before, stood_before = own[:size] == "overturned", own[:size] == "stands"
+    low = paired_difference(fell, ~stood_before).low
+    high = paired_difference(~stood, fell_before).high
+    return Interval(float(fell.mean() - fell_before.mean()), low, high, DIFFERENCE_LEVEL)
+
+
+def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord | None:
+    """Probability of overturning by a factor on all axes together; None for a scene that the exact body does not know."""
+    draws = draw(inputs, FRAGILITY_DRAWS, seed)
+    own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, file_scale(scene)))
+    probability = []
+    for factor in FACTORS:
+        ends = ends_in_space(scene, {**draws, "motion.scale": own * factor}, FRAGILITY_STEPS)
+        if ends is None:
+            return None
+        probability.append(float((ends == "overturned").mean()))
+    return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, factors_at(FACTORS, probability), model=SPACE)

@@ -1,0 +1,131 @@
+"""Engines on their own defaults, and on another project's settings: what `bench` and `stress` set beside this project's.
+
+`python -m tests.measures.engine_defaults SCENE` prints the rows of a scene of the bench's standard set, each as JSON; `--hull
+DIFFICULTY` the errors, rad, of pybullet's own hull on a row of the stability map, by setting.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from importlib import import_module
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import engines
+from harness.bench.precision import BUDGET_S, REPEATS, costing
+from harness.bench.standard_scenes import Standard, scene_of, standard_set
+from harness.bench.stress.checks import holds_until_s
+from harness.bench.stress.hard_scenes import solution
+from harness.bench.stress.stability import difficulties
+from harness.bench.timing import costs, timed
+from harness.model.options import RunOptions
+from harness.model.run import Run
+from harness.model.scene import Scene
+from harness.records.bench import DEFAULT, OTHER_PROJECT, PrecisionRow
+
+Array = NDArray[np.float64]
+
+
+HULLS: Final = (
+    ("hull, own margin, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0}),
+    ("hull, margin 0, 0.25 ms", {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4}),
+)
+"""pybullet's known failure, and the setting that avoids it on the floor."""
+
+
+@dataclass(frozen=True)
+class Default:
+    """Settings that are not this project's: `label`, the module that runs them, and what its `EngineDefaults` take."""
+
+    engine: str
+    group: str
+    label: str
+    module: str
+    given: Mapping[str, Any]
+
+
+BULLET: Final = "tests.measures.pybullet_defaults"
+MUNK: Final = "tests.measures.pymunk_defaults"
+DEFAULTS: Final = (
+    Default("pybullet", DEFAULT, "own defaults, 1/240 s", BULLET, {}),
+    Default("pybullet", DEFAULT, "own defaults, 0.25 ms", BULLET, {"dt_s": 2.5e-4}),
+    Default("pybullet", DEFAULT, "damping 0, hull at its own margin, 0.25 ms", BULLET, {"dt_s": 2.5e-4, "damping": 0.0}),
+    Default(
+        "pybullet", DEFAULT, "damping 0, hull at margin 0, 0.25 ms", BULLET,
+        {"dt_s": 2.5e-4, "damping": 0.0, "margin_m": 0.0, "breaking_m": 1e-4},
+    ),
+    Default(
+        "pybullet", OTHER_PROJECT, "virtual_shake_robot_pybullet: 1 ms, stiffness 1e5, damping 1", BULLET,
+        {"dt_s": 1e-3, "iterations": 150, "stiffness_n_m": 1e5, "contact_damping": 1.0, "rolls": True},
+    ),
+    Default("pymunk", DEFAULT, "own defaults, 1/240 s", MUNK, {}),
+    Default("pymunk", DEFAULT, "own defaults, 0.25 ms", MUNK, {"dt_s": 2.5e-4}),
+)  # fmt: skip
+"""The other project is github.com/ZhiangChen/virtual_shake_robot_pybullet, its published engine and contact parameters."""
+
+
+def rows_of(item: Standard, scene: Scene) -> Iterator[PrecisionRow]:
+    """A row for each setting of each engine that is here and asked of the scene."""
+    model = engines.load("analytic")
+    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
+    for name in dict.fromkeys(default.engine for default in DEFAULTS):
+        engine = engines.load(name)
+        if engine.missing() is None and not (item.spatial and engine.capabilities.dimensions < 3):
+            yield from _defaults(PrecisionRow(name, item.name, DEFAULT, "", item.block), scene, exact)
+
+
+def _defaults(base: PrecisionRow, scene: Scene, exact: Run) -> Iterator[PrecisionRow]:
+    for default in DEFAULTS:
+        if default.engine != base.engine:
+            continue
+        module = import_module(default.module)
+        settings = module.EngineDefaults(**default.given)
+        (t_s, theta), once = timed(partial(module.run, scene, settings))
+        spent = costs([partial(module.run, scene, settings)], REPEATS, BUDGET_S, [once])[0]
+        error = largest(t_s, theta, exact)
+        finite = bool(np.isfinite(error))
+        row = replace(
+            base, group=default.group, label=default.label, dt_s=settings.dt_s, steps=t_s.size - 1,
+            error_rad=error if finite else None, failed=None if finite else "its numbers diverged",
+        )  # fmt: skip
+        yield costing(row, spent, scene.duration_s)
+
+
+def largest(t_s: Array, theta_rad: Array, exact: Run) -> float:
+    """Largest difference of samples from the exact rotation, rad; infinite where a sample is not finite."""
+    if exact.history is None or not np.all(np.isfinite(theta_rad)):
+        return float("inf")
+    inside = t_s <= exact.end_s
+    return float(np.max(np.abs(theta_rad[: t_s.size][inside] - exact.history.at(t_s[inside]))))
+
+
+def hull_errors(difficulty: str) -> list[tuple[str, float]]:
+    """Largest error, rad, of each setting of `HULLS` while the exact solution holds (infinite where a number is not finite)."""
+    bullet = import_module(BULLET)
+    row = next(item for item in difficulties() if item.name == difficulty)
+    scene = scene_of(row.name, row.content)
+    exact, errors = solution(scene), []
+    for label, given in HULLS:
+        t_s, theta = bullet.run(scene, bullet.EngineDefaults(**given))
+        errors.append((label, largest(t_s[t_s <= holds_until_s(exact)], theta, exact)))
+    return errors
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print what is asked."""
+    if arguments[0] == "--hull":
+        print(json.dumps(hull_errors(arguments[1])))
+        return
+    chosen = next(item for item in standard_set() if item.name == arguments[0])
+    for row in rows_of(chosen, chosen.scene()):
+        print(json.dumps(asdict(row)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
