@@ -50,12 +50,20 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
 
 @jit
 def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float) -> bool:
-    """Find the direction of vertex i, the others' being given; True with the solution in memory."""
+    """Find the direction of vertex i, the others' being given; True with the solution in memory.
+
+    First one to which friction turns the vertex back: from there it turns no further, away from another one at once.
+    """
+    return _direction(s, m, rows, mode, a, b, i, zero, True) or _direction(s, m, rows, mode, a, b, i, zero, False)
+
+
+@jit
+def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float, stable: bool) -> bool:
     step = TWO_PI / SECTORS
     before = _across_at(s, m, rows, mode, a, b, i, 0.0)
     for k in range(1, SECTORS + 1):
         after = _across_at(s, m, rows, mode, a, b, i, k * step)
-        if before == 0.0 or before * after < 0.0:
+        if before == 0.0 or (before > 0.0 > after if stable else before * after < 0.0):
             low, high, below = (k - 1) * step, k * step, before
             if before == 0.0:
                 high = low

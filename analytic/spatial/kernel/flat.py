@@ -2,8 +2,8 @@
 
 With more than three vertices a rigid body does not determine how they share the normal force. Of all shares that keep the base
 flat, none negative, the one of the least sum of squares is taken: that of equal springs where all vertices slide alike. Where
-there is any, it is there alone and changes without a jump. N_i = max(0, a_i · λ): a_i is what a unit of N_i does to the base, and λ
-is found by Newton's method on Σ a_i N_i = b, the gradient of a convex function, quadratic between the sets of loaded vertices.
+there is any, it is there alone and changes without a jump. N_i = max(0, a_i · λ): a_i is what a unit of N_i does to the base, and
+λ is found by Newton's method on Σ a_i N_i = b, the gradient of a convex function, quadratic between the sets of loaded vertices.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Friction turns a vertex that slides with v within |v|/(μ g), far faster than anything else moves; an explicit step spans only some
 of these times. The linearly implicit Euler step with any matrix J has an expansion in its length, and is extrapolated (Hairer and
-Wanner, Solving Ordinary Differential Equations II, IV.9). Here J = U V has rank three: V takes the velocities to the level motion
-of what touches (two velocities of its first vertex, and yaw), U is what the rates change with that motion as vertices turn.
+Wanner, Solving Ordinary Differential Equations II, IV.9). Here J = U V has rank three: V is what the level motion of what touches
+(two velocities of its first vertex, and yaw) changes with the state, U what the rates change with it as vertices turn.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
 from analytic.spatial.kernel.contact import vertex_velocities
 from analytic.spatial.kernel.rates import rates
 from analytic.spatial.kernel.records import STATE, Memory, Run
-from analytic.spatial.kernel.vectors import Vector, axes, cross, dot, plus, row3, times, to_table, vector
+from analytic.spatial.kernel.vectors import Vector, axes, cross, dot, minus, plus, row3, times, to_table, vector
 
 COARSE: Final = 1e-9
 """Local error from which fewer extrapolations cost less."""
@@ -29,6 +29,8 @@ SLOW_S: Final = 3e-5
 """A vertex that friction turns faster than in this is slow: an explicit step spans some six such times; and"""
 COARSE_SLOW_S: Final = 1.5e-4
 """where slow steps are longer."""
+FINEST: Final = 1e-12
+"""Least local error of a slow step: the rounding of slow velocities, raised as above, stays below."""
 FIRST: Final = 2
 """Parts of the step in the first of them; one more in each that follows."""
 BENT: Final = 1e-4
@@ -60,12 +62,16 @@ def turning_time_s(s: Run, m: Memory) -> float:
     return max(least_m_s, s.still_m_s) / (s.friction_kinetic * s.gravity_m_s2)
 
 
-@inlined
+@jit
 def _level(m: Memory, rows: tuple[Vector, Vector, Vector], i: int, change: Floats) -> Vector:
-    """V: level motion (velocities of vertex i along x and y, yaw) that belongs to a change of the state's velocities."""
-    spin = vector(change, 10)
-    x = plus(vector(change, 7), to_table(rows, cross(spin, row3(m.at, i))))
-    return x[0], x[1], dot(rows[2], spin)
+    """V: change of the level motion (velocities of vertex i along x and y, yaw) with that of the state, from the present one."""
+    spin, arm = vector(m.y, 10), row3(m.at, i)
+    # Where the body turns its vertices' velocities do, though its own velocities stay: without that the slow motion is not seen.
+    w, axis, turned = m.y[3], vector(m.y, 4), vector(change, 4)
+    turn = minus(minus(times(2.0 * w, turned), times(2.0 * change[3], axis)), times(2.0, cross(axis, turned)))
+    more = vector(change, 10)
+    x = plus(vector(change, 7), to_table(rows, plus(cross(more, arm), cross(turn, cross(spin, arm)))))
+    return x[0], x[1], dot(rows[2], plus(more, cross(turn, spin)))
 
 
 @jit
@@ -127,5 +133,5 @@ def slow_step(s: Run, m: Memory, h: float, out: Floats) -> float:
     for i in range(STATE):
         out[i] = m.y[i] + m.table[0, i]
         scale = s.energy_scale_j if i >= STATE - 2 else 1.0 + max(abs(m.y[i]), abs(out[i]))
-        total += ((m.table[0, i] - m.table[1, i]) / (s.tolerance * scale)) ** 2
+        total += ((m.table[0, i] - m.table[1, i]) / (max(s.tolerance, FINEST) * scale)) ** 2
     return math.sqrt(total / STATE)
