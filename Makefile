@@ -6,6 +6,9 @@ STAMP := $(VENV)/.installed
 PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3.14 python3 python; do \
 	if $$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' >/dev/null 2>&1; then command -v $$p; break; fi; done)
 
+COMPILE_PLANE = $(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
+COMPILE_SPACE = $(PY) -c "from analytic import spatial as s; s.simulate(s.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)"
+
 .DEFAULT_GOAL := setup
 .PHONY: help setup report test wheel lint docs types contracts bench stress lock clean
 
@@ -25,7 +28,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@$(PY) -m pip install --quiet --disable-pip-version-check --prefer-binary --only-binary pybullet -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@# Compiled once here, not in whatever runs first.
-	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
+	@$(COMPILE_PLANE) & plane=$$!; $(COMPILE_SPACE) && wait $$plane
 	@touch $@
 
 report: $(STAMP) ## run the main job and say where the report is
@@ -33,7 +36,7 @@ report: $(STAMP) ## run the main job and say where the report is
 
 test: $(STAMP) ## pass the tests
 	@# Compiled once here, not once in each of the processes below.
-	@$(PY) -c "import analytic as a; a.simulate(a.Block.rectangle(width_m=0.2, height_m=1.0), a.ZeroExcitation(), duration_s=0.01)"
+	@$(COMPILE_PLANE) & plane=$$!; $(COMPILE_SPACE) && wait $$plane
 	@$(PY) -m pytest -q -n auto
 
 wheel: $(STAMP) ## build the wheel, install it in a fresh environment (of a newer Python where there is one), run the main job from it

@@ -163,14 +163,24 @@ class Friction:
             raise AnalyticInputError(f"friction: 0 ≤ kinetic ≤ static is wanted, {came} came.")
 
 
+CHOICES: Final = ("stuck", "static_impact", "moving")
+"""By the kernel's codes (`analytic.kernel.codes`)."""
+
+
 @final
 @dataclass(frozen=True)
 class Form:
-    """The form of the model (docs/model.md, section 4); restitution None is the angular-momentum law."""
+    """The form of the model (docs/model.md, section 4); restitution None is the angular-momentum law.
+
+    choice, where the laws leave one: "stuck"; "static_impact", an impact that breaks the pedestal loose acts with the static
+    coefficient (as in an engine that exchanges the two between its steps); "moving", of several joint states that are possible
+    one that moves is taken, not the stuck one.
+    """
 
     friction_normal: Literal["dynamic", "static"] = "dynamic"
     restitution: float | None = None
     pedestal_at_impact: Literal["momentum", "unchanged"] = "momentum"
+    choice: Literal["stuck", "static_impact", "moving"] = "stuck"
 
     def __post_init__(self) -> None:
         """Check the choices."""
@@ -180,6 +190,8 @@ class Form:
             raise AnalyticInputError(
                 f"pedestal_at_impact: momentum or unchanged is wanted, {self.pedestal_at_impact!r} came."
             )
+        if self.choice not in CHOICES:
+            raise AnalyticInputError(f"choice: {', '.join(CHOICES)} is wanted, {self.choice!r} came.")
         if self.restitution is not None and not 0.0 <= self.restitution <= 1.0:
             raise AnalyticInputError(f"restitution: a ratio from 0 to 1 is wanted, {self.restitution!r} came.")
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.block import Block
+from analytic.block import CHOICES, Block
 from analytic.errors import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import COSINE, HARMONIC, NONE, RECTANGULAR, RICKER, SAMPLED, SINE
@@ -88,6 +88,7 @@ def encode(problem: Problem, options: Options) -> Params:
         restitution=-1.0 if form.restitution is None else form.restitution,
         dynamic_normal=form.friction_normal == "dynamic",
         momentum_at_impact=form.pedestal_at_impact == "momentum",
+        choice=CHOICES.index(form.choice),
         theta0_rad=problem.theta0_rad,
         theta_rate0_rad_s=problem.theta_rate0_rad_s,
         duration_s=problem.duration_s,

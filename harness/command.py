@@ -29,7 +29,10 @@ Accuracy = Annotated[
 Step = Annotated[
     float | None, typer.Option("--dt", metavar="S", help="The expert's own time step, instead of --accuracy.")
 ]
-JsonOnly = Annotated[bool, typer.Option("--json", help="Print the record as JSON and nothing else.")]
+JsonOnly = Annotated[
+    bool,
+    typer.Option("--json", help="Print the record as JSON and nothing else; `rockcheck report DIR` writes its pages."),
+]
 
 
 @dataclass(frozen=True)

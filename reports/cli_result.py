@@ -18,11 +18,15 @@ Out = Annotated[Path | None, typer.Option("--out", help="Folder of the result. D
 
 
 def say_result(record: Mapping[str, Any], text: str, folder: Path, saying: Saying, language: str = "en") -> None:
-    """Say what was computed, then write its pages; one that cannot be written is no mistake of the user's, and costs no other."""
-    from reports.pages.page import write_report
-
+    """Say what was computed, then write its pages, none with `--json`: most of a short run's time, for a program that reads the
+    record. A page that cannot be written is no mistake of the user's, and costs no other.
+    """
     if text or saying.as_json:
         saying.say(record, text)
+    if saying.as_json:
+        return
+    from reports.pages.page import write_report
+
     try:
         page = write_report(folder, language)
     except InputError as error:

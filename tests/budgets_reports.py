@@ -61,5 +61,8 @@ SENTENCE_WORDS_MEAN: Final = 12.0
 SENTENCE_WORDS_MOST: Final = 30
 """The same guides count a sentence of more than 30 words as one that is read twice."""
 
-BASE_M = 1e-5
+GULPEASE: Final = 65.0
+"""Lucisano and Piemontese's index of words and sentences, 0 to 100: from 60 on readers with eight years of school read easily."""
+
+BASE_M: Final = 1e-5
 """The page's mesh keeps single precision, 1e-7 of 1.5 m; the footprint leaves out corners that lie 1e-6 m from a side."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analytic.kernel.codes import FRICTION_PARADOX, LIFT_OFF
+from analytic.kernel.codes import FRICTION_PARADOX, LIFT_OFF, MOVING
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.dynamics import expand, vertex
 from analytic.kernel.forcing import coefficients
@@ -180,13 +180,13 @@ def _pivot_candidate(i: int, against: int, facet: int) -> int:
 
 @jit
 def choose(task: Task, rock_free: bool) -> tuple[int, int]:
-    """Choose the joint state, the stuck one if several are feasible; return how many were (1 if no events are kept), and
-    0 or the run's ending."""
+    """Choose the joint state, the stuck one if several are feasible (but see `Form.choice`); return how many were (1 if no events
+    are kept), and 0 or the run's ending."""
     state = task.state
     slide_free = task.params.has_pedestal and state.slip_rate_m_s == 0.0
     start_series(task)
     against = -1 if task.series.floor_accel[0] > 0.0 else 1
-    feasible, ending = 0, 0
+    feasible, ending, moving = 0, 0, task.params.choice == MOVING
     pivot_chosen, slide_chosen = state.pivot, state.slide
     for i in range(3 if slide_free else 1):
         slide = _slide_candidate(i, against) if slide_free else state.slide
@@ -195,9 +195,9 @@ def choose(task: Task, rock_free: bool) -> tuple[int, int]:
             verdict = _feasible(task, pivot, slide, rock_free, slide_free)
             if verdict == 1:
                 feasible += 1
-                if feasible == 1:
+                if feasible == 1 or moving:
                     pivot_chosen, slide_chosen = pivot, slide
-                if task.output.n_events == 0:  # nobody asks how many others there are
+                if task.output.n_events == 0 and not moving:  # nobody asks how many others there are
                     state.pivot, state.slide, state.fresh = pivot, slide, True
                     return feasible, 0
             elif verdict != 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from analytic.kernel.codes import IMPACT
+from analytic.kernel.codes import IMPACT, STATIC_IMPACT
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.impact import both_corners, impact, kinetic_energy
 from analytic.kernel.joint_state import corner, start_series
@@ -46,6 +46,7 @@ def land(task: Task, facet: int, residual: float) -> None:
     xn, _, jn = corner(task, facet, -old_side)
     omega, rate, stuck = state.theta_rate_rad_s, state.slip_rate_m_s, state.slide == 0
     mu = params.floor_static if stuck else params.floor_kinetic
+    mu_k = mu if params.choice == STATIC_IMPACT else params.floor_kinetic
     after, moved, normal = impact(
         m,
         params.pedestal_mass_kg,
@@ -58,7 +59,7 @@ def land(task: Task, facet: int, residual: float) -> None:
         params.restitution,
         params.momentum_at_impact,
         mu,
-        params.floor_kinetic,
+        mu_k,
         params.has_pedestal,
     )
     state.theta_rad, state.facet = load_double(task.base.facets, facet), facet
@@ -69,7 +70,7 @@ def land(task: Task, facet: int, residual: float) -> None:
         after, moved = 0.0, rate
         # a stuck pedestal stays stuck: the push of a dropped rebound would start a slip as small, that ends in another impact
         if params.has_pedestal and params.momentum_at_impact and not stuck:
-            after, moved, _ = both_corners(m, total, xo, z, omega, rate, mu, params.floor_kinetic)
+            after, moved, _ = both_corners(m, total, xo, z, omega, rate, mu, mu_k)
     if max(abs(after) * z, abs(moved)) <= STILL * params.gravity_m_s2 * params.time_scale_s:
         after, moved = (
             0.0,

@@ -101,16 +101,21 @@ def _intrinsic(function: Any) -> Any:
     return intrinsic(function)
 
 
+def row_at(record: np.dtype[np.void]) -> Any:
+    """The compiled function of an address and i that gives row i of a table of such records."""
+    return _intrinsic(_row(record))
+
+
 load_double: Callable[[int, int], float] = _intrinsic(_load)
 store_double: Callable[[int, int, float], None] = _intrinsic(_store)
-event_row: Callable[[int, int], EventRow] = _intrinsic(_row(EVENT_ROW))
-task_row: Callable[[int, int], Task] = _intrinsic(_row(TASK))
-params_row: Callable[[int, int], Params] = _intrinsic(_row(PARAMS))
-motion_row: Callable[[int, int], MotionParams] = _intrinsic(_row(MOTION_PARAMS))
-base_row: Callable[[int, int], Base] = _intrinsic(_row(BASE))
-state_row: Callable[[int, int], State] = _intrinsic(_row(STATE))
-results_row: Callable[[int, int], Results] = _intrinsic(_row(RESULTS))
-counts_row: Callable[[int, int], Counts] = _intrinsic(_row(COUNTS))
+event_row: Callable[[int, int], EventRow] = row_at(EVENT_ROW)
+task_row: Callable[[int, int], Task] = row_at(TASK)
+params_row: Callable[[int, int], Params] = row_at(PARAMS)
+motion_row: Callable[[int, int], MotionParams] = row_at(MOTION_PARAMS)
+base_row: Callable[[int, int], Base] = row_at(BASE)
+state_row: Callable[[int, int], State] = row_at(STATE)
+results_row: Callable[[int, int], Results] = row_at(RESULTS)
+counts_row: Callable[[int, int], Counts] = row_at(COUNTS)
 set_row: Callable[[Any, Any], None] = _intrinsic(_set_row)
 term: Callable[[Floats, int], float] = _intrinsic(_term)
 set_term: Callable[[Floats, int, float], None] = _intrinsic(_set_term)

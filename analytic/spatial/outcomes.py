@@ -16,11 +16,10 @@ from analytic.errors import AnalyticInputError
 from analytic.kernel.records import Records
 from analytic.spatial.body import Floats
 from analytic.spatial.kernel.codes import OVERTURNED
-from analytic.spatial.kernel.entries import run_rows
-from analytic.spatial.kernel.integrator import MOST
+from analytic.spatial.kernel.records import MOST
 from analytic.spatial.problem import Problem
 from analytic.spatial.solution import OUTCOMES
-from analytic.spatial.solver import prepare
+from analytic.spatial.solver import prepare, run_all
 
 SWEEPABLE: Final = ("scale", "vertical_scale", "heading_rad", "friction")
 """What a sweep may vary: factors of all motions and of the vertical one, the body's heading (turned to the left, so that
@@ -79,7 +78,6 @@ def outcomes(
     flat = {name: np.broadcast_to(values, shape).ravel() for name, values in given.items()}
     size = math.prod(shape)
     task = prepare(problem, tolerance, None, math.inf, 0)
-    task.memory["times"], task.memory["samples"] = task.times.ctypes.data, task.samples.ctypes.data
     workers = threads or os.cpu_count() or 1
     chunk = min(CHUNK, -(-size // workers)) or 1
     pieces = [slice(start, min(start + chunk, size)) for start in range(0, size, chunk)]
@@ -119,7 +117,7 @@ def _run(run: Records, memory: Records, part: Mapping[str, Floats], size: int) -
             runs["friction_static"], runs["friction_kinetic"] = values, values
         else:
             _turn(memories["y"], values)
-    run_rows(runs, memories, 0, size)
+    run_all(runs, memories)
     return runs, memories["y"][:, 3:7].copy()
 
 

@@ -11,12 +11,11 @@ import numpy as np
 from analytic.block import positive
 from analytic.encode import encode_motion
 from analytic.kernel.records import Records
+from analytic.machine_code import Entry
 from analytic.motion import Excitation, ZeroExcitation
 from analytic.rotation import rotation_matrices
 from analytic.spatial.body import Body, Floats
-from analytic.spatial.kernel.entries import run
-from analytic.spatial.kernel.records import STATE, Memory, Run, layout
-from analytic.spatial.kernel.track import EVENT_HEAD, INTERVAL_HEAD
+from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, MEMORY, RUN, STATE, Run
 from analytic.spatial.problem import Problem
 from analytic.spatial.solution import (
     KINDS,
@@ -29,8 +28,7 @@ from analytic.spatial.solution import (
     Work,
 )
 
-RUN: Final = layout(Run)
-MEMORY: Final = layout(Memory)
+run_rows: Final = Entry("analytic.spatial.kernel.integrator", "run")
 TOLERANCE: Final = 1e-13
 """Local error of a step, relative to 1 m and 1 rad: rounding of some hundred operations."""
 TOUCH_M: Final = 1e-10
@@ -40,6 +38,8 @@ STILL_M_S: Final = 1e-11
 """Slowest sliding; where the local error is larger, ten times that: a slower velocity has no direction but that of the error."""
 SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
+ADDRESSES: Final = "times", "samples", "history", "event_table", "interval_table"
+"""Where a memory keeps the address of each array of a task, in the task's order."""
 FIRST_EVENTS: Final = 256
 GAVE_UP: Final = 5
 
@@ -93,7 +93,7 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
     memory["about"][0, :n], memory["at"][0, :n] = body.inverse_about, body.vertices_m
     memory["motion"], memory["kinds"] = numbers, [p.kind for p, _, _ in motions]
     memory["first"] = np.cumsum([0, *(times.size for _, times, _ in motions)])
-    return Task(
+    task = Task(
         record,
         memory,
         np.concatenate([times for _, times, _ in motions]),
@@ -102,6 +102,16 @@ def prepare(problem: Problem, tolerance: float, dt_out_s: float | None, step_cap
         np.zeros((rows, EVENT_HEAD + 3 * n)),
         np.zeros((rows, INTERVAL_HEAD + n)),
     )
+    # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
+    for name, array in zip(ADDRESSES, task[2:], strict=True):
+        memory[name] = array.ctypes.data
+    memory["instants"], memory["rows"] = instants, rows
+    return task
+
+
+def run_all(runs: Records, memories: Records) -> None:
+    """Run every row of two tables whose memories know the arrays of their task, which the caller keeps alive."""
+    run_rows(runs.ctypes.data, memories.ctypes.data, 0, len(runs))
 
 
 def _slenderness(body: Body) -> float:
@@ -128,11 +138,11 @@ def solve(
     positive(tolerance=tolerance, **({} if dt_out_s is None else {"dt_out_s": dt_out_s}))
     rows = FIRST_EVENTS if events else 0
     task = prepare(problem, tolerance, dt_out_s, step_cap_s, rows)
-    run(*task)
+    run_all(task.run, task.memory)
     most = int(max(task.run["events"][0], task.run["intervals"][0]))
     if events and most > rows:
         task = prepare(problem, tolerance, dt_out_s, step_cap_s, most)
-        run(*task)
+        run_all(task.run, task.memory)
     return read(problem, task)
 
 

@@ -135,7 +135,9 @@ def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
         perturbed_run = run(scene)
     except EngineFailure:
         return None
-    return None if perturbed_run.outcome.failed else perturbed_run
+    # A run that ends because no mode was found has no path that could part from another.
+    ended = perturbed_run.outcome.failed or perturbed_run.outcome is Outcome.FRICTION_PARADOX
+    return None if ended else perturbed_run
 
 
 def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:

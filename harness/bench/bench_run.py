@@ -21,8 +21,8 @@ def all_parts(quick: bool) -> list[Part]:
     return [
         Part("precision", precision.tasks(quick), partial(precision.of, quick), precision.died),
         Part("coverage", coverage.tasks(quick), coverage.compute, coverage.died),
-        Part("skips", skips.tasks(quick), skips.compute),
-        Part("alone", skip_savings.tasks(quick), skip_savings.compute),
+        Part("skips", skips.tasks(quick), skips.compute, skips.died),
+        Part("alone", skip_savings.tasks(quick), skip_savings.compute, skip_savings.died),
         Part("scaling", scaling.tasks(quick), scaling.compute),
         Part("others", other_integrators.tasks(), partial(other_integrators.compute, quick)),
     ]

@@ -31,7 +31,7 @@ def missing() -> str | None:
 
 def tasks() -> list[str]:
     """What is measured here; nothing without the source tree."""
-    return [] if missing() else ["solvers", "throughput", "startup", "overhead"]
+    return [] if missing() else ["solvers", "throughput", "startup", "overhead", "scans"]
 
 
 def compute(quick: bool, task: str) -> list[Row]:
@@ -49,6 +49,7 @@ class OtherSolvers:
     throughput: Mapping[str, Throughput] = field(default_factory=dict)
     startup: Start | None = None
     overhead: Mapping[str, float] = field(default_factory=dict)
+    scans: Mapping[str, float] = field(default_factory=dict)
 
 
 def collected(rows: Sequence[Row]) -> OtherSolvers:
@@ -59,6 +60,7 @@ def collected(rows: Sequence[Row]) -> OtherSolvers:
         {name: Throughput(**rate) for name, rate in parts.get("throughput", {}).items()},
         Start(**parts["startup"]) if "startup" in parts else None,
         parts.get("overhead", {}),
+        parts.get("scans", {}),
     )
 
 
@@ -87,6 +89,9 @@ def sentences(measured: OtherSolvers) -> list[str]:
         for name, ratio in measured.overhead.items()
         if name.endswith("_ratio")
     ]
+    if rates := measured.scans:
+        listed = ", ".join(f"{name} {rate:.3g}" for name, rate in rates.items())
+        sentences.append(f"Times real time of pybullet on scans under a record: {listed}.")
     return sentences
 
 

@@ -93,6 +93,12 @@ def compute(task: str) -> list[Row]:
         return [asdict(SkipRow(skip, name, failed=str(error)))]
 
 
+def died(task: str) -> list[Row]:
+    """The row of a skip and engine whose process died."""
+    skip, _, name = task.partition(": ")
+    return [asdict(SkipRow(skip, name, failed="the process died"))]
+
+
 def scenes_of(kind: str, engine: str) -> list[Scene]:
     """The scenes on which a skip is measured. Raises `InputError` without the records."""
     if kind == "study":

@@ -89,6 +89,11 @@ def compute(task: str) -> list[Row]:
     return [asdict(row)]
 
 
+def died(task: str) -> list[Row]:
+    """One whose process died: a row that says so."""
+    return [asdict(SkipRow(TOGETHER, task.partition(": ")[0], failed="the process died"))]
+
+
 def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
     """One row for each engine, over all statues and records; the sentence of what is missing where a record is."""
     sums: dict[str, SkipRow] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
@@ -114,14 +115,7 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
     The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does.
     """
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
     title = printable(title)
@@ -132,21 +126,26 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
+        TextColumn("{task.fields[left]}"),
     )
     with ExitStack() as stack:
-        bar = Progress(
-            *columns, console=console, disable=quiet or not console.is_terminal, speed_estimate_period=RATE_S
-        )
+        bar = Progress(*columns, console=console, disable=quiet or not console.is_terminal)
         bar = stack.enter_context(bar)
         lines = ProgressMessages(quiet or console.is_terminal)
         stack.enter_context(lines)
-        task = bar.add_task(title, total=None)
+        task = bar.add_task(title, total=None, left="")
+        # The bar's own rate begins with the first tasks that finish: two blocks that finish together would be infinitely fast.
+        samples: deque[tuple[float, int]] = deque()
+        wanted = 0
         said = -1
 
         def on_progress(done: int, total: int) -> None:
-            nonlocal said
-            bar.update(task, completed=done, total=total)
+            nonlocal said, wanted
+            wanted = total
+            samples.append((time.monotonic(), done))
+            while len(samples) > 2 and samples[1][0] < samples[-1][0] - RATE_S:
+                samples.popleft()
+            bar.update(task, completed=done, total=total, left=left())
             tenth = 10 * done // total if total else 10
             words = f"{title}: {done} of {total} runs"
             if tenth != said:
@@ -156,7 +155,12 @@ def progress(title: str, quiet: bool, size: str = "") -> Iterator[Any]:
             said = tenth
 
         def left() -> str:
-            return time_left(bar.tasks[task].time_remaining)
+            if not samples:
+                return ""
+            (begin_s, before), (_, done) = samples[0], samples[-1]
+            return time_left(
+                (time.monotonic() - begin_s) * (wanted - done) / (done - before) if done > before else None
+            )
 
         lines.left = left
         yield on_progress

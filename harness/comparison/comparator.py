@@ -10,7 +10,8 @@ import numpy as np
 from harness.comparison.scores import energy, events, pointwise
 from harness.comparison.scores.beyond import after_horizon
 from harness.comparison.scores.matched import event_scores, numerical_uncertainty
-from harness.comparison.verdict import Side, judge, side_of
+from harness.comparison.side import Side, side_of
+from harness.comparison.verdict import judge
 from harness.model.errors import InputError, Mistake
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair

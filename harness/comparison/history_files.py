@@ -6,9 +6,13 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from harness.comparison.comparator import compare
 from harness.input.history_file import gaps, read_history
+from harness.input.resolution import UNIFORM, between_samples
 from harness.model.errors import InputError, Mistake
+from harness.model.history import History
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord
 from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
@@ -31,7 +35,10 @@ def compare_files(
         raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
     if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
         raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
-    histories = read_history(a), read_history(b)
+    histories = [read_history(a), read_history(b)]
+    a_s, b_s = (history.t_s for history in histories)
+    if a_s.size != b_s.size or not np.allclose(a_s, b_s, rtol=UNIFORM, atol=UNIFORM):
+        histories = [_interpolated(history) for history in histories]
     scores = compare(
         *histories,
         names=(a.name, b.name),
@@ -49,6 +56,15 @@ def compare_files(
         for begin, end in gaps(history)
     ]
     return replace(scores, warnings=missing)
+
+
+def _interpolated(history: History) -> History:
+    """The history with what lies open between its samples counted as its resolution."""
+    return replace(
+        history,
+        resolution_rad=history.resolution_rad + between_samples(history.theta_rad, history.t_s),
+        resolution_m=history.resolution_m + between_samples(history.slip_m, history.t_s),
+    )
 
 
 def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:

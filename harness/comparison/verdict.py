@@ -13,9 +13,8 @@ from typing import Final
 
 from harness.comparison.differences import ROUNDING, Facts, from_histories, from_peaks
 from harness.comparison.scores.pointwise import Peak
-from harness.model.history import History, Outcome
+from harness.comparison.side import Side
 from harness.model.history_pair import Pair
-from harness.model.run import Run
 from harness.records.scores import Evidence, Verdict
 
 COVERAGE: Final = 2.0
@@ -29,50 +28,6 @@ number that calls no pair of equal models different and misses no effect above t
 OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 """Verdicts with which outcomes that differ decide nothing between the two."""
 
-ACROSS: Final = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
-"""Falls of which the rotation in the rocking plane tells nothing."""
-
-
-@dataclass(frozen=True)
-class Side:
-    """What the verdict needs to know of one run; None: not stated.
-
-    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
-    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
-    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
-    left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
-    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open.
-    """
-
-    name: str
-    outcome: Outcome | None = None
-    uncertainty_rad: float | None = None
-    slip_uncertainty_m: float | None = None
-    reliable_until_s: float | None = None
-    horizon_s: float | None = None
-    left_domain_s: float | None = None
-    left_domain_by: str = ""
-    axes: tuple[str, ...] | None = None
-    across_s: float | None = None
-    resolution_rad: float = 0.0
-    resolution_m: float = 0.0
-
-    @property
-    def open_rad(self) -> float:
-        """How far the rotation may be off: its numerical error, zero where none is stated, and the digits it was written with."""
-        return (self.uncertainty_rad or 0.0) + self.resolution_rad
-
-    @property
-    def open_m(self) -> float:
-        """The same of the slip."""
-        return (self.slip_uncertainty_m or 0.0) + self.resolution_m
-
-    @property
-    def until_s(self) -> float:
-        """The time up to which this side's uncertainty holds and its problem is predictable."""
-        known = [t for t in (self.reliable_until_s, self.horizon_s) if t is not None]
-        return min(known, default=math.inf)
-
 
 @dataclass(frozen=True)
 class Judgement:
@@ -81,61 +36,6 @@ class Judgement:
     verdict: Verdict
     sentence: str
     evidence: Evidence
-
-
-def side_of(
-    answer: Run | History,
-    name: str,
-    horizon_s: float | None = None,
-    uncertainty_rad: float | None = None,
-    slip_uncertainty_m: float | None = None,
-) -> Side:
-    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
-    if isinstance(answer, History):
-        return Side(
-            name,
-            uncertainty_rad=uncertainty_rad,
-            slip_uncertainty_m=slip_uncertainty_m,
-            horizon_s=horizon_s,
-            resolution_rad=answer.resolution_rad,
-            resolution_m=answer.resolution_m,
-        )
-    left_s, by = left_domain(answer)
-    return Side(
-        name,
-        answer.outcome,
-        answer.numerical_uncertainty_rad,
-        answer.slip_uncertainty_m,
-        answer.reliable_until_s,
-        horizon_s,
-        left_s,
-        by,
-        None if answer.motion_axes is None else tuple(answer.motion_axes),
-        _across_s(answer),
-    )
-
-
-def _across_s(run: Run) -> float | None:
-    """When a run's statue left its balance across the rocking plane, untold by its rotation in that plane; else None."""
-    if run.outcome in ACROSS:
-        return run.no_return_time_s
-    if run.outcome is not Outcome.UNDECIDED or run.history is None or "roll_rad" not in run.history.extra:
-        return None
-    return run.end_s if abs(run.history.extra["roll_rad"][-1]) > abs(run.history.theta_rad[-1]) else None
-
-
-def left_domain(run: Run) -> tuple[float | None, str]:
-    """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
-
-    Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
-    friction paradox leaves at its end.
-    """
-    stated = run.validity.get("left_domain_s")
-    if stated is not None:
-        return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
-    if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
-        return run.end_s, run.outcome.sentence
-    return None, ""
 
 
 def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judgement:
@@ -224,7 +124,8 @@ def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
 def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:
     names = f"{a.name} and {b.name}"
     when = "" if facts.exceeded_s is None or math.isinf(facts.exceeded_s) else f" from {facts.exceeded_s:.4g} s on"
-    joint = "twice their joint numerical error"
+    open_ = a.uncertainty_rad is None and b.uncertainty_rad is None
+    joint = "twice what digits and samples leave open" if open_ else "twice their joint numerical error"
     if verdict is Verdict.AGREE:
         text = f"{names} agree within their numerical error: at most {_rad(facts.rotation.largest)} apart, less than {joint} "
         text += f"({_rad(facts.rotation.limit)})"
@@ -234,6 +135,8 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
         slips = facts.differs_in == "slip"
         limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
         apart = f"{'their slips ' if slips else ''}more than {joint} ({limit}) apart"
+        if open_ and verdict is Verdict.MODEL:
+            return _unstated(a, b, facts)
         cause = "their models" if verdict is Verdict.MODEL else "the plane left out"
         text = f"{names} differ by {cause}: {apart}{when}{_before(a, b, facts.until_s)}"
     elif verdict is Verdict.UNBOUNDED:
@@ -252,12 +155,25 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
     for name, axes in _not_given(a, b).items():
         text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
-    if unstated:
+    if open_ and verdict is Verdict.AGREE:
+        text += ". Neither states its numerical error"
+    elif unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
     slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
     if slipless and facts.slip.largest > ROUNDING:
         text += f" (numerical error of the slip of {' and '.join(slipless)} not stated: taken as zero)"
     return text + "." + _digits(a, b)
+
+
+def _unstated(a: Side, b: Side, facts: Facts) -> str:
+    """Two answers of which neither states an error: what is known is that they part by more than their own digits leave open."""
+    slips = facts.differs_in == "slip"
+    what, size = ("slips", _mm(facts.slip.largest)) if slips else ("rotations", _rad(facts.rotation.largest))
+    limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
+    return (
+        f"{a.name} and {b.name} differ: their {what} are up to {size} apart, more than rounding and their files leave open"
+        f" ({limit}). Neither states its numerical error: their models differ only if it is smaller.{_digits(a, b)}"
+    )
 
 
 def _digits(a: Side, b: Side) -> str:
@@ -267,7 +183,7 @@ def _digits(a: Side, b: Side) -> str:
         for side in (a, b)
         if max(side.resolution_rad, side.resolution_m) > ROUNDING
     ]
-    return f" Counted as an error: the digits written, which give {', '.join(parts)}." if parts else ""
+    return f" Counted as an error: what digits and samples leave open, {', '.join(parts)}." if parts else ""
 
 
 def _before(a: Side, b: Side, until_s: float) -> str:

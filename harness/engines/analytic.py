@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Final, final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, final
 
 import numpy as np
 
@@ -106,6 +106,25 @@ class TwoBlock(Engine):
             reliable_until_s=certified.reliable_until_s,
             warnings=(*certified.warnings, *run.warnings),
         )
+
+
+def chosen(scene: Scene, choice: Literal["stuck", "static_impact", "moving"]) -> tuple[Run, float | None]:
+    """The model's run with one choice of `analytic.Form.choice`, no error stated, and when it leaves the run with the first.
+
+    Raises `EngineFailure` where the model refuses the scene.
+    """
+    from analytic import AnalyticInputError, simulate
+
+    usual_form: CommonKeywords = {**keywords(scene), "dt_s": scene.output_dt_s}
+    other_form: CommonKeywords = {**usual_form, "form": replace(_form(scene), choice=choice)}
+    motion = block_of(scene), scene.base_excitation.x, scene.base_excitation.z
+    try:
+        usual, other = simulate(*motion, **usual_form), simulate(*motion, **other_form)
+    except AnalyticInputError as error:
+        raise EngineFailure(str(error)) from error
+    # Both compute the same numbers up to there.
+    parts = (min(a.time_s, b.time_s) for a, b in zip(usual.events, other.events, strict=False) if a != b)
+    return _run(scene, TwoBlockSettings(0.0, ACCURACIES_RAD[-1]), other, 0.0, keep=True), next(parts, None)
 
 
 def own(settings: Settings) -> TwoBlockSettings:

@@ -99,16 +99,13 @@ class Spatial(Engine):
 
 
 def problem_of(scene: Scene) -> Problem:
-    """The scene's statue on the vertices of its footprint as the scene begins, or on all its outer points where it is thrown."""
+    """The scene's statue on its feet as the scene begins, or on all its outer points where it is thrown."""
     from analytic import spatial
 
     statue, pose = scene.statue, scene.initial.pose
     # What is thrown may land on any of its points; what stands touches with its base.
-    vertices = (
-        np.asarray(statue.footprint_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
-        if pose is None
-        else statue.outer_points_m
-    )
+    feet = np.asarray(statue.feet_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
+    vertices = feet if pose is None else statue.outer_points_m
     start = _leaning(scene, vertices) if pose is None else _thrown(pose)
     motion = scene.base_excitation
     return spatial.Problem(

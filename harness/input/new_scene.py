@@ -76,7 +76,7 @@ def _statue(inspection: Inspection, scan: Path, mesh: Path, user_input: UserInpu
     density = f"ASSUMED: marble, {solid.density_kg_m3:g} kg/m³; give --density or --mass for another"
     if user_input.density_kg_m3 is not None:
         density = f"{user_input.density_kg_m3:g} kg/m³, as given"
-    placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2)}
+    placing = {"file": mesh.name, "unit": "m", "up": "z", "azimuth_deg": round(-weakest, 2) + 0.0}
     keys: dict[str, object] = {"mesh": placing | {"density_kg_m3": solid.density_kg_m3}}
     if user_input.mass_kg is not None:
         density, keys = f"from the weighed {user_input.mass_kg:g} kg", {"mass_kg": user_input.mass_kg, "mesh": placing}

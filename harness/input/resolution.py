@@ -8,10 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array
+from harness.model.history import Array, hermite
 
 UNIFORM: Final = 1e-9
 """Steps of a time column that differ by less than this share are equal: rounding of doubles, where rounded times jump a unit."""
+
+FEWEST: Final = 5
+"""Samples of which every second one leaves a curve."""
 
 
 def resolution(cells: Sequence[str]) -> float:
@@ -33,7 +36,14 @@ def resolution(cells: Sequence[str]) -> float:
             decimals = max(decimals, -exponent)
     if leading is None:
         return 0.5 * 10.0**-decimals if decimals else 0.0
-    return float(0.5 * 10.0 ** (leading - digits))
+    own = float(0.5 * 10.0 ** (leading - digits))
+    return max(own, _of_single_precision(np.array(cells, dtype=np.float64), own))
+
+
+def _of_single_precision(values: Array, own: float) -> float:
+    """Half a step of the largest number where all are numbers of single precision, to the digits written; else 0."""
+    single = values.astype(np.float32)
+    return 0.5 * float(np.spacing(np.abs(single).max())) if np.abs(values - single).max() <= own else 0.0
 
 
 def resolution_of_times(cells: Sequence[str], t_s: Array) -> float:
@@ -42,6 +52,15 @@ def resolution_of_times(cells: Sequence[str], t_s: Array) -> float:
     if step.size == 0 or np.ptp(step) <= UNIFORM * max(float(np.max(step)), float(np.max(np.abs(t_s)))):
         return 0.0
     return resolution(cells)
+
+
+def between_samples(values: Array, t_s: Array) -> float:
+    """How far interpolation may be off: half of what it misses where every second sample is left out, as at a kink."""
+    ends, left_out = slice(None, None, 2), slice(1, t_s.size - 1, 2)
+    if t_s.size < FEWEST:
+        return 0.0
+    slopes = np.gradient(values[ends], t_s[ends])
+    return 0.5 * float(np.abs(hermite(t_s[left_out], t_s[ends], values[ends], slopes) - values[left_out]).max())
 
 
 def of_rate(values: Array, t_s: Array) -> float:

@@ -60,6 +60,11 @@ class Statue:
         return 0.5 * (self.corner_right_m - self.corner_left_m)
 
     @property
+    def feet_m(self) -> Array:
+        """Points (k, 3) that a level floor can touch as it stands: of a mesh those of its base's lower hull, raggedness kept."""
+        return self.footprint_m if self.solid is None else self.solid.feet_m
+
+    @property
     def outer_points_m(self) -> Array:
         """Points (k, 3) whose hull is the body's: the mesh's vertices, a block's eight corners; about the centroid."""
         block = np.vstack([self.footprint_m, self.footprint_m + np.array([0.0, 0.0, self.height_m])])

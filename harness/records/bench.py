@@ -258,6 +258,7 @@ class BenchRecord(Record):
     throughput: Mapping[str, Throughput] = field(default_factory=dict)
     startup: Start | None = None
     overhead: Mapping[str, float] = field(default_factory=dict)
+    scans: Mapping[str, float] = field(default_factory=dict)
     parts: Sequence[PartRow] = ()
     sentences: Sequence[str] = ()
     seconds: float

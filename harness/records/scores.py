@@ -26,13 +26,14 @@ class Verdict(StrEnum):
 
     AGREE = "agree within numerical error"
     MODEL = "differ: model"
+    CONVENTION = "differ: by convention"
     HORIZON = "differ: beyond the horizon"
     DOMAIN = "differ: the model left its domain"
     PLANE = "differ: the plane left out"
     UNBOUNDED = "differ: numerical error not bounded"
 
 
-ROBUST: Final = frozenset({Verdict.MODEL, Verdict.PLANE})
+ROBUST: Final = frozenset({Verdict.MODEL, Verdict.CONVENTION, Verdict.PLANE})
 """Verdicts that no numerical error and no sensitivity explains."""
 
 

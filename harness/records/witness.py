@@ -17,7 +17,7 @@ class Judged:
     """One run held against a plain engine: whether they agree, until when, and how far the run is from that engine at most.
 
     `parts_s`: when they part by more than twice their joint numerical error, while both are bounded. `convention_s`: the instant
-    of the choice that decided it, where it is one between conventions; `other`: what the plain engine's choice gives.
+    of the choice that decided it, where it is one between conventions; `other`: what the model gives with the other choice.
     """
 
     agrees: bool
@@ -71,7 +71,8 @@ def _parted(name: str, parted: Mapping[str, Judged]) -> str:
     first = min(parted.values(), key=lambda each: each.until_s)
     text = f"{name} as it comes does not confirm {_and(parted)} from {first.until_s:.4g} s on"
     if first.convention and first.convention_s is not None:
-        text += f"; by convention, at {first.convention_s:.4g} s: {first.convention}. The other choice: {first.other}"
+        text += f"; by convention, at {first.convention_s:.4g} s: {first.convention}. "
+        text += f"With the other choice the model says: {first.other}"
     return f"{text}."
 
 

@@ -4,7 +4,8 @@ Two runs of a plain engine, with steps that the budget allows, state by their ow
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
 scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.contact.friction.followed`), which is
-another convention than the model's: where that parts the two, it is said, and what the other choice gives.
+another convention than the model's: where that parts the two, it is said, and what the other choice gives
+(`harness.scene_run.convention`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.witness import LEAST_S, PLAIN, Judged, Witness
+from harness.scene_run.convention import choice_between
 
 BUDGET: Final = 3.0
 """A witness costs at most so many times what the run beside it cost, in steps of that run's engine."""
@@ -97,12 +99,9 @@ def _judged(scene: Scene, run: Run, plain: Run) -> Judged:
     known_s = min(run.bounded_until_s, plain.bounded_until_s)
     parts_s = evidence.exceeded_s
     if parts_s is not None and parts_s <= known_s:
-        at = parts_s
-        choice, choice_s = convention(scene, run, at)
-        fell = "" if plain.overturn_time_s is None else f"{plain.outcome.sentence}, after "
-        other = f"{fell}a peak of {plain.peak_theta_rad:.3g} rad by {plain.end_s:.4g} s ({plain.engine})"
-        apart = evidence.largest_difference_rad
-        return Judged(False, at, apart, at, choice, choice_s, other if choice else "")
+        apart, choice = evidence.largest_difference_rad, choice_between(scene, run, plain, parts_s)
+        by = ("", None, "") if choice is None else (choice.words, choice.at_s, choice.other)
+        return Judged(False, parts_s, apart, parts_s, *by)
     apart = evidence.largest_reliable_difference_rad
     return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
 
@@ -114,17 +113,6 @@ def _in_the_plane(scene: Scene, engine: Engine, runs: Mapping[str, Run]) -> str:
     if not unlike:
         return ""
     return f"of the rocking plane alone: {' and '.join(unlike)} got another part of the floor's motion"
-
-
-def convention(scene: Scene, run: Run, parts_s: float) -> tuple[str, float | None]:
-    """The choice between conventions that decided what followed, if one came before the two parted, and when."""
-    choices = [t_s for t_s in run.validity.get("several_joint_states_s", ()) if t_s <= parts_s]
-    slides = [item.start_s for item in run.patterns if item.name in ("sliding", "both") and item.start_s <= parts_s]
-    if choices:
-        return "one of several joint states that were possible", float(choices[-1])
-    if scene.pedestal is not None and scene.contact.floor_static != scene.contact.floor_kinetic and slides:
-        return "which of the two coefficients acts as the pedestal breaks loose", float(slides[-1])
-    return "", None
 
 
 def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wanted_s: float) -> str:

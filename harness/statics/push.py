@@ -145,6 +145,11 @@ def least_x_factor(scene: Scene, most: float) -> float | None:
     from motion.
     """
 
+    if isinstance(scene.base_excitation.y, ZeroExcitation):
+        # Every push, and with it every share, is the factor's multiple.
+        share = push_of(scene).first[1]
+        return 1.0 / share if share * most >= 1.0 else None
+
     def moves(factor: float) -> bool:
         return push_of(scene, factor).first[1] >= 1.0
 

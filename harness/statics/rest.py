@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import Excitation, ZeroExcitation
-from harness.model.scene import Pedestal, Scene, Statue
+from harness.model.scene import Scene, Statue
+from harness.statics.push import tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 
 Array = NDArray[np.float64]
@@ -90,10 +91,15 @@ class LimitsOfRest:
         # What pushes, in the frame of a statue that has turned.
         cosine, sine = math.cos(yaw_rad), math.sin(yaw_rad)
         turned = push @ np.array([[cosine, -sine], [sine, cosine]])
-        moves = slips | _tips(self.polygon_m, statue.centroid_height_m, turned, weight)
-        if scene.pedestal is None:
-            return moves
-        return moves | _tips(*_stood_upon(statue, scene.pedestal), push, weight)
+        normals, reach = outward_sides(self.polygon_m)
+        moves: NDArray[np.bool_] = slips | np.any(
+            statue.centroid_height_m * turned @ normals.T >= reach * weight[:, None], axis=1
+        )
+        if scene.pedestal is not None:
+            sides = tipping_of_pedestal(statue.mass_kg, statue.centroid_height_m, statue.base_centre_m, scene.pedestal)
+            for (axis, direction), share in sides.items():
+                moves |= direction * push[:, axis] >= share * weight
+        return moves
 
 
 def first_motion_s(scene: Scene) -> float:
@@ -106,23 +112,6 @@ def first_motion_s(scene: Scene) -> float:
     """
     limits = LimitsOfRest.of(scene) if scene.initial.still else None
     return 0.0 if limits is None else limits.until_s(0.0)
-
-
-def _tips(polygon_m: Array, height_m: float, push_m_s2: Array, weight: Array) -> NDArray[np.bool_]:
-    """Whether a body tips whose centroid is so high over the origin of the polygon (k, 2) on which it stands."""
-    normals, reach = outward_sides(polygon_m)
-    tips: NDArray[np.bool_] = np.any(height_m * push_m_s2 @ normals.T >= reach * weight[:, None], axis=1)
-    return tips
-
-
-def _stood_upon(statue: Statue, pedestal: Pedestal) -> tuple[Array, float]:
-    """The pedestal's base (4, 2) about the common centroid of it and the statue, and that centroid's height."""
-    share = pedestal.mass_kg / (pedestal.mass_kg + statue.mass_kg)
-    centre = statue.base_centre_m + pedestal.offset_m
-    height = share * pedestal.centroid_height_m + (1.0 - share) * (pedestal.height_m + statue.centroid_height_m)
-    half = 0.5 * np.array([pedestal.width_m, pedestal.depth_m])
-    corners = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return corners + np.array([(1.0 - share) * centre, 0.0]), height
 
 
 def resting_polygon_m(statue: Statue) -> Array | None:

@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from harness.comparison.scores.pointwise import Peak
+from harness.comparison.side import ACROSS, Side
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Case, score_outcomes
-from harness.comparison.verdict import ACROSS, Side, judge, shares
+from harness.comparison.verdict import judge, shares
 from harness.model.history import History, Outcome
 from harness.model.history_pair import Pair, pair
 from harness.records.scores import Verdict

@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from harness.assess.stratified import LEVEL
+from harness.comparison.statistics.distributions import wilson
 from harness.records.rocking_spectrum import RockingSpectrumRecord
+from reports.text.chance import SAFE, SAFE_HIGH
 from reports.text.numbers import count_word, digits, percent, unit
 from reports.text.wording import Verdict
 
@@ -58,7 +61,10 @@ def verdict(record: RockingSpectrumRecord) -> Verdict:
             )
         else:
             points.append(f"{who} none above R = {unit(falling[-1], 'm')} does.")
-    return Verdict(headline, "differ" if half > 0.0 else "agree", points)
+    # The block that falls most often decides, with the interval that so many cases leave open.
+    most = wilson(round(max(cells) * record.cases), record.cases, LEVEL)
+    safe = most is not None and most.value <= SAFE and most.high < SAFE_HIGH and not record.undecided
+    return Verdict(headline, "agree" if safe else "differ", points)
 
 
 def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> dict[str, object]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -39,7 +39,10 @@ def run_verdict(source: RunSource) -> Verdict:
     nominal = _nominal(source)
     answers = source.record.assessment
     if not answers:
-        return nominal
+        # One run is one draw: a shaking that it stands is no reason for green, and agreeing on a fall is none either.
+        over = all(run.outcome.overturned for run in source.runs.values() if not run.outcome.failed)
+        known = nominal.tone != "agree" or not source.record.motion.accel_m_s2
+        return nominal if known else replace(nominal, tone="failed" if over else "differ")
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
     each = [f"{name}: {other.sentence}." for name, other in answers.items()] if len(answers) > 1 else []

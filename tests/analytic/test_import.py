@@ -7,14 +7,16 @@ import sys
 
 import numpy as np
 
-from analytic import Block, Harmonic, ensemble, simulate
+from analytic import Block, Harmonic, ensemble, simulate, spatial
 from tests import budgets_analytic as budgets
 
 RUN = """
 import analytic
+from analytic import spatial
 block = analytic.Block.rectangle(width_m=0.2, height_m=1.0)
 analytic.simulate(block, analytic.Harmonic(2.0, 2.0), duration_s=0.1)
 analytic.ensemble(block, analytic.Harmonic(2.0, 2.0), sweep={"amplitude_m_s2": [1.0, 2.0]}, duration_s=0.1)
+spatial.simulate(spatial.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)
 """
 
 
@@ -27,10 +29,11 @@ def test_a_start_from_the_cache_needs_no_compiler() -> None:
     block = Block.rectangle(width_m=0.2, height_m=1.0)
     simulate(block, Harmonic(2.0, 2.0), duration_s=0.1)  # compiled by now, if it was not before
     ensemble(block, Harmonic(2.0, 2.0), sweep={"amplitude_m_s2": np.array([1.0, 2.0])}, duration_s=0.1)
+    spatial.simulate(spatial.Body.block(100.0, 0.4, 0.3, 1.2), duration_s=0.01, friction_static=0.5)
     names = "\nimport sys; print(*sys.modules)"
     loaded = set(told(RUN + names))
     assert "analytic.machine_code" in loaded
-    assert loaded.isdisjoint({"numba", "scipy", "analytic.kernel.integrator"})
+    assert loaded.isdisjoint({"numba", "scipy", "analytic.kernel.integrator", "analytic.spatial.kernel.integrator"})
     used = "\nfrom analytic.kernel.impact import kinetic_energy\nkinetic_energy(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)"
     assert "numba" in told(RUN + used + names), "a function of the kernel by itself needs it"
 

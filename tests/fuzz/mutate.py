@@ -17,6 +17,7 @@ Mutation = Callable[[bytes, Stream], bytes]
 
 NUMBER: Final = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 DIGIT: Final = re.compile(rb"\d")
+WORD: Final = re.compile(rb"\w+")
 FACTORS: Final = (-1.0, 0.0, 0.5, 2.0, 10.0, 1e-3, 1e3, 1e-12, 1e12, 1e150, 1e-150)
 ODD_FLOATS: Final = (0.0, -1.0, 1e-30, 1e30, float("nan"), float("inf"), 0.5, 2.0)
 ODD_VALUES: Final = (
@@ -26,6 +27,12 @@ ODD_VALUES: Final = (
 ODD_TEXT: Final = (
     b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", "é θ 😀".encode(), b"\r", b"\t", b'"', b"'''", b"#", b"[[", b"=", b",,,", b"\x1a",
 )  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def spans(pattern: re.Pattern[bytes], data: bytes) -> list[tuple[int, int]]:
+    """Where a pattern is in a file, which is mutated a thousand times over."""
+    return [place.span() for place in pattern.finditer(data)]
 
 
 def flip(data: bytes, rng: Stream) -> bytes:
@@ -44,29 +51,29 @@ def truncate(data: bytes, rng: Stream) -> bytes:
 
 def number(data: bytes, rng: Stream) -> bytes:
     """One number replaced by an odd value."""
-    found = list(NUMBER.finditer(data))
+    found = spans(NUMBER, data)
     if not found:
         return data
-    place = found[int(rng.integers(len(found)))]
-    return data[: place.start()] + ODD_VALUES[int(rng.integers(len(ODD_VALUES)))] + data[place.end() :]
+    begin, end = found[int(rng.integers(len(found)))]
+    return data[:begin] + ODD_VALUES[int(rng.integers(len(ODD_VALUES)))] + data[end:]
 
 
 def nudge(data: bytes, rng: Stream) -> bytes:
     """One number scaled or turned in sign: still a number, perhaps one that nothing can be computed with."""
-    found = list(NUMBER.finditer(data))
+    found = spans(NUMBER, data)
     if not found:
         return data
-    place = found[int(rng.integers(len(found)))]
-    value = float(place.group()) * FACTORS[int(rng.integers(len(FACTORS)))]
-    return data[: place.start()] + f"{value:g}".encode() + data[place.end() :]
+    begin, end = found[int(rng.integers(len(found)))]
+    value = float(data[begin:end]) * FACTORS[int(rng.integers(len(FACTORS)))]
+    return data[:begin] + f"{value:g}".encode() + data[end:]
 
 
 def digit(data: bytes, rng: Stream) -> bytes:
     """One digit replaced by another: nothing moves, not even in a binary file that holds text."""
-    found = list(DIGIT.finditer(data))
+    found = spans(DIGIT, data)
     if not found:
         return data
-    place = found[int(rng.integers(len(found)))].start()
+    place, _ = found[int(rng.integers(len(found)))]
     return data[:place] + str(int(rng.integers(10))).encode() + data[place + 1 :]
 
 
@@ -114,11 +121,11 @@ def lines(data: bytes, rng: Stream) -> bytes:
 
 def words(data: bytes, rng: Stream) -> bytes:
     """A word replaced by another of the file."""
-    found = list(re.finditer(rb"\w+", data))
+    found = spans(WORD, data)
     if len(found) < 2:
         return data
     a, b = (found[int(value)] for value in rng.integers(0, len(found), 2))
-    return data[: a.start()] + b.group() + data[a.end() :]
+    return data[: a[0]] + data[b[0] : b[1]] + data[a[1] :]
 
 
 def recode(data: bytes, rng: Stream) -> bytes:

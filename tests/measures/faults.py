@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.comparison.verdict import left_domain
+from harness.comparison.side import left_domain
 from harness.model.history_pair import pair
 from harness.model.run import Run
 from harness.model.scene import Scene

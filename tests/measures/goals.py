@@ -31,6 +31,8 @@ MAP_S: Final = 5.0
 IMPORT_RATIO: Final = 1.3
 FIRST_CALL_RATIO: Final = 2.0
 OVERHEAD: Final = 1.10
+SCANS: Final = {"Maria at 1 ms": 100.0, "stone at 2 ms": 40.0}
+"""Times real time of scans in pybullet, under a record that makes them rock."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,9 @@ def goals(record: BenchRecord) -> Iterator[Goal]:
     if record.startup is not None:
         yield Goal("import over numpy's and numba's", record.startup.import_ratio, IMPORT_RATIO, at_most=True)
         yield Goal("first call over a trivial one", record.startup.first_call_ratio, FIRST_CALL_RATIO, at_most=True)
+    for name, least in SCANS.items():
+        if name in record.scans:
+            yield Goal(f"pybullet, times real time of {name}", record.scans[name], least)
     for name, ratio in record.overhead.items():
         if name.endswith("_ratio"):
             yield Goal(f"pymunk over a baseline loop, {name}", ratio, OVERHEAD, at_most=True)

@@ -10,14 +10,14 @@ import sys
 from dataclasses import asdict
 from typing import Any, Final
 
-from tests.measures import analytic_model, contact_engines, start
+from tests.measures import analytic_model, contact_engines, real_scans, start
 
 THROUGHPUT_REPEATS: Final = 20
 """Runs of the map of which the least time counts: another process on the machine may take part of it from several in a row."""
 
 
 def compute(quick: bool, task: str) -> list[dict[str, Any]]:
-    """Rows of the solvers, runs per second of ensembles, cost of a start, or cost over a baseline loop."""
+    """Rows of the solvers, runs per second of ensembles, cost of a start, of real scans, or over a baseline loop."""
     if task == "solvers":
         return [asdict(row) for row in analytic_model.measure(2 if quick else analytic_model.REPEATS)]
     if task == "throughput":
@@ -26,6 +26,8 @@ def compute(quick: bool, task: str) -> list[dict[str, Any]]:
         return [{"throughput": {name: asdict(rate) for name, rate in rates.items()}}]
     if task == "startup":
         return [{"startup": asdict(start.startup(1 if quick else start.STARTS))}]
+    if task == "scans":
+        return [{"scans": real_scans.measure()}]
     return [{"overhead": contact_engines.overhead(2.0 if quick else 10.0)}]
 
 

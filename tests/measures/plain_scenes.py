@@ -18,8 +18,8 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 from harness.records.bench import Statement
 from harness.records.witness import LEAST_S, PLAIN
+from harness.scene_run.convention import choice_between
 from harness.scene_run.witness import TARGET_RAD as JOINT_RAD
-from harness.scene_run.witness import convention
 from tests.measures.coverage import statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.random_scenes import FINEST_S, counted
@@ -100,9 +100,10 @@ def _beside(scene: Scene, name: str) -> tuple[dict[str, Statement], Beside]:
         finer = truth_of(engines.load(plain.engine), scene, plain, plain.bounded_until_s, FINEST_S)
         stated, limits = statement(plain, finer), error_rad(truth, finer, until_s)
     joint = (located.numerical_uncertainty_rad or 0.0) + (plain.numerical_uncertainty_rad or 0.0)
-    choice = convention(scene, located, until_s)[0]
     apart = error_rad(located, plain, until_s)
-    beside = Beside(until_s, _known_s(scene, located, until_s), apart, joint, limits, choice)
+    choice = None if apart <= joint else choice_between(scene, located, plain, until_s)
+    words = "" if choice is None else f"at {choice.at_s:.4g} s, {choice.words}"
+    beside = Beside(until_s, _known_s(scene, located, until_s), apart, joint, limits, words)
     return {name: statement(located, truth), plain.engine: stated}, beside
 
 

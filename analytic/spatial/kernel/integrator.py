@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 from analytic.kernel.codes import HARMONIC, NONE, SAMPLED
 from analytic.kernel.compiler import inlined, jit
-from analytic.kernel.memory import load_double
+from analytic.kernel.memory import load_double, row_at
 from analytic.spatial.kernel.codes import (
     BREAK,
     END,
@@ -24,7 +25,7 @@ from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_head
 from analytic.spatial.kernel.impact import collide, decide
 from analytic.spatial.kernel.motion import field, is_over, pass_breaks
 from analytic.spatial.kernel.rates import kinetic_energy, rates
-from analytic.spatial.kernel.records import STATE, Memory, Run
+from analytic.spatial.kernel.records import MEMORY, MOST, RUN, STATE, Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.resting import hold, needed
 from analytic.spatial.kernel.slow import bend, extrapolations, is_slow, slow_step, turning_time_s
@@ -34,14 +35,14 @@ from analytic.spatial.kernel.track import audit, note_event, note_peak, sample
 from analytic.spatial.kernel.vectors import axes, row3, to_table
 from analytic.spatial.kernel.watching import arm, lowest, watch
 
+run_row: Final[Callable[[int, int], Run]] = row_at(RUN)
+memory_row: Final[Callable[[int, int], Memory]] = row_at(MEMORY)
 SAFETY: Final = 0.9
 SHRINK: Final = 0.2
 GROW: Final = 5.0
 EXPONENT: Final = 1.0 / 8.0
 SHORTEST: Final = 1e-15
 """Shortest step, s: below it time does not advance."""
-MOST: Final = 1_000_000
-"""Steps, rejected ones included, after which a run is given up: a hundred times those of the usual slow slide, some 5 s."""
 FIRST_STEP_S: Final = 1e-3
 LOOKS: Final = 4
 """Places in a step at which the event functions are looked at."""
@@ -227,3 +228,10 @@ def run_one(s: Run, m: Memory) -> None:
         if s.samples > 0 and s.time_s - load_double(m.history, (s.samples - 1) * (STATE - 1)) <= 1e-9 * s.output_step_s:
             s.samples -= 1
         sample(s, m, s.time_s, m.y)
+
+
+def run(runs: int, memories: int, start: int, stop: int) -> None:
+    """Run the rows start to stop − 1 of the tables at these addresses; memories know the callers' arrays (`machine_code`)."""
+    # One entry for one run and for many: another would be compiled from the first line to the last once more.
+    for i in range(start, stop):
+        run_one(run_row(runs, i), memory_row(memories, i))

@@ -217,3 +217,13 @@ def layout(record: type) -> np.dtype[np.void]:
             item = np.int64 if hint.__origin__ is Ints else np.float64
             fields.append((name, item, hint.__metadata__[0]))
     return np.dtype(fields, align=True)
+
+
+RUN: Final = layout(Run)
+MEMORY: Final = layout(Memory)
+EVENT_HEAD: Final = 6
+"""Items of an event before the impulses at its vertices (3 each): time, kind, vertex, mode after, energy lost, cone residual."""
+INTERVAL_HEAD: Final = 2
+"""Items of an interval before the vertices' states: start and mode."""
+MOST: Final = 1_000_000
+"""Steps, rejected ones included, after which a run is given up: a hundred times those of the usual slow slide, some 5 s."""

@@ -17,12 +17,8 @@ from analytic.spatial.kernel.codes import (
     VERTEX_STICK,
 )
 from analytic.spatial.kernel.rates import kinetic_energy
-from analytic.spatial.kernel.records import LOST, STATE, WORK, Memory, Run
+from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, LOST, STATE, WORK, Memory, Run
 
-EVENT_HEAD: Final = 6
-"""Items of an event before the impulses at its vertices (3 each): time, kind, vertex, mode after, energy lost, cone residual."""
-INTERVAL_HEAD: Final = 2
-"""Items of an interval before the vertices' states: start and mode."""
 FREE: Final = 0.0
 STICKS: Final = 1.0
 SLIDES: Final = 2.0

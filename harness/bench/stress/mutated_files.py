@@ -11,8 +11,8 @@ from harness.campaign.parts import Row
 from harness.records.stress import Harm, Mutated
 
 FUZZ: Final = "tests.fuzz"
-PIECE: Final = 1000
-"""Inputs of one process, of all kinds in turn: its start of two seconds is lost in them."""
+PIECE: Final = 5000
+"""Inputs of one process, of all kinds in turn: it first uses a whole file of each, which takes seconds."""
 COUNTS: Final = ("inputs", "accepted", "tracebacks", "hangs", "half_written")
 EXAMPLES: Final = 5
 """Failures kept in the record for each kind, with the seed that makes them again."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from harness.comparison.scores import energy, events
-from harness.comparison.verdict import Side
+from harness.comparison.side import Side
 from harness.model.history import Array
 from harness.records.scores import EventScores
 

@@ -69,8 +69,7 @@ def _feet(scene: Scene) -> Array:
     statue = scene.statue
     if scene.initial.pose is not None:
         return statue.outer_points_m
-    base = np.asarray(statue.footprint_m if statue.solid is None else statue.solid.feet_m)
-    return np.asarray(base + np.array([0.0, 0.0, FOOT_M - statue.centroid_height_m]))
+    return np.asarray(statue.feet_m + np.array([0.0, 0.0, FOOT_M - statue.centroid_height_m]))
 
 
 def _pair(first: str, second: str, friction: float, stiff: str, name: str = "") -> str:

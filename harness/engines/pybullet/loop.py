@@ -16,7 +16,7 @@ from harness.engines.pybullet.rest_spell import STILL_M_S, RestSpells
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.step_state import StepState
 from harness.engines.pybullet.stepper import Row, StepLog, axis_of
-from harness.engines.pybullet.touch import LEAST_RATE_RAD_S, ContactGaps
+from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.writing import ALONE
 from harness.model.scene import Scene
 
@@ -171,7 +171,7 @@ def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
     """The same where impacts are prescribed: one is imposed when the statue passes upright."""
     step_s = state.step_s
     # Right after an impact the statue is upright, to the last digit or not.
-    contact_s = math.inf if state.jolted else _upright(state, watch)
+    contact_s = math.inf if state.jolted else _upright(state, touch, watch)
     sure = min(soonest, contact_s)
     if contact_s == math.inf or state.t_s + sure > state.next_s:
         return min(max(int(sure / step_s - AHEAD), 1), MOST_FREE) if sure < math.inf else RESTING_FREE
@@ -180,14 +180,14 @@ def _imposed(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch, s
         lean = axis_of(state.row, watch.axis)[0] - watch.rest[0]
         state.jolt(imposing.impose(state.stepper, scene, state.row, lean))
 
-    locate_event(state, touch, lambda: _upright(state, watch), impose)
+    locate_event(state, touch, lambda: _upright(state, touch, watch), impose)
     return 0
 
 
-def _upright(state: StepState, watch: Watch) -> float:
+def _upright(state: StepState, touch: ContactGaps, watch: Watch) -> float:
     """Time, s, until the statue passes upright; infinite when it does not come down."""
     lean, rate = axis_of(state.row, watch.axis)[0] - watch.rest[0], state.row[11]
-    return -lean / rate if lean * rate < 0.0 and abs(rate) > LEAST_RATE_RAD_S else math.inf
+    return -lean / rate if lean * rate < 0.0 and abs(rate) > touch.slow_rad_s else math.inf
 
 
 def _stick_onset(state: StepState, pull: float, kinetic: float) -> int:

@@ -7,7 +7,7 @@ from typing import Final
 
 from harness.engines.pybullet.contact_time import ContactTimeEstimate
 from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.touch import NEAR_M, ContactGaps
+from harness.engines.pybullet.touch import ContactGaps
 
 SHORT_STEPS: Final = 8.0
 """A half-cycle expected to be shorter than so many steps is followed in parts of its own."""
@@ -46,7 +46,7 @@ def after_impact(state: StepState, touch: ContactGaps) -> HalfCycle | None:
     gap, closing = heights[foot]
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
     soonest_s = -2.0 * closing / float(touch.bounds[foot])
-    if abs(gap) > NEAR_M or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
+    if abs(gap) > touch.near_m or closing >= 0.0 or soonest_s > SHORT_STEPS * step_s:
         return None
     return HalfCycle(
         ContactTimeEstimate(state, touch, foot),

@@ -17,27 +17,30 @@ Array = NDArray[np.float64]
 Row = tuple[float, ...]
 Four = tuple[float, float, float, float]
 
-LEAST_RATE_RAD_S: Final = 3e-3
-"""The highest rate about the other end of the base at which a foot may close and stand all the same:"""
+LEAST_RATE: Final = 8e-4
+"""The highest rate about the other end of the base at which a foot may close and stand all the same, of √(g/h), h the height of
+the centroid:"""
 HELD: Final = 0.02
 """this share of the statue's own rate, as the solver iterations leave as much where friction changes, but not less than"""
-LEAST_RAD_S: Final = 5e-4
-"""this rate, which they leave in a statue at rest on a pedestal that tips, or"""
-LEAST_RAD_S2: Final = 0.2
-"""this acceleration times the step: an impact at a lower rate begins a half-cycle of a fraction of a step."""
+LEAST_AT_REST: Final = 1.4e-4
+"""this share of √(g/h), which they leave in a statue at rest on a pedestal that tips, or"""
+LEAST_GAINED: Final = 0.016
+"""this share of g/h times the step: an impact at a lower rate begins a half-cycle of a fraction of a step."""
 DRIFT: Final = 4.0
 """A foot that falls faster than this many times its drift in a step comes down; a slower one stands."""
-NEAR_M: Final = 5e-6
-"""A foot nearer than this stands: the circle on which it turns takes it so far off its support within a step. In slow turning it
-takes it less far, but"""
-REST_M: Final = 1e-7
-"""so far the solver iterations may leave one that rests."""
+NEAR: Final = 6.5e-6
+"""A foot nearer than this share of h stands: the circle on which it turns takes it so far off its support within a step. In slow
+turning it takes it less far, but"""
+REST: Final = 1.3e-7
+"""this share of h the solver iterations may leave one that rests."""
 LATE: Final = 0.05
 """A foot that came down longer ago than this, in steps, has met its support: deeper it was missed for a step."""
 SOON_STEPS: Final = 8
 """Steps ahead for which the feet that can come down are looked for among many."""
 FEW: Final = 12
-"""Up to so many feet plain numbers are quicker than arrays."""
+"""Up to so many feet plain numbers are quicker than arrays throughout, and"""
+MANY: Final = 40
+"""up to so many where one pass over them is made."""
 
 
 class ContactGaps:
@@ -65,15 +68,17 @@ class ContactGaps:
         self.ahead_s, self.distances_m = SOON_STEPS * step_s, np.linalg.norm(feet_m, axis=1)
         self.base_m = statue.corner_left_m + statue.corner_right_m
         # What rocks out of its plane stands on feet that close and open all the time.
-        least = max(LEAST_RAD_S, LEAST_RAD_S2 * step_s) if scene.planar else LEAST_RATE_RAD_S
-        self.least_m_s = min(LEAST_RATE_RAD_S, least) * self.base_m
+        height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
+        self.near_m, self.rest_m, self.slow_rad_s = NEAR * height_m, REST * height_m, LEAST_RATE * own_rad_s
+        least = max(LEAST_AT_REST, LEAST_GAINED * own_rad_s * step_s) if scene.planar else LEAST_RATE
+        self.least_m_s = min(LEAST_RATE, least) * own_rad_s * self.base_m
         pull = greatest_pull_m_s2(scene)
         # A standing foot falls back in each step by what its circle, of the centroid's height, took it up in the one before.
-        self.drift_s = DRIFT * statue.centroid_height_m * step_s
+        self.drift_s = DRIFT * height_m * step_s
         self.drift_m_s2 = self.drift_s * step_s
         self.late_s = LATE * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
-        self.bounds = 2.0 * pull / statue.centroid_height_m * self.distances_m
+        self.bounds = 2.0 * pull / height_m * self.distances_m
         self.bound = self.bounds.tolist()
 
     def __call__(self, row: Row, t_s: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
@@ -83,13 +88,13 @@ class ContactGaps:
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if self.within_m is not None:
-            return self._of_many(row, falling, floor_m, floor_m_s)
         if t_s >= self.soon_until_s:
             self._choose(row, floor_m, floor_m_s, t_s)
-        near = NEAR_M
+        if self.within_m is not None or len(self.soon) > MANY:
+            return self._of_many(row, falling, floor_m, floor_m_s)
+        near = self.near_m
         if self.few is not None:
-            near = min(near, REST_M + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
+            near = min(near, self.rest_m + self.drift_m_s2 * (row[10] * row[10] + row[11] * row[11]))
         first_s, soonest_s = math.inf, self.soon_until_s - t_s
         foot = -1
         (ha, hb, hc, place), (va, vb, vc, rate) = self._support(row, floor_m, floor_m_s)
@@ -113,14 +118,14 @@ class ContactGaps:
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)
         ahead_s = self.ahead_s
         turning = 2.0 * math.hypot(row[10], row[11], row[12]) * self.distances_m
-        reach = (np.maximum(closing, 0.0) + turning + 0.5 * self.bounds * ahead_s) * ahead_s + NEAR_M
+        reach = (np.maximum(closing, 0.0) + turning + 0.5 * self.bounds * ahead_s) * ahead_s + self.near_m
         self.soon, self.soon_until_s = np.flatnonzero(gap <= reach).tolist(), t_s + ahead_s
 
     def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
         """The same for arrays."""
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)
         falls = (closing > falling) & (gap > -self.late_s * closing)
-        ahead = (gap > NEAR_M) | (falls & (gap > 0.0))
+        ahead = (gap > self.near_m) | (falls & (gap > 0.0))
         bound, near, rate = self.bounds[ahead], gap[ahead], closing[ahead]
         soonest_s = float(np.min((np.sqrt(rate * rate + 2.0 * bound * near) - rate) / bound, initial=math.inf))
         if not falls.any():
@@ -135,32 +140,32 @@ class ContactGaps:
         """Whether a foot rests on its support."""
         falling = self.falling_m_s(row)
         return any(
-            abs(gap) < NEAR_M and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
+            abs(gap) < self.near_m and abs(closing) < falling for gap, closing in self.heights(row, floor_m, floor_m_s)
         )
 
     def foot_speeds_m_s(
         self, row: Row, others: Sequence[Row], floor_m: float = 0.0, floor_m_s: float = 0.0
     ) -> list[float]:
-        """How fast the feet that rest on their support in a row move off it or into it in others, on average."""
+        """How much faster or slower than in a row the feet that rest on their support there leave it in others, on average."""
         falling = self.falling_m_s(row)
         heights = self.heights(row, floor_m, floor_m_s)
-        feet = [k for k, (gap, closing) in enumerate(heights) if abs(gap) < NEAR_M and abs(closing) < falling]
+        feet = [k for k, (gap, closing) in enumerate(heights) if abs(gap) < self.near_m and abs(closing) < falling]
         moving = [self.heights(other, floor_m, floor_m_s) for other in others]
-        return [sum(abs(each[k][1]) for k in feet) / max(len(feet), 1) for each in moving]
+        return [sum(abs(each[k][1] - heights[k][1]) for k in feet) / max(len(feet), 1) for each in moving]
 
     def drift_m(self, row: Row, floor_m: float = 0.0, *, within_s: float = 0.0) -> float:
         """How high feet near their support are above it, at most, with those that come down within `within_s`; 0 for none."""
         falling = self.falling_m_s(row)
         highest = 0.0
         for gap, closing in self.heights(row, floor_m, 0.0):
-            if highest < gap < (NEAR_M if closing < falling else closing * within_s):
+            if highest < gap < (self.near_m if closing < falling else closing * within_s):
                 highest = gap
         return highest
 
     def falling_m_s(self, row: Row) -> float:
         """A velocity that only a foot has that comes down."""
         square = row[10] * row[10] + row[11] * row[11]
-        return max(self.least_m_s, self.drift_s * square, self.base_m * min(LEAST_RATE_RAD_S, HELD * math.sqrt(square)))
+        return max(self.least_m_s, self.drift_s * square, self.base_m * min(self.slow_rad_s, HELD * math.sqrt(square)))
 
     def heights(self, row: Row, floor_m: float, floor_m_s: float) -> list[tuple[float, float]]:
         """Height of each foot over its support, m, and the velocity at which it comes down, m/s."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import pytest
-import rich.console
 
 from harness.campaign import progress as telling
 from harness.campaign.progress import ProgressMessages, progress, time_left
@@ -46,13 +46,20 @@ def test_the_time_left_is_that_of_the_clock(
 ) -> None:
     """A tenth of the tasks took two minutes by the clock, whatever the processor did meanwhile: nine times as long is left."""
     now_s = [1000.0]
-    monkeypatch.setattr(rich.console, "monotonic", lambda: now_s[0])
+    monkeypatch.setattr(time, "monotonic", lambda: now_s[0])
     with progress("study", quiet=False) as on_progress:
         on_progress(0, 40)
         for done in (1, 2, 3, 4):
             now_s[0] += 30.0
             on_progress(done, 40)
     assert capsys.readouterr().err.splitlines() == ["study: 0 of 40 runs", "study: 4 of 40 runs, about 18 min left"]
+    with progress("blocks", quiet=False) as on_progress:
+        on_progress(10, 50)
+        now_s[0] += 60.0
+        # Two workers finish at once what took each a minute.
+        for done in (20, 30):
+            on_progress(done, 50)
+    assert capsys.readouterr().err.splitlines()[-1] == "blocks: 30 of 50 runs, about 60 s left"
     assert [time_left(value) for value in (None, 0.0, 7.0, 5400.0, 2e5)] == [
         "",
         "",

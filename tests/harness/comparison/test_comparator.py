@@ -216,6 +216,23 @@ def test_a_stated_error_of_files_decides_their_verdict(tmp_path: Path) -> None:
         compare_files(*files, uncertainty_rad=-1.0)
 
 
+@pytest.mark.parametrize("change", ["single precision", "every fifth sample"])
+def test_neither_single_precision_nor_coarser_samples_are_another_model(tmp_path: Path, change: str) -> None:
+    """With all digits written, what a narrower number or a longer step leaves open is still an error."""
+    t_s = np.linspace(0.0, 5.0, 5001)
+    theta = 0.1 * np.exp(-0.5 * t_s) * np.sin(6.0 * t_s)
+    mine, every = (theta.astype(np.float32).astype(float), 1) if change == "single precision" else (theta, 5)
+    for name, values, step in (("whole.csv", theta, 1), ("other.csv", mine, every), ("apart.csv", mine + 1e-4, every)):
+        rows = np.column_stack((t_s, values))[::step]
+        np.savetxt(tmp_path / name, rows, "%.17g", ",", header="t_s,theta_rad", comments="")
+    scores = compare_files(tmp_path / "other.csv", tmp_path / "whole.csv")
+    assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
+    scores = compare_files(tmp_path / "apart.csv", tmp_path / "whole.csv")
+    assert scores.verdict is Verdict.MODEL
+    assert "their rotations are up to 0.0001 rad apart" in scores.verdict_sentence
+    assert "Neither states its numerical error: their models differ only if it is smaller." in scores.verdict_sentence
+
+
 @pytest.mark.parametrize("kind", ["f", "g"])
 @pytest.mark.parametrize("digits", [3, 4, 5])
 @pytest.mark.parametrize(("unit", "factor"), [("rad", 1.0), ("deg", 180.0 / math.pi), ("mrad", 1e3)])
@@ -232,7 +249,8 @@ def test_a_rounded_copy_of_a_history_is_no_other_model(
     )  # fmt: skip
     scores = compare_files(tmp_path / "rounded.csv", tmp_path / "whole.csv")
     assert scores.verdict is Verdict.AGREE, scores.verdict_sentence
-    assert "the digits written, which give rounded.csv to" in scores.verdict_sentence
+    assert "what digits and samples leave open, rounded.csv to" in scores.verdict_sentence
+    assert "taken as zero" not in scores.verdict_sentence
     # What the digits do not hide is still seen.
     apart = 10.0 * scores.evidence.limit_rad
     doubles.raised(history, apart).write_csv(tmp_path / "other.csv")

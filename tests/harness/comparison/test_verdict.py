@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, compare
-from harness.comparison.verdict import COVERAGE, left_domain, shares
+from harness.comparison.side import left_domain
+from harness.comparison.verdict import COVERAGE, shares
 from harness.model.history import History
 from harness.records.scores import Verdict
 from tests import doubles
@@ -227,6 +228,7 @@ def test_shares_of_all_verdicts_sum_to_one() -> None:
     assert found == {
         "agree within numerical error": 0.5,
         "differ: model": 0.25,
+        "differ: by convention": 0.0,
         "differ: beyond the horizon": 0.25,
         "differ: the model left its domain": 0.0,
         "differ: the plane left out": 0.0,

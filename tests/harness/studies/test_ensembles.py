@@ -50,6 +50,7 @@ def test_a_set_is_scored_by_outcome_verdict_and_distribution() -> None:
         Verdict.HORIZON.value: 0.0,
         Verdict.DOMAIN.value: 0.0,
         Verdict.PLANE.value: 0.0,
+        Verdict.CONVENTION.value: 0.0,
     }
     assert found.flips == 1
     assert found.outcomes.within_uncertainty == 1

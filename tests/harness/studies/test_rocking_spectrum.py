@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,13 @@ import pytest
 from typer.testing import CliRunner
 
 from analytic import Block, simulate
+from harness.comparison.statistics.distributions import wilson
 from harness.model.errors import InputError
+from harness.records.kinds import read_result
+from harness.records.rocking_spectrum import RockingSpectrumRecord
 from harness.studies.rocking_spectrum import RING_DOWN_S, compute, load_spectrum, motions_of
 from reports.cli import app
+from reports.pages.rocking_spectrum_page import verdict
 from tests import budgets_assess as budget
 from tests.harness.validation.experiments import write_motion
 
@@ -91,6 +96,14 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Share of the cases in which the block overturns" in page
     assert "weak.csv" in page
+    answered = read_result(tmp_path / "out")
+    assert isinstance(answered, RockingSpectrumRecord)
+    for fell, cases in ((0, 2), (0, 20), (0, 100), (4, 100), (6, 100), (49, 100), (1, 1)):
+        shares = [[0.0] * 5] * 3 + [[0.0, fell / cases, 0.0, 0.0, 0.0]]
+        green = verdict(replace(answered, probability_overturned=shares, cases=cases, undecided=0.0)).tone == "agree"
+        interval = wilson(fell, cases, 0.9)
+        assert interval is not None
+        assert green == (fell / cases <= 0.05 and interval.high < 0.10), (fell, cases)
 
 
 @pytest.mark.parametrize(

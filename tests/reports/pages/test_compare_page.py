@@ -41,7 +41,7 @@ def test_two_files_give_a_record_a_page_and_a_table(files: tuple[Path, Path], tm
     page = (out / "report.html").read_text(encoding="utf-8")
     for text in (
         "rounded.csv and whole.csv agree",
-        "the digits written",
+        "what digits and samples leave open",
         "ratio of the largest rotations",
         "rotation θ",
         "slip",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -132,8 +133,11 @@ def test_writing_again_gives_the_same_page(folder: Path, html: str) -> None:
 
 
 def test_models_that_agree_and_differ_are_said_so(tmp_path: Path) -> None:
-    agree = run_verdict(run_source(write_invented(tmp_path / "agree")))
-    assert agree.tone == "agree"
+    source = run_source(write_invented(tmp_path / "agree"))
+    agree = run_verdict(source)
+    assert agree.tone == "differ", "shaken, and how probable a fall is was not computed"
+    still = replace(source.record, motion=replace(source.record.motion, x_m_s2=None, y_m_s2=None, z_m_s2=None))
+    assert run_verdict(replace(source, record=still)).tone == "agree"
     assert agree.headline == "All three models agree on the outcome: the statue stands"
     differ = run_verdict(run_source(write_invented(tmp_path / "differ", disagree=True)))
     assert differ.tone == "differ"
@@ -176,7 +180,7 @@ def test_falls_to_different_sides_are_one_outcome(tmp_path: Path) -> None:
     ends = {"analytic": "overturned_left", "pymunk": "overturned_left", "pybullet": "overturned_back"}
     source = changed(write_invented(tmp_path), **{name: {"outcome": end} for name, end in ends.items()})
     verdict = run_verdict(source)
-    assert verdict.tone == "agree"
+    assert verdict.tone == "failed", "agreeing on a fall is no reason for green"
     assert verdict.headline.startswith("All three models agree that the statue overturns, to different sides: ")
     assert (
         "to the left (analytic, pymunk); towards the back (+y), across the rocking plane (pybullet)" in verdict.headline

@@ -16,8 +16,9 @@ from harness.records.kinds import read_result
 from reports.pages.page import CONSERVATOR_NAME, write_report
 from reports.text import language as languages
 from reports.text.language import ENGLISH, LANGUAGES, Language, language
-from tests.budgets_reports import SENTENCE_WORDS_MEAN, SENTENCE_WORDS_MOST
+from tests.budgets_reports import GULPEASE, SENTENCE_WORDS_MEAN, SENTENCE_WORDS_MOST
 from tests.reports import invented_run, invented_study
+from tests.reports.invented_effects import write_effects
 
 BARE = ("decimal", "numbers", "and")
 """Strings that are put together with others."""
@@ -40,10 +41,12 @@ EXPLAINED = {
     "en": {
         "friction": "how hard it is to make one thing slide on another",
         "possible case": "drawn many times by chance",
+        "centre of gravity": "the point at which the statue would balance",
     },
     "it": {
         "attrito": "quanto è difficile far scorrere una cosa su un'altra",
         "casi possibili": "estratto a sorte molte volte",
+        "baricentro": "il punto in cui la statua starebbe in equilibrio",
     },
 }
 """Terms that a page may use where it says what they mean."""
@@ -54,6 +57,7 @@ WRITERS = {
     "table": invented_study.write_table_study,
     "map": invented_study.write_map_study,
     "rose": invented_study.write_rose_study,
+    "effects": write_effects,
 }
 
 
@@ -121,6 +125,8 @@ def test_sentences_are_short_and_terms_explained(folders: dict[str, Path], code:
         assert max(lengths) <= SENTENCE_WORDS_MOST, (name, max(text, key=len))
         assert sum(lengths) / len(lengths) <= SENTENCE_WORDS_MEAN, name
         whole = " ".join(text)
+        letters = sum(map(str.isalnum, whole))
+        assert 89.0 + (300.0 * len(lengths) - 10.0 * letters) / sum(lengths) >= GULPEASE, name
         assert [word for word in JARGON[code] if re.search(rf"(?<!\w){re.escape(word)}", whole)] == [], name
         for term, words in EXPLAINED[code].items():
             assert words in whole or term not in whole.lower(), (name, term)

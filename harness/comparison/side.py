@@ -1,0 +1,109 @@
+"""What a verdict knows of one of its two answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from harness.model.history import History, Outcome
+from harness.model.run import Run
+
+ACROSS: Final = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+"""Falls of which the rotation in the rocking plane tells nothing."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """What the verdict needs to know of one run; None: not stated.
+
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
+    left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
+    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open.
+    """
+
+    name: str
+    outcome: Outcome | None = None
+    uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None = None
+    horizon_s: float | None = None
+    left_domain_s: float | None = None
+    left_domain_by: str = ""
+    axes: tuple[str, ...] | None = None
+    across_s: float | None = None
+    resolution_rad: float = 0.0
+    resolution_m: float = 0.0
+
+    @property
+    def open_rad(self) -> float:
+        """How far the rotation may be off: its numerical error, zero where none is stated, and the digits it was written with."""
+        return (self.uncertainty_rad or 0.0) + self.resolution_rad
+
+    @property
+    def open_m(self) -> float:
+        """The same of the slip."""
+        return (self.slip_uncertainty_m or 0.0) + self.resolution_m
+
+    @property
+    def until_s(self) -> float:
+        """The time up to which this side's uncertainty holds and its problem is predictable."""
+        known = [t for t in (self.reliable_until_s, self.horizon_s) if t is not None]
+        return min(known, default=math.inf)
+
+
+def side_of(
+    answer: Run | History,
+    name: str,
+    horizon_s: float | None = None,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+) -> Side:
+    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
+    if isinstance(answer, History):
+        return Side(
+            name,
+            uncertainty_rad=uncertainty_rad,
+            slip_uncertainty_m=slip_uncertainty_m,
+            horizon_s=horizon_s,
+            resolution_rad=answer.resolution_rad,
+            resolution_m=answer.resolution_m,
+        )
+    left_s, by = left_domain(answer)
+    return Side(
+        name,
+        answer.outcome,
+        answer.numerical_uncertainty_rad,
+        answer.slip_uncertainty_m,
+        answer.reliable_until_s,
+        horizon_s,
+        left_s,
+        by,
+        None if answer.motion_axes is None else tuple(answer.motion_axes),
+        _across_s(answer),
+    )
+
+
+def _across_s(run: Run) -> float | None:
+    """When a run's statue left its balance across the rocking plane, untold by its rotation in that plane; else None."""
+    if run.outcome in ACROSS:
+        return run.no_return_time_s
+    if run.outcome is not Outcome.UNDECIDED or run.history is None or "roll_rad" not in run.history.extra:
+        return None
+    return run.end_s if abs(run.history.extra["roll_rad"][-1]) > abs(run.history.theta_rad[-1]) else None
+
+
+def left_domain(run: Run) -> tuple[float | None, str]:
+    """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
+
+    Engines state it as `validity["left_domain_s"]` and `validity["left_domain_by"]`; a run that ends by lift-off or in the
+    friction paradox leaves at its end.
+    """
+    stated = run.validity.get("left_domain_s")
+    if stated is not None:
+        return float(stated), str(run.validity.get("left_domain_by") or "an assumption of the model")
+    if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
+        return run.end_s, run.outcome.sentence
+    return None, ""
