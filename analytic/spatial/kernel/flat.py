@@ -155,7 +155,9 @@ def _press(s: Run, m: Memory, n: int, pivot: int) -> bool:
         share = 1.0
         while now >= missed and share > LEAST_SHARE:
             share *= 0.5
-            m.multiplier[:] = 0.5 * (m.multiplier + m.before)
+            # Item by item: an expression of arrays would ask for memory, which loaded machine code has none of.
+            for c in range(n):
+                m.multiplier[c] = 0.5 * (m.multiplier[c] + m.before[c])
             _load(s, m, n)
             now = _write_system(s, m, n)
         missed = now
