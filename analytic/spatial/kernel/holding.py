@@ -22,6 +22,7 @@ from analytic.spatial.kernel.vectors import (
     Vector,
     axes,
     cross,
+    dot,
     length,
     minus,
     plus,
@@ -72,17 +73,11 @@ def hold_place(s: Run, m: Memory, y: Floats) -> None:
 
 
 @jit
-def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
-    """Take away the velocities that the mode does not have, by impulses where it holds them: what that costs in energy is of
-    second order in what is taken."""
-    if s.mode == FLIGHT:
-        return
-    if s.mode == FLAT_REST:
-        y[7:13] = 0.0
-        return
+def _stop(s: Run, m: Memory, y: Floats, turning: bool) -> None:
+    """Take away the velocities that the mode does not have by impulses where it holds them; that of turning too where asked."""
     rows, n = axes(y), 0
     vertex_velocities(s, m, y)
-    a = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0]
+    a, b = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0], s.b
     for c in range(0 if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT) else 2, 3):
         set_column(m, n, a, rows[c], rows[c])
         n += 1
@@ -92,19 +87,34 @@ def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
         for k in range(s.touching):
             if m.touch[k] == a:
                 start = k
+        b = m.touch[(start + third) % s.touching]
         for k in (start + third, start + 2 * third):
             set_column(m, n, m.touch[k % s.touching], rows[2], rows[2])
             n += 1
     elif s.mode not in (VERTEX_STICK, VERTEX_SLIDE):
-        set_column(m, n, s.b, rows[2], rows[2])
+        set_column(m, n, b, rows[2], rows[2])
         n += 1
-        if s.mode == EDGE_STICK:
-            across = along_across(m, rows, s.a, s.b)[1]
-            set_column(m, n, s.b, across, across)
-            n += 1
+    if turning:
+        across = along_across(m, rows, a, b)[1]
+        set_column(m, n, b, across, across)
+        n += 1
     if solve_columns(s, m, n):
         put(y, 7, plus(vector(y, 7), to_table(rows, vector(m.response, 0))))
         put(y, 10, plus(vector(y, 10), vector(m.response, 3)))
+
+
+@jit
+def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
+    """Take away the velocities that the mode does not have: what that costs in energy is of second order in what is taken."""
+    if s.mode == FLIGHT:
+        return
+    if s.mode == FLAT_REST:
+        y[7:13] = 0.0
+        return
+    _stop(s, m, y, s.mode == EDGE_STICK)
+    if s.mode in (EDGE_PIVOT, FLAT_PIVOT) and s.sign * dot(axes(y)[2], vector(y, 10)) < 0.0:
+        # What was taken has turned it round, or it did turn the other way: what turns from rest must not.
+        _stop(s, m, y, True)
 
 
 @jit

@@ -89,9 +89,10 @@ def find_mode(s: Run, m: Memory, still_m_s: float) -> bool:
 @jit
 def decide(s: Run, m: Memory) -> None:
     """Choose the mode of the vertices that are down, and put the state into it."""
-    # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked.
-    for slower in (10.0, 1.0, 100.0, 1000.0):
-        if find_mode(s, m, slower * s.still_m_s):
+    # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked. Last
+    # one whose rebound was dropped: where impacts of two vertices by turns come to their end both stand still.
+    for slower_m_s in (10.0 * s.still_m_s, s.still_m_s, 100.0 * s.still_m_s, 1000.0 * s.still_m_s, s.settle_m_s):
+        if find_mode(s, m, slower_m_s):
             enter(s, m)
             return
     s.outcome = NO_MODE
