@@ -56,6 +56,7 @@ bench: $(STAMP) ## run time against error, in one run
 	@$(VENV)/bin/rockcheck bench
 	-@$(VENV)/bin/python -m tests.measures.goals
 	@$(VENV)/bin/python -m tests.measures.scoring
+	@$(VENV)/bin/python -m tests.measures.calibration
 
 stress: $(STAMP) ## hard scenes and mutated input
 	@$(VENV)/bin/rockcheck stress

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from harness import engines
@@ -40,6 +40,7 @@ class Job:
     variant: Variant
     model: Model
     seed: int
+    stated: bool
 
     @property
     def engine(self) -> str:
@@ -49,7 +50,7 @@ class Job:
     @property
     def history(self) -> bool:
         """Whether the history is wanted: where a measured one is there to compare, in the nominal run."""
-        return self.trial.history is not None and self.variant.sample == 0
+        return self.stated and self.trial.history is not None
 
     def task(self) -> Task:
         """The task that gives its run."""
@@ -75,33 +76,36 @@ def parse_model(text: str) -> Model:
 
 
 class Jobs:
-    """The runs of one model by test and variant, each keyed by all that decides its answer."""
+    """The runs of one model by test and variant, each keyed by all that decides its answer.
 
-    def __init__(self, model: Model, seed: int) -> None:
+    A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way. So are
+    runs for a fit. Only a nominal run of the chosen inputs states its error (`stated`).
+    """
+
+    def __init__(self, model: Model, seed: int, *, stated: bool = True) -> None:
         versions = record.versions()
         self._versions = [versions.get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
-        self.model, self._seed = model, seed
+        self.model, self._seed, self._stated = model, seed, stated
         self._digests: dict[Trial, str] = {}
 
     def job(self, trial: Trial, variant: Variant) -> Job:
         """The run of one variant of a test."""
-        return Job(self._key(trial, variant), trial, variant, self.model, self._seed)
+        job = Job("", trial, variant, self.model, self._seed, self._stated and not variant.sample)
+        return replace(job, key=self._key(job))
 
-    def _key(self, trial: Trial, variant: Variant) -> str:
-        inputs = [getattr(trial, UNKNOWN[name])[k] for name, k in variant.chosen.items()]
-        drawn = (variant.sample, self._seed) if variant.sample else None
-        history = trial.history is not None and variant.sample == 0
-        setting = self.model.engine, self.model.accuracy_rad, self.model.dt_s, history
-        if trial not in self._digests:
-            self._digests[trial] = digest_of(trial)
-        text = json.dumps([self._digests[trial], inputs, drawn, setting, self._versions])
+    def _key(self, job: Job) -> str:
+        inputs = [getattr(job.trial, UNKNOWN[name])[k] for name, k in job.variant.chosen.items()]
+        drawn = (job.variant.sample, self._seed) if job.variant.sample else None
+        setting = self.model.engine, self.model.accuracy_rad, self.model.dt_s, job.stated, job.history
+        if job.trial not in self._digests:
+            self._digests[job.trial] = digest_of(job.trial)
+        text = json.dumps([self._digests[job.trial], inputs, drawn, setting, self._versions])
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 def run_job(job: Job) -> Answer:
     """What a worker does: make the scene and run it (a failure is a `Run` that says so)."""
     scene = scene_of(job.trial, job.variant, job.seed)
-    # A draw is counted, not judged: its own error changes an outcome only near the boundary, where draws fall either way.
-    options = RunOptions(history=job.history, stated=job.variant.sample == 0)
+    options = RunOptions(history=job.history, stated=job.stated)
     run = simulate(scene, job.model.engine, accuracy_rad=job.model.accuracy_rad, dt_s=job.model.dt_s, options=options)
     return answer_of(run, job.history)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +16,7 @@ from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
-from harness.input.text_file import decoded, read_bytes
+from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Array, BaseExcitation
 from harness.validation.table import Trial
@@ -62,23 +64,47 @@ def _component(path: Path, column: str | None, sign: int, treatment: tuple[Any, 
 
 
 def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int | str]:
-    """Where times and accelerations stand in a table whose headers no reader knows, counted from 1; both by header or number."""
+    """Where times and accelerations stand in a table whose headers no reader knows, counted from 1; both by header or number.
+
+    The headers are the line above the numbers that names the column of times, or the last one; comments and units may stand
+    around it.
+    """
     text = decoded(read_bytes(path, "a motion"), str(path), "a table with a header")
-    lines = [line for line in text.splitlines() if line.strip()]
-    mark = next((each for each in ("\t", ";", ",") if lines and each in lines[0]), None)
-    headers = [cell.strip().strip('"') for cell in lines[0].split(mark)] if lines else []
-    numbered = [str(number + 1) for number in range(len(headers))]
+    rows = [_cells(line) for line in text.splitlines()]
+    first = next((place for place, row in enumerate(rows) if _numeric(row)), None)
+    if first is None:
+        advice = "leave out columns of words"
+        raise InputError(Mistake(str(path), f"line {len(rows)}", "numbers in all columns", ", ".join(rows[-1]), advice))
+    above = [row for row in reversed(rows[:first]) if any(row)] or [[]]
+    headers = next((row for row in above if time_column in row), above[0])
+    numbered = [str(number + 1) for number in range(len(rows[first]))]
 
     def number(name: str, key: str) -> int:
         for names in (headers, numbered):
             if name in names:
                 return names.index(name) + 1
-        raise InputError(Mistake(str(path), key, f"a column of {', '.join(headers)}", repr(name)))
+        raise InputError(Mistake(str(path), key, f"a column of {', '.join(headers or numbered)}", repr(name)))
 
     if column is None:
-        raise InputError(Mistake(str(path), "column", f"a column of {', '.join(headers)}", "nothing"))
+        raise InputError(Mistake(str(path), "column", f"a column of {', '.join(headers or numbered)}", "nothing"))
     times, values = number(time_column, "time_column"), number(column, "column")
-    return {"time_column": times, "columns": f"{values}:a", "column": "a", "skip_lines": 1}
+    return {"time_column": times, "columns": f"{values}:a", "column": "a", "skip_lines": first}
+
+
+def _cells(line: str) -> list[str]:
+    """The cells of a line between tabs, semicolons or commas, else between blanks; a comment's mark is no part of them."""
+    bare = line.strip().lstrip("#% ")
+    mark = next((each for each in "\t;," if each in bare), None)
+    cells = bare.split() if mark is None else next(csv.reader([bare], delimiter=mark, skipinitialspace=True))
+    return [cell.strip() for cell in cells]
+
+
+def _numeric(cells: Sequence[str]) -> bool:
+    """Whether two cells or more are numbers, with a point or a comma, and none is anything else."""
+    try:
+        return len(decimals([cell.replace(",", ".") for cell in cells if cell])) > 1
+    except ValueError:
+        return False
 
 
 @lru_cache(maxsize=1024)

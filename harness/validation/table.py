@@ -112,8 +112,10 @@ def read_table(path: Path) -> list[Trial]:
     text = decoded(
         read_bytes(path, "a table of experiments"), str(path), "a CSV file with a header and at least one test"
     )
+    head = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    mark = next((each for each in "\t;," if each in head), ",")
     try:
-        rows = csv.reader(io.StringIO(text, newline=""))
+        rows = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
         lines = [line for line in rows if line and not line[0].lstrip().startswith("#")]
     except csv.Error as error:
         raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
@@ -125,7 +127,7 @@ def read_table(path: Path) -> list[Trial]:
         raise InputError(mistakes)
     tests: list[Trial] = []
     for number, cells in enumerate(lines[1:], 1):
-        row = _Row(path, number, names, cells, mistakes)
+        row = _Row(path, number, names, cells, mark, mistakes)
         tests.append(row.trial())
     mistakes += _set_of_tests(path, tests)
     if mistakes:
@@ -174,8 +176,11 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
 class _Row:
     """One line being read; its mistakes go to the table's list."""
 
-    def __init__(self, path: Path, number: int, names: list[str], cells: list[str], mistakes: list[Mistake]) -> None:
+    def __init__(
+        self, path: Path, number: int, names: list[str], cells: list[str], mark: str, mistakes: list[Mistake]
+    ) -> None:
         self._path, self._number, self._mistakes = path, number, mistakes
+        self._comma = "," if mark == "," else "."  # a table that is not parted by commas may have decimal commas
         if len(cells) != len(names):
             self._wrong("", f"{len(names)} cells", f"{len(cells)}")
         self._cells = {name: cell.strip() for name, cell in zip(names, cells, strict=False)}
@@ -196,7 +201,7 @@ class _Row:
         return Trial(
             name=self._cell("test") or self._missing("test"),
             row=self._number,
-            observed=NUMBERED.get(self._cell("observed")) or self._choice("observed", OBSERVED, ""),
+            observed=NUMBERED.get(self._cell("observed")) or self._choice("observed", (*NUMBERED, *OBSERVED), ""),
             scene=scene,
             mesh=mesh,
             unit=self._choice("unit", ("m", "dm", "cm", "mm", "in", "ft"), "m"),
@@ -254,7 +259,7 @@ class _Row:
         numbers = []
         for text in self._cell(column).split(LIST_SEPARATOR) if self._cell(column) else []:
             try:
-                value = decimal(text)
+                value = decimal(text.replace(",", self._comma))
             except ValueError:
                 value = math.nan
             if not (abs(value) <= LARGEST and value > above):

@@ -77,7 +77,14 @@ def run_validation(
         with progress(experiments.name, quiet) as on_progress:
             campaign = Campaign(store, pool, on_progress, BATCH, BATCH_OTHERWISE)
             answered = [
-                _answered(model, trials, Runs(store, campaign, model, seed), samples, fit_share) for model in chosen
+                _answered(
+                    model,
+                    trials,
+                    *(Runs(store, campaign, Jobs(model, seed, stated=stated)) for stated in (True, False)),
+                    samples=samples,
+                    fit_share=fit_share,
+                )
+                for model in chosen
             ]
             unexplained = _unexplained(trials, answered) if samples else []
         asked = {
@@ -104,8 +111,8 @@ def run_validation(
 class Runs:
     """The answers of one model, by test and variant; what is asked and not in the store is run."""
 
-    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
-        self._store, self._campaign, self._jobs = store, campaign, Jobs(model, seed)
+    def __init__(self, store: Store, campaign: Campaign, jobs: Jobs) -> None:
+        self._store, self._campaign, self._jobs = store, campaign, jobs
         self._answers: dict[tuple[str, Variant], CaseRun] = {}
         self.keys: dict[tuple[str, Variant], str] = {}
 
@@ -132,19 +139,22 @@ class Runs:
 
 @dataclass(frozen=True, eq=False)
 class Answered:
-    """One model: what was fitted, and its runs."""
+    """One model: what was fitted, its runs, and those that are only counted, at inputs that were not chosen."""
 
     model: Model
     choice: Choice
     runs: Runs
     answers: Answers
+    counted: Runs
 
 
-def _answered(model: Model, trials: Sequence[Trial], runs: Runs, samples: int, fit_share: str) -> Answered:
+def _answered(
+    model: Model, trials: Sequence[Trial], runs: Runs, counted: Runs, *, samples: int, fit_share: str
+) -> Answered:
     """Fit the model on its share, then run every test as given and in its draws."""
-    choice = choose([trial for trial in trials if trial.share == fit_share] if _unknown(trials) else [], runs)
+    choice = choose([trial for trial in trials if trial.share == fit_share] if _unknown(trials) else [], counted)
     answers = runs([(trial, choice.variant(trial, k)) for trial in trials for k in range(samples + 1)])
-    return Answered(model, choice, runs, answers)
+    return Answered(model, choice, runs, answers, counted)
 
 
 def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[str]:
@@ -161,7 +171,7 @@ def _unexplained(trials: Sequence[Trial], answered: Sequence[Answered]) -> list[
         leave_out_explained(item.answers)
     for item in answered:
         others = [(trial, variant) for trial in odd.values() for variant in list(settings(trial))[:MOST_SETTINGS]]
-        leave_out_explained(item.runs(others))
+        leave_out_explained(item.counted(others))
     return list(odd)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -138,7 +137,7 @@ def test_a_stopped_worker_costs_only_its_own_task_and_no_more_than_the_limit() -
     assert len(found) == len(tasks) - 1
 
 
-def stopped(pid: int | None) -> bool:
+def stopped(pid: int) -> bool:
     """Whether a process has been stopped (state T of proc(5)): the interrupt must not come while it still starts."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "T"
@@ -146,30 +145,44 @@ def stopped(pid: int | None) -> bool:
         return False
 
 
-def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def asked_to_end(pid: int) -> bool:
+    """Whether a stopped process has a request to end before it (`ShdPnd` of proc(5)), or is gone."""
+    try:
+        line = next(each for each in Path(f"/proc/{pid}/status").read_text().splitlines() if each.startswith("ShdPnd"))
+    except (OSError, StopIteration):
+        return True
+    return bool(int(line.split()[1], 16) >> (signal.SIGTERM - 1) & 1)
+
+
+def test_a_stopped_worker_does_not_hold_an_interrupt_back(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A stopped process does not hear a request to end: until it is killed, whoever waits for it waits for ever."""
-    monkeypatch.setattr(runner, "GRACE_S", 0.5, raising=False)
-    before = {process.pid for process in multiprocessing.active_children()}
+    monkeypatch.setattr(runner, "GRACE_S", 0.5)
+    file = tmp_path / "pid"
+    stops = f"[open({str(file)!r}, 'w').write(str(__import__('os').getpid())), {STOPPED}]"
     heard = threading.Event()
 
     def interrupt() -> None:
-        while not any(stopped(process.pid) for process in multiprocessing.active_children()):
+        while not (file.exists() and (pid := file.read_text()) and stopped(int(pid))):
             time.sleep(0.05)
-        signal.pthread_kill(MAIN, signal.SIGINT)
-        # Python drops an interrupt that comes inside a finalizer: as a user does, it is sent again.
-        while not heard.wait(5.0):
+        # Python drops an interrupt that comes inside a finalizer: as a user does, it is sent again until it is heard.
+        while not heard.is_set() and not asked_to_end(int(pid)):
             signal.pthread_kill(MAIN, signal.SIGINT)
+            end_s = time.monotonic() + LIMIT_S
+            while time.monotonic() < end_s and not asked_to_end(int(pid)):
+                heard.wait(0.05)
 
     # A cluster that ran in this process before may have left a handler of its own.
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
-    threading.Thread(target=interrupt, daemon=True).start()
+    sender = threading.Thread(target=interrupt, daemon=True)
+    sender.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            LocalPool(1).run(eval, [STOPPED], lambda task, result: None)
+            LocalPool(1).run(eval, [stops], lambda task, result: None)
     finally:
         heard.set()
+        sender.join()
         signal.signal(signal.SIGINT, handler)
-    assert {process.pid for process in multiprocessing.active_children()} == before
+    assert ended(int(file.read_text()))
 
 
 def once(path: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,7 @@ def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_table(path)
     told = str(caught.value)
-    assert "row 1: observed: wanted one of overturned, stands" in told
+    assert "row 1: observed: wanted one of 0, 1, overturned, stands" in told
     assert "did you mean stands?" in told
     assert "lost.csv" in told
     assert "row 3: motion_unit" in told
@@ -62,7 +63,7 @@ def test_all_mistakes_come_at_once_with_their_place(tmp_path: Path) -> None:
         ({"bandpass_hz": "20;0.2"}, "two frequencies, low;high"),
         ({"bandpass_hz": "20"}, "two frequencies, low;high"),
         ({"baseline": "parabola"}, "one of none, mean"),
-        ({"observed": "2"}, "one of overturned, stands"),
+        ({"observed": "2"}, "one of 0, 1, overturned, stands"),
     ],
 )
 def test_a_wrong_cell_is_told(tmp_path: Path, columns: dict[str, str], says: str) -> None:
@@ -80,6 +81,16 @@ def test_outcomes_may_be_numbers_and_motions_are_treated(tmp_path: Path) -> None
     assert (first.mass_kg, first.baseline, first.bandpass_hz) == (12.5, "linear", (0.2, 20.0))
     assert first.insets_m == (0.0, 0.002)
     assert not read_table(write_experiments(tmp_path, [2.0], observed="0"))[0].fell
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_a_table_may_be_parted_by_semicolons_and_have_decimal_commas(tmp_path: Path, mark: str) -> None:
+    path = write_experiments(tmp_path, [2.0], azimuth_deg="0;22.5", mass_kg="12.5")
+    rows = list(csv.reader(path.read_text().splitlines()))
+    said = "\n".join(mark.join(f'"{cell.replace(".5", ",5")}"' for cell in row) for row in rows)
+    other = tmp_path / "excel.csv"
+    other.write_text("\ufeff" + said, encoding="utf-8")
+    assert read_table(other) == read_table(path)
 
 
 def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def test_the_unknown_azimuth_is_found_and_the_rest_predicted(tmp_path: Path) -> 
     assert model["failed"] == 0
     # Six tests of the share at three azimuths, once each; then what is missing of eight tests as fitted and in two draws.
     assert model["fitted"]["runs"] == 6 * 3
-    assert found["runs"]["computed"] == found["runs"]["wanted"] == 6 * 3 + 2 + 8 * 2
+    assert found["runs"]["computed"] == found["runs"]["wanted"] == 6 * 3 + 8 + 8 * 2
     assert found["baseline"]["fitted_on"] == "the named share"
     assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8")) == found
 
@@ -225,15 +225,9 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
     """The same burst under headers that no reader knows: the same key figures, whatever else stands beside it."""
     path = write_experiments(tmp_path, [3.0, 3.0])
     times, table = np.loadtxt(tmp_path / "burst1.csv", delimiter=",", skiprows=1, unpack=True)
-    head = "Messzeit;Tisch;Seilzug mm"
-    np.savetxt(
-        tmp_path / "burst1.csv",
-        np.column_stack((times, table, 7.0 * times)),
-        delimiter=";",
-        header=head,
-        comments="",
-        fmt="%.9g",
-    )
+    lines = (";".join(f"{value:.9g}" for value in row) for row in zip(times, table, 7.0 * times, strict=True))
+    text = "# lab 2\n\nMesszeit;Tisch;Seilzug mm\ns;m/s2;mm\n" + "\n".join(lines)
+    (tmp_path / "burst1.csv").write_text(text.replace(".", ","))
     with path.open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     rows[1] |= {"time_column": "Messzeit", "column": "Tisch"}
@@ -243,6 +237,9 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
     wrong = read_table(write_table(path, rows))[1]
     with pytest.raises(InputError, match="a column of Messzeit, Tisch, Seilzug mm"):
         intensity_of(wrong)
+    (tmp_path / "burst1.csv").write_text("Messzeit;Tish;Notiz\n0;0;quiet\n")
+    with pytest.raises(InputError, match="line 2: wanted numbers in all columns, got 0, 0, quiet"):
+        intensity_of(replace(wrong, name="words"))
 
 
 def test_a_measured_history_is_a_history_like_any_other(tmp_path: Path) -> None:

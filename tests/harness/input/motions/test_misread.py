@@ -77,6 +77,13 @@ def test_every_name_of_the_east_is_the_east(name: str) -> None:
     assert parse_orientation(name).sign == 1
 
 
+@pytest.mark.parametrize(("unit", "factor"), [("m_s2", 1.0), ("cm_s2", 0.01), ("mm_s2", 0.001), ("[cm/s^2]", 0.01)])
+def test_a_header_may_state_its_unit_as_names_of_columns_do(tmp_path: Path, unit: str, factor: float) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"t_s,accel_{unit}\n0,0\n0.01,1\n0.02,1\n")
+    assert read_record(path).channels[0].accel_m_s2.tolist() == [0.0, factor, factor]
+
+
 def test_a_line_s_name_and_a_turned_sign_are_told(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("t_s,WE_ms2,E_ms2,DOWN_ms2\n0,0,0,0\n0.01,1,1,1\n0.02,1,1,1\n")
