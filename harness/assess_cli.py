@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv as comma_separated
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from harness.assess.assessment import Assessed, assess
@@ -22,7 +22,7 @@ from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake
 from harness.records.assess import AssessRecord
-from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.records.result_folder import FRESH, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.study_cli import ending_cleanly, unbegun
 
 DRAWS_NAME, CLEARANCE_NAME = "draws.csv", "clearance.csv"
@@ -107,20 +107,16 @@ def run(
                 pool=pool,
                 on_progress=messages.now,
             )
-        written: list[AssessRecord] = []
 
-        def recorded(files: Mapping[str, str | None]) -> AssessRecord:
-            written.append(replace(assessed.record, files=files))
-            return written[-1]
-
-        with replacing(folder, recorded, "assess") as fresh:
+        def write(fresh: Path) -> None:
             if csv:
                 _write_draws(assessed, fresh / DRAWS_NAME)
                 _write_clearance(assessed.record, fresh / CLEARANCE_NAME)
             if scene_file != path:
                 for made in scene_file.parent.iterdir():
                     shutil.copy(made, fresh)
-        return written[-1]
+
+        return write_whole(folder, assessed.record, write)
 
 
 def _check(folder: Path, options: Path | None, no_options: bool, resume: bool) -> None:

@@ -15,7 +15,7 @@ from harness.model.errors import InputError, Mistake
 from harness.model.history import History
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord
-from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.scores import Scores
 
 
@@ -72,6 +72,9 @@ def write_comparison(a: Path, b: Path, scores: Scores, folder: Path) -> None:
     check_folder(folder, ("compare",))
     check_inputs(folder, [*PAGES, RECORD, *FILES], (a, b))
     record = CompareRecord(title=f"{a.name} against {b.name}", scores=scores, versions=versions(), machine=machine())
-    with replacing(folder, lambda files: replace(record, files=files), "compare") as fresh:
+
+    def write(fresh: Path) -> None:
         for path, name in zip((a, b), FILES, strict=True):
             read_history(path).write_csv(fresh / name)
+
+    write_whole(folder, record, write)

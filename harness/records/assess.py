@@ -8,7 +8,7 @@ from typing import Literal
 
 from harness.model.run import OMITTED
 from harness.model.scene import Uncertain
-from harness.records.base import Record, Table
+from harness.records.base import Record
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.validation import RunCounts
@@ -220,9 +220,6 @@ class AssessRecord(Record):
     options: OptionsRecord | None = field(default=None, metadata=OMITTED)
     clearance: ClearanceRecord | None = field(default=None, metadata=OMITTED)
     runs: RunCounts | None = field(default=None, metadata=OMITTED)
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     @property
     def answers(self) -> dict[str, Assessment]:

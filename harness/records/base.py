@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, TypeVar
 
@@ -18,7 +18,7 @@ from pydantic_core import ErrorDetails
 
 from harness.input.mistakes import Contradiction, got_of, wanted_of
 from harness.model.errors import InputError, Mistake
-from harness.model.run import SCHEMA_VERSION, to_plain
+from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
 
 REWRITE: Final = "write the result anew with this version"
 SCHEMAS: Final = Path(__file__).resolve().parent / "schemas"
@@ -48,6 +48,10 @@ class Record:
     schema_version: int = SCHEMA_VERSION
     kind: str
     title: str
+    versions: Mapping[str, str]
+    machine: Table
+    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
+    """SHA-256 of each other file of the result, None of one that is written anew at each report; absent before it is written."""
 
     def plain(self) -> Plain:
         """The record as plain JSON values in the order of its fields."""
@@ -62,7 +66,10 @@ def plain(record: Any) -> Plain:
 
 def as_file(record: Record) -> Plain:
     """A record as it stands in a `result.json`, which names its JSON Schema."""
-    return {"$schema": schema_name(record.kind), **record.plain()}
+    values = record.plain()
+    # What the result is comes before where it was computed.
+    last: Plain = {name: values.pop(name) for name in ("versions", "machine", "files") if name in values}
+    return {"$schema": schema_name(record.kind), **values, **last}
 
 
 def schema_name(kind: str) -> str:

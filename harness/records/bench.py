@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 
 LEVEL, TARGET, DEFAULT, OTHER_PROJECT = "ladder", "accuracy", "default", "peer"
 """Groups of rows: a level, what the target takes, the engine's own defaults, another project's settings."""
@@ -262,6 +261,3 @@ class BenchRecord(Record):
     parts: Sequence[PartRow] = ()
     sentences: Sequence[str] = ()
     seconds: float
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

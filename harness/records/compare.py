@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, Literal
 
-from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 from harness.records.scores import Scores
 
 FILES: Final = ("history_a.csv", "history_b.csv")
@@ -20,6 +18,3 @@ class CompareRecord(Record):
 
     kind: Literal["compare"] = "compare"
     scores: Scores
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

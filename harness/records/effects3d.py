@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, Literal
 
 from harness.model.history import Outcome
-from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 from harness.records.scene import SceneRecord
 
 BASELINE: Final = "shaken along one direction"
@@ -178,10 +177,7 @@ class EffectsRecord(Record):
     unit_g: float
     replay: ReplayRecord | None
     summary: EffectsSummary
-    versions: Mapping[str, str]
-    machine: Table
     seconds: float
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     @property
     def engines(self) -> list[str]:

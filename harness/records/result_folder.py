@@ -10,13 +10,15 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 from harness.model.errors import InputError, Mistake
 from harness.model.run import write_json
 from harness.records.base import Plain, Record, Table, as_file
 
+R = TypeVar("R", bound=Record)
 RECORD: Final = "result.json"
 COMING: Final = ".coming.json"
 """The record of a result while its files are moved into place: until then the files of both are the folder's own."""
@@ -188,28 +190,26 @@ def writing(path: Path) -> Iterator[Path]:
         Path(name).unlink(missing_ok=True)
 
 
-@contextmanager
-def replacing(
-    folder: Path, record_of: Callable[[Mapping[str, str | None]], Record], kind: str = "run"
-) -> Iterator[Path]:
-    """A folder beside, whose files become the result in `folder` together with their record; what was its own before goes.
+def write_whole(folder: Path, record: R, write: Callable[[Path], None]) -> R:
+    """A record, and the files that `write` makes in a folder beside, become the result in `folder`; its own before goes.
 
-    `record_of` makes the record from the listing of its files. A write that is killed leaves files that one of both records
-    lists. Raises `InputError` for a folder that is another's.
+    The record that is returned lists the files. A write that is killed leaves files that one of both records lists. Raises
+    `InputError` for a folder that is another's.
     """
-    check_folder(folder, (kind,))
+    check_folder(folder, (record.kind,))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(Mistake("--out", "", "a folder that can be written", f"{folder}: {error.strerror}")) from error
     fresh = Path(tempfile.mkdtemp(dir=folder, prefix=FRESH))
     try:
-        yield fresh
+        write(fresh)
         written = sorted(fresh.iterdir())
-        check_folder(folder, (kind,), [path.name for path in written])
+        check_folder(folder, (record.kind,), [path.name for path in written])
         files = listing(written)
+        complete = replace(record, files=files)
         before = owned(folder)
-        write_json(fresh / COMING, as_file(record_of(files)))
+        write_json(fresh / COMING, as_file(complete))
         (fresh / COMING).replace(folder / COMING)
         for path in written:
             path.replace(folder / path.name)
@@ -219,3 +219,4 @@ def replacing(
         (folder / COMING).replace(folder / RECORD)
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
+    return complete

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
-from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 
 Numbers = Sequence[Sequence[float]]
 """A number for each size (rows) and slenderness (columns)."""
@@ -60,6 +59,3 @@ class RockingSpectrumRecord(Record):
     peak_high: Sequence[Sequence[float | None]]
     undecided: float
     summary: SpectrumSummary
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

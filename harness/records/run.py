@@ -126,9 +126,6 @@ class RunRecord(Record):
     plan: Sequence[Step]
     warnings: Sequence[str]
     seconds: float
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     def __post_init__(self) -> None:
         for key, names in (("histories", self.histories), ("horizons", self.horizons)):

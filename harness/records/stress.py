@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 from harness.records.bench import PartRow, part_sentences
 
 
@@ -86,9 +85,6 @@ class StressRecord(Record):
     fuzz: Sequence[Mutated] = ()
     parts: Sequence[PartRow] = ()
     seconds: float
-    versions: Mapping[str, str]
-    machine: Table
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     @property
     def holds(self) -> bool:

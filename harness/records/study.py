@@ -206,15 +206,12 @@ class StudyRecord(Record, Shown):
     scores: Mapping[str, SetScores] | None = field(default=None, metadata=OMITTED)
     audit: RecheckRecord | None
     witness: StudyWitness | None = field(default=None, metadata=OMITTED)
-    versions: Mapping[str, str]
-    machine: Table
     claims: Sequence[ClaimVerdict] | None = field(default=None, metadata=OMITTED)
     headline: Mapping[str, str] | None = field(default=None, metadata=OMITTED)
     panels: Sequence[Panel] | None = field(default=None, metadata=OMITTED)
     rows: Sequence[StudyRow]
     table: TableRecord | None = field(default=None, metadata=OMITTED)
     export: ExportRecord | None = field(default=None, metadata=OMITTED)
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)
 
     def plain(self) -> Plain:
         """The record as plain JSON values.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,4 @@ class TossesRecord(Record):
     models: Mapping[str, TossModel]
     absent: Mapping[str, str]
     seed: int = 0
-    versions: Mapping[str, str]
-    machine: Table
     seconds: float
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from harness.model.run import OMITTED
-from harness.records.base import Record, Table
+from harness.records.base import Record
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve, OutcomeScores, ReliabilityBin, SetScores
 
@@ -202,7 +202,4 @@ class ValidationRecord(Record):
     experiments: str
     runs: RunCounts
     seed: int = 0
-    versions: Mapping[str, str]
-    machine: Table
     seconds: float
-    files: Mapping[str, str | None] | None = field(default=None, metadata=OMITTED)

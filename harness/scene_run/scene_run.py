@@ -20,7 +20,7 @@ from harness.model.options import RunOptions
 from harness.model.run import Run, machine, versions
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
-from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, replacing
+from harness.records.result_folder import PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import EngineRunRecord, HorizonRecord, RunRecord
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores
@@ -58,8 +58,8 @@ class Result:
         runs = (run for run in self.runs.values() if run.outcome.failed)
         return any(run.outcome is not Outcome.UNAVAILABLE or run.engine not in optional for run in runs)
 
-    def record(self, files: Mapping[str, str | None] | None = None) -> RunRecord:
-        """The whole record as it stands in `result.json`; `files` lists what lies beside it."""
+    def record(self) -> RunRecord:
+        """The whole record as it stands in `result.json`, but for the list of what lies beside it."""
         return RunRecord(
             title=self.scene.title,
             scene=SceneRecord.of(self.scene),
@@ -76,7 +76,6 @@ class Result:
             seconds=self.seconds,
             versions=versions(),
             machine=machine(),
-            files=files,
         )
 
 
@@ -270,7 +269,8 @@ def write_result(result: Result, folder: Path) -> Path:
     something else would be lost.
     """
     check_writing(folder, result.scene, list(result.runs))
-    with replacing(folder, result.record) as fresh:
+
+    def write(fresh: Path) -> None:
         for name, run in result.runs.items():
             if run.history is not None:
                 run.history.write_csv(fresh / history_file(name))
@@ -278,4 +278,6 @@ def write_result(result: Result, folder: Path) -> Path:
             from meshes.solid import write_glb
 
             write_glb(result.scene.statue.solid, fresh / "statue.glb")
+
+    write_whole(folder, result.record(), write)
     return folder / RECORD

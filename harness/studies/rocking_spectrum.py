@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -27,7 +27,7 @@ from harness.input.tables import Table, kind_of, read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.run import machine, versions
-from harness.records.result_folder import replacing
+from harness.records.result_folder import write_whole
 from harness.records.rocking_spectrum import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 
 KIND: Final = "rocking_spectrum"
@@ -205,15 +205,7 @@ def run_spectrum(
         versions=versions(),
         machine=machine(),
     )
-    written: list[RockingSpectrumRecord] = []
-
-    def recorded(files: Mapping[str, str | None]) -> RockingSpectrumRecord:
-        written.append(replace(record, files=files))
-        return written[-1]
-
-    with replacing(folder, recorded, KIND) as fresh:
-        _write_map(record, fresh / MAP_NAME)
-    return written[-1]
+    return write_whole(folder, record, lambda fresh: _write_map(record, fresh / MAP_NAME))
 
 
 def _velocity(excitation: Excitation) -> Array:

@@ -25,7 +25,8 @@ class ContactTimeEstimate:
         """Begin with what the last two samples show, unless an impact or a stick onset lies between them."""
         self.state, self.touch, self.foot = state, touch, foot
         self.gained_m_s2 = 0.0
-        self.kick_s, self.closing_m_s = state.kick_s, self._height(state.row)[1]
+        self.row, self.seen = state.row, self._height(state.row)
+        self.kick_s, self.closing_m_s = state.kick_s, self.seen[1]
         kicks = state.record.kick_s
         if len(kicks) > 1 and kicks[-2] < kicks[-1] and not state.jolted:
             self._gain(self._height(state.record.row(-2))[1], kicks[-2])
@@ -52,7 +53,9 @@ class ContactTimeEstimate:
         return gap / closing, max(then / closing, 1.0)
 
     def _look(self) -> tuple[float, float]:
-        gap, closing = self._height(self.state.row)
+        if self.row is not self.state.row:
+            self.row, self.seen = self.state.row, self._height(self.state.row)
+        gap, closing = self.seen
         if self.state.kick_s > self.kick_s:
             before, self.closing_m_s = self.closing_m_s, closing
             before_s, self.kick_s = self.kick_s, self.state.kick_s

@@ -41,23 +41,20 @@ class Gyroscope:
         self.torque = None
         if self.moments is None or abs(row[10]) + abs(row[11]) + abs(row[12]) < STILL_RAD_S:
             return
-        (ix, iy, iz), (x, y, z, w) = self.moments, row[3:7]
-        half = 0.5 * span_s
-        p, q, r = _unturned(x, y, z, w, row[10], row[11], row[12])
-        u, v, s = _unturned(
-            x,
-            y,
-            z,
-            w,
-            row[10] + half * rate_rad_s2[0],
-            row[11] + half * rate_rad_s2[1],
-            row[12] + half * rate_rad_s2[2],
-        )
+        (ix, iy, iz), (x, y, z, w), half = self.moments, row[3:7], 0.5 * span_s
+        # Columns of the body's rotation.
+        ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
+        bx, by, bz = 2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)
+        cx, cy, cz = 2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)
+        f, g, h = row[10:13]
+        p, q, r = f * ax + g * ay + h * az, f * bx + g * by + h * bz, f * cx + g * cy + h * cz
+        f, g, h = f + half * rate_rad_s2[0], g + half * rate_rad_s2[1], h + half * rate_rad_s2[2]
+        u, v, s = f * ax + g * ay + h * az, f * bx + g * by + h * bz, f * cx + g * cy + h * cz
         share = span_s / length_s
         a = (iy - iz) * (share * v * s - q * r)
         b = (iz - ix) * (share * s * u - r * p)
         c = (ix - iy) * (share * u * v - p * q)
-        self.torque = _unturned(-x, -y, -z, w, a, b, c)
+        self.torque = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz
         account = ledger.of(KIND)
         account.count += 1
         account.rate_rad_s += length_s * math.hypot(a / ix, b / iy, c / iz)
@@ -67,14 +64,3 @@ class Gyroscope:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
         if self.torque is not None:
             writing.twist(self.body, self.torque, self.client)
-
-
-def _unturned(x: float, y: float, z: float, w: float, a: float, b: float, c: float) -> Vector:
-    """The vector (a, b, c) in the frame of a body turned by the quaternion (x, y, z, w)."""
-    # v − 2 w (q × v) + 2 q × (q × v)
-    i, j, k = y * c - z * b, z * a - x * c, x * b - y * a
-    return (
-        a + 2.0 * (y * k - z * j - w * i),
-        b + 2.0 * (z * i - x * k - w * j),
-        c + 2.0 * (x * j - y * i - w * k),
-    )

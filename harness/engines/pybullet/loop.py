@@ -105,7 +105,7 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
         if watch.touch is not None and (beside or tips(row, state.step_s)):
             free = BESIDE_FREE if beside else MOST_FREE
             # Nothing is located: the engine is plain, and no half-cycle is followed.
-            state.half_cycle = None
+            state.half_cycle, state.jolted_s = None, state.t_s
         elif watch.touch is not None and state.jolts < MOST_JOLTS:
             free = _touched(state, scene, watch.touch, watch)
             if free == 0:
@@ -137,7 +137,9 @@ def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -
     stepper, step_s = state.stepper, state.step_s
     if state.half_cycle is not None and _followed(state, touch, state.half_cycle):
         return 0
-    contact_s, soonest, foot = touch(state.row, state.t_s, stepper.table_place[2], stepper.table_rate[2])
+    contact_s, soonest, foot = touch(
+        state.row, state.t_s, state.jolted_s, stepper.table_place[2], stepper.table_rate[2]
+    )
     if watch.impose:
         return _imposed(state, scene, touch, watch, soonest)
     # Its velocity is of half a step ago: it may come sooner than at that.

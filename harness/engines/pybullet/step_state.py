@@ -37,7 +37,8 @@ class StepState:
     """The run in progress: `t_s` of places, `kick_s` of velocities, `number` of the last whole step reached, the present row.
 
     `even` says that both clocks stand as after a whole step, so that another one may follow; `jolted` that the last sample is an
-    impact's, `jolts` how many there were since the last whole step. `half_cycle` is the short half-cycle in progress, if any.
+    impact's, `jolts` how many there were since the last whole step, `jolted_s` when velocities last jumped. `half_cycle` is the
+    short half-cycle in progress, if any.
     """
 
     def __init__(self, stepper: Stepper, row: Row, start: int, kick_s: float, *, even: bool) -> None:
@@ -46,7 +47,7 @@ class StepState:
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
         self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row))
-        self.jolted, self.jolts, self.look_from = False, 0, start
+        self.jolted, self.jolted_s, self.jolts, self.look_from = False, -math.inf, 0, start
         self.half_cycle: HalfCycle | None = None
 
     @property
@@ -116,6 +117,7 @@ class StepState:
             self.coast(self.next_s - self.t_s)
             self.t_s = self.next_s
             self.number += 1
+        self.jolted_s = self.t_s
         self.record.keep(self.t_s, self.kick_s, self.row)
 
     def to_next(self, kick_s: float | None = None) -> None:

@@ -81,10 +81,10 @@ class StepLog:
         return tuple(self.flat[end - self.width : end])
 
     @property
-    def rate_before(self) -> Row:
+    def rate_before(self) -> Sequence[float]:
         """The statue's angular velocity in the row before the last."""
-        end = len(self.flat) - 2 * self.width
-        return tuple(self.flat[end + 10 : end + 13])
+        begin = 10 - 2 * self.width
+        return self.flat[begin : begin + 3]
 
     @property
     def last(self) -> Row:

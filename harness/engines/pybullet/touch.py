@@ -65,7 +65,7 @@ class ContactGaps:
         self.few = self.feet if few else None
         # Numbers of the feet that can come down soon, and until when no other can.
         self.soon, self.soon_until_s = list(range(len(feet_m))), math.inf if few else -math.inf
-        self.ahead_s, self.distances_m = SOON_STEPS * step_s, np.linalg.norm(feet_m, axis=1)
+        self.ahead_s = SOON_STEPS * step_s
         self.base_m = statue.corner_left_m + statue.corner_right_m
         # What rocks out of its plane stands on feet that close and open all the time.
         height_m, own_rad_s = statue.centroid_height_m, math.sqrt(scene.gravity_m_s2 / statue.centroid_height_m)
@@ -78,17 +78,19 @@ class ContactGaps:
         self.drift_m_s2 = self.drift_s * step_s
         self.late_s = LATE * step_s
         # What weight and table together can do to a foot at its distance from the centroid.
-        self.bounds = 2.0 * pull / height_m * self.distances_m
+        self.bounds = 2.0 * pull / height_m * np.linalg.norm(feet_m, axis=1)
         self.bound = self.bounds.tolist()
 
-    def __call__(self, row: Row, t_s: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:
-        """These times and that foot's number, of a row at `t_s`; `floor_m`, `floor_m_s` are the height of a moving table and its
-        velocity.
+    def __call__(
+        self, row: Row, t_s: float, jolted_s: float, floor_m: float, floor_m_s: float
+    ) -> tuple[float, float, int]:
+        """These times and that foot's number, of a row at `t_s` whose velocities an impact changed at `jolted_s` last; `floor_m`,
+        `floor_m_s` are the height of a moving table and its velocity.
 
         A time is infinite when no foot comes down, or all stand.
         """
         falling = self.falling_m_s(row)
-        if t_s >= self.soon_until_s:
+        if t_s >= self.soon_until_s or jolted_s > self.soon_until_s - self.ahead_s:
             self._choose(row, floor_m, floor_m_s, t_s)
         if self.within_m is not None or len(self.soon) > MANY:
             return self._of_many(row, falling, floor_m, floor_m_s)
@@ -104,9 +106,9 @@ class ContactGaps:
             falls = closing > falling and gap > -self.late_s * closing
             if gap > near or (falls and gap > 0.0):
                 bound = self.bound[index]
-                time_s = (math.sqrt(closing * closing + 2.0 * bound * gap) - closing) / bound
-                if time_s < soonest_s:
-                    soonest_s = time_s
+                # Only a foot that is down by then comes sooner: most have no root to take.
+                if gap < soonest_s * (closing + 0.5 * bound * soonest_s):
+                    soonest_s = (math.sqrt(closing * closing + 2.0 * bound * gap) - closing) / bound
             if falls:
                 time_s = gap / closing if gap > 0.0 else 0.0
                 if time_s < first_s:
@@ -114,11 +116,10 @@ class ContactGaps:
         return first_s, soonest_s, foot
 
     def _choose(self, row: Row, floor_m: float, floor_m_s: float, t_s: float) -> None:
-        """The feet that can come down within the next steps, even where an impact of another turns the statue's velocity over."""
+        """The feet that can come down within the next steps, up to the next impact."""
         gap, closing = self._all_gaps(row, floor_m, floor_m_s)
         ahead_s = self.ahead_s
-        turning = 2.0 * math.hypot(row[10], row[11], row[12]) * self.distances_m
-        reach = (np.maximum(closing, 0.0) + turning + 0.5 * self.bounds * ahead_s) * ahead_s + self.near_m
+        reach = (np.maximum(closing, 0.0) + 0.5 * self.bounds * ahead_s) * ahead_s + self.near_m
         self.soon, self.soon_until_s = np.flatnonzero(gap <= reach).tolist(), t_s + ahead_s
 
     def _of_many(self, row: Row, falling: float, floor_m: float, floor_m_s: float) -> tuple[float, float, int]:

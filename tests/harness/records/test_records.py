@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -33,7 +34,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path: Path, result: Result) -> N
     path = write_result(result, tmp_path)
     record = validated(RunRecord, path.read_bytes(), path)
     assert as_file(record) == json.loads(path.read_text(encoding="utf-8"))
-    assert plain(record) == plain(result.record(record.files))
+    assert plain(record) == plain(replace(result.record(), files=record.files))
     assert record.runs["analytic"].outcome is result.runs["analytic"].outcome
 
 
