@@ -119,11 +119,10 @@ def assess(
         runs=counts,
         clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    in_space = SPACE in answers and shaken_across(scene)
-    record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=in_space)
-    fell = others.in_space if in_space else model.overturned
+    fell = others.in_space if SPACE in answers and shaken_across(scene) else None
+    record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
     if record.indices is None:
-        record = replace(record, indices=first_indices(inputs, values, fell))
+        record = replace(record, indices=first_indices(inputs, values, model.overturned if fell is None else fell))
     return Assessed(record, values, model, others.fell)
 
 
