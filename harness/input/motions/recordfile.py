@@ -15,8 +15,9 @@ from harness.input.motions.orientation import Orientation
 
 STANDARD_GRAVITY_M_S2: Final = 9.80665
 UNITS_M_S2: Final[Mapping[str, float]] = MappingProxyType(
-    {"m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "g": STANDARD_GRAVITY_M_S2}
-)
+    {"m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "g": STANDARD_GRAVITY_M_S2,
+     "mg": STANDARD_GRAVITY_M_S2 / 1000.0, "%g": STANDARD_GRAVITY_M_S2 / 100.0}
+)  # fmt: skip
 UNIT_NAMES: Final = " or ".join(UNITS_M_S2)
 _SPELLINGS: Final = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "cm/s2", "mms2": "mm/s2", "mmps2": "mm/s2",
                      "gal": "cm/s2", "gals": "cm/s2"}  # fmt: skip

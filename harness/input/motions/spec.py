@@ -17,7 +17,7 @@ def list_to_tuple(value: Any) -> Any:
 
 Pair = Annotated[tuple[float, float], BeforeValidator(list_to_tuple)]
 Unit = Annotated[
-    Literal["m/s2", "cm/s2", "mm/s2", "g"],
+    Literal["m/s2", "cm/s2", "mm/s2", "g", "mg", "%g"],
     BeforeValidator(lambda value: (unit_named(value) or value) if isinstance(value, str) else value),
 ]
 Code = Literal["ntc2008", "ntc2018", "ec8"]

@@ -123,10 +123,10 @@ def _versions(text: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:
-    """The error with the options that would read the text as plain numbers, where its own table is not what failed."""
-    if csv.names_times(text) or not (said := table.proposal(text, where)):
-        return error
+    """The error with the options that would read the text as plain numbers, where no unit is all that is missing."""
     first = error.mistakes[0]
+    if first.wanted == csv.UNIT or not (said := table.proposal(text, where, headed=csv.names_times(text))):
+        return error
     return InputError(
         Mistake(first.where, first.key, first.wanted, first.got, f"its numbers alone are read by: {said}")
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,15 +13,28 @@ from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
 from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.recordfile import UNITS_M_S2, Channel, RecordFile, unit_named
+from harness.input.motions.readers.table import likely_unit
+from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
 from harness.input.text_file import decimal, decimals
 
 FORMATS: Final = {"CSV": True}
 
-_TIME = re.compile(r"^(t|time|zeit|tempo|temps|tiempo)([\s_\-]*[\[(]?(s|sec|seconds)?[\])]?)$", re.IGNORECASE)
+_WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
+_SECONDS: Final = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "min": 60.0}
+_HEAD: Final = 2000
+"""Characters at a file's beginning that may speak of a unit."""
+UNIT: Final = "an acceleration unit"
+_TIME = re.compile(
+    rf"^(?:t|time|zeit|tempo|temps|tiempo|epoch|timestamp)[\s_\-]*[\[(]?({'|'.join(_SECONDS)})?[\])]?$", re.IGNORECASE
+)
 _PREFIX = re.compile(r"^(acc(el(eration)?)?|a)[\s_\-]+", re.IGNORECASE)
-_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[a-z]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
+_UNIT = re.compile(r"^(.*?)[\s_\-]*[\[(\s_\-]([cm]?m_s2|[a-z%]+[a-z0-9²^/*]*)[\])]?$", re.IGNORECASE)
+_NO_COMPONENT = re.compile(
+    r"^(index|sample|absolute|total|magnitude|vel|disp)|[\[(]([cm]?m(/s(ec)?)?|volts?|m?v|counts?)[\])]$|_[cm]?ms?$",
+    re.IGNORECASE,
+)
+"""Headers of a sample's number, a resultant, a velocity, a displacement, or a recorder's volts and counts."""
 _COMMENT: Final = ("#", "%")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?|[+-]?[0-9]+")
 
@@ -40,49 +55,64 @@ def recognises(text: str) -> bool:
 
 
 def names_times(text: str) -> bool:
-    """Whether a line names a column of times, so that the file is a table with headers, whatever else is wrong with it."""
-    return any(_TIME.match(part.strip('" ')) for line in text.splitlines() for part in _split(line.lstrip(" #%")))
+    """Whether a line names a column of times among as many as most lines have: a table with headers, damaged or not."""
+    lines = [_split(line.lstrip(" #%")) for line in text.splitlines() if line.strip()]
+    usual, _ = Counter(map(len, lines)).most_common(1)[0]
+    return any(len(cells) == usual and _names_times(cells) for cells in lines)
+
+
+def _names_times(cells: Sequence[str]) -> bool:
+    return any(_TIME.match(cell) for cell in cells)
 
 
 def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     """Every acceleration column; `unit` is used where the headers name none. InputError for gaps, NaN, unsorted times."""
     table = _table(text, where)
     time = _time_column(table, where)
-    clock = clock_of(table.values[:, time], where, table.lines)
+    clock = clock_of(table.values[:, time] * _seconds(table.headers[time]), where, table.lines)
     channels: list[Channel] = []
     units: set[str] = set()
+    others = [header for header in table.headers if _NO_COMPONENT.search(header)]
     for column, header in enumerate(table.headers):
-        if column == time:
+        if column == time or header in others:
             continue
-        name, orientation, stated = _column(header)
+        orientation, stated = _column(header)
         if stated is not None and unit is not None and stated != unit:
             raise mistake(where, header, f"the unit that the file states, {stated}", unit, "leave unit out")
         used = stated or unit
         if used is None:
-            advice = f"say unit = one of {', '.join(UNITS_M_S2)}, or name the column such as a_{name or 'x'}_ms2"
-            raise mistake(where, header, "an acceleration unit", "none in the header and none given", advice)
+            likely, said_so = likely_unit(text[:_HEAD], float(np.abs(table.values[:, column]).max()))
+            advice = f'say --unit {likely}, or unit = "{likely}" in a scene, if {said_so}' if likely else said_so
+            raise mistake(where, header, UNIT, "none in the header and none given", advice)
         units.add(used)
         values = clock.on(table.values[:, column])
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
     if not channels:
-        raise mistake(where, "", "a time column and an acceleration column", f"only {table.headers[time]!r}")
-    return RecordFile(where, "CSV", True, "/".join(sorted(units)), tuple(channels), {}, warnings=clock.said)
+        raise mistake(where, "", "a time column and an acceleration column", f"the columns {', '.join(table.headers)}")
+    said = *clock.said, *(f"column {header} is no component of an acceleration: left out" for header in others)
+    return RecordFile(where, "CSV", True, "/".join(sorted(units)), tuple(channels), {}, warnings=said)
 
 
-def _column(header: str) -> tuple[str, Orientation, str | None]:
-    """Direction's name, direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
+def _seconds(header: str) -> float:
+    """The factor from the unit that a column of times names to seconds, one where it names none."""
+    match = _TIME.match(header)
+    return _SECONDS[match.group(1).casefold()] if match and match.group(1) else 1.0
+
+
+def _column(header: str) -> tuple[Orientation, str | None]:
+    """Direction and unit stated by a column's header such as a_N28W_ms2 or "UP (g)"."""
     match = _UNIT.match(header)
     unit = unit_named(match.group(2)) if match else None
     name = _PREFIX.sub("", match.group(1) if match and unit else header)
-    return name, parse_orientation(name), unit
+    return parse_orientation(name), unit
 
 
 def _split(line: str, decimal_comma: bool = False) -> list[str]:
     """The cells of a line; commas are decimal ones where `decimal_comma`."""
-    for mark in (";", "\t", *(() if decimal_comma else ",")):
+    for mark in (";", "\t", "|", *(() if decimal_comma else ",")):
         if mark in line:
-            return [part.strip() for part in line.split(mark)]
-    return line.split()
+            return [part.strip().strip('"') for part in line.split(mark)]
+    return [part.strip('"') for part in line.split()]
 
 
 def _has_decimal_commas(line: str) -> bool:
@@ -107,12 +137,22 @@ def _table(text: str, where: str) -> _Table:
     def cells(line: str) -> list[str]:
         return [part.replace(",", ".") for part in _split(line, True)] if comma else _split(line)
 
+    rows = rows[_titles([line for _, line in rows], len(cells(rows[-1][1]))) :]
     first = _split(rows[0][1]) if comma and not _has_decimal_commas(rows[0][1]) else cells(rows[0][1])
+    if not any(map(_numeric, first)):
+        first = _headers(rows[0][1], len(cells(rows[-1][1])))
     trailing = first[-1] == ""  # every line ends with the separator
     first = first[:-1] if trailing else first
-    headed = not all(_numeric(part) for part in first)
+    headed = not all(map(_numeric, first))
     body = rows[1:] if headed else rows
-    headers = tuple(part.strip('"') for part in first) if headed else _commented(every, rows[0][0], len(first))
+    headers = tuple(first) if headed else _commented(every, rows[0][0], len(first))
+    if (
+        headed
+        and body
+        and len(units := cells(body[0][1])[: len(headers)]) == len(headers)
+        and all(map(_is_unit, units))
+    ):
+        headers, body = tuple(f"{name} ({unit})" for name, unit in zip(headers, units, strict=True)), body[1:]
     if len(set(headers)) < len(headers):
         raise mistake(where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers))
     if len(body) < 2:
@@ -120,6 +160,9 @@ def _table(text: str, where: str) -> _Table:
     values = np.empty((len(body), len(headers)))
     for row, (number, line) in enumerate(body):
         parts = cells(line)[:-1] if trailing else cells(line)
+        if not any(map(_numeric, parts)) and _WORD.search(line):
+            advice = f"words among numbers: take out line {number}, and what is no number below it"
+            raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
             advice = "the file is cut off" if row == len(body) - 1 else "the file is damaged, or has decimal commas"
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
@@ -138,14 +181,35 @@ def _table(text: str, where: str) -> _Table:
     return _Table(headers, values, tuple(number for number, _ in body))
 
 
+def _headers(line: str, width: int) -> list[str]:
+    """The names in a line above `width` columns: where blanks stand between the columns, those with blanks of their own too."""
+    names, apart = _split(line), re.split(r"\s{2,}|(?<=[\])])\s+", line.strip())
+    return apart if len(names) > width == len(apart) > 1 else names
+
+
+def _titles(lines: Sequence[str], width: int) -> int:
+    """Number of lines of words above the one that names the columns, a column of times among them."""
+    for place, line in enumerate(lines):
+        names = _headers(line, width)
+        if any(map(_numeric, names)):
+            return 0
+        if len(names) == width and _names_times(names):
+            return place
+    return 0
+
+
+def _is_unit(cell: str) -> bool:
+    return bare in _SECONDS or unit_named(bare) is not None if (bare := cell.strip("[]() ").lower()) else False
+
+
 def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[str, ...]:
     """Headers of columns that no header line names: the last comment above row `first` that names `count` of them, one the time.
 
     Without such a comment the columns are numbered.
     """
     for line in reversed([line for number, line in every if number < first]):
-        names = tuple(part.strip('"') for part in _split(line.lstrip(" #%")))
-        if len(names) == count and any(_TIME.match(name) for name in names):
+        names = tuple(_headers(line.lstrip(" #%"), count))
+        if len(names) == count and _names_times(names):
             return names
     return tuple(str(place + 1) for place in range(count))
 

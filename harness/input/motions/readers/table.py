@@ -32,12 +32,16 @@ _LEAST_NUMBERS: Final = 16
 _HEADER_ROWS: Final = 8
 """Lines of as many numbers as the columns that a header may hold; more are data before a damaged line."""
 _PLAUSIBLE_G: Final = (0.005, 3.0)
+_SHORTEST_S, _LONGEST_S = 1e-4, 0.1
+"""Between the steps of accelerographs, 1 to 50 ms, and what no text means by a step."""
+_DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}(?:[T_]\d\S*)?|\d{1,2}:\d\d(?::\d\d(?:[.,]\d*)?)?Z?")
+_TIME_OF_DAY = re.compile(r"(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)")
 _STEPS: Final = (
     (re.compile(r"\b(?:dt|delta\s*t|step|interval)\b[^0-9.\n]{0,20}(\d*\.\d+(?:[eE][-+]?\d+)?)", re.IGNORECASE), False),
     (re.compile(r"(\d*\.\d+)\s*s(?:ec)?\b", re.IGNORECASE), False),
     (re.compile(r"(\d+(?:\.\d+)?)\s*(?:hz|sps|samples?\s*(?:/|per)\s*s)", re.IGNORECASE), True),
 )
-_UNIT_WORDS = re.compile(r"(?<![\w/])(?:c?m+/s\S*|gals?|g)(?![\w/])", re.IGNORECASE)
+_UNIT_WORDS = re.compile(r"(?<![\w/])(?:c?m+/s\S*|gals?|%?g|(?<=[(\[])mg)(?![\w/])", re.IGNORECASE)
 
 
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
@@ -48,7 +52,7 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         got = "neither" if layout.dt_s is None else "both"
         raise mistake(where, "dt, time_column", "the step, or the column of times", got, "say --dt or --time-column")
     skip = layout.skip_lines or 0
-    rows, places = _rows(text.splitlines(), skip, where)
+    rows, places = _rows(text.splitlines(), skip, where, dates=layout.columns not in (None, WHOLE))
     if layout.columns == WHOLE:
         if layout.dt_s is None:
             raise mistake(
@@ -58,11 +62,16 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     else:
         table = _even_rows(rows, places, where)
         named = _named(layout, table.shape[1], where)
+        if dated := [name for column, name in named.items() if np.isnan(table[:, column]).any()]:
+            raise mistake(where, "columns", "columns of numbers", f"dates or times of day in {', '.join(dated)}")
     if layout.time_column is None:
         dt_s, start_s = float(layout.dt_s or 0.0), 0.0
         said: tuple[str, ...] = ()
     else:
-        clock = clock_of(table[:, layout.time_column - 1], where, tuple(places))
+        times = table[:, layout.time_column - 1]
+        if np.isnan(times).any():
+            raise mistake(where, "time_column", "times in seconds", "dates or times of day", "say --dt instead")
+        clock = clock_of(times, where, tuple(places))
         table = np.column_stack([clock.on(table[:, column]) for column in range(table.shape[1])])
         dt_s, start_s, said = clock.dt_s, clock.start_s, clock.said
     channels = [
@@ -84,17 +93,24 @@ def _cells(line: str) -> list[str]:
     return re.split(r"\s*,\s*|\s+", plain)
 
 
-def _numbers(line: str, where: str, number: int) -> Floats:
-    """All numbers of a line; InputError at anything else."""
-    return free_format([" ".join(_cells(line))], where=where, first_line=number)
+def _numbers(line: str, where: str, number: int, *, dates: bool = False) -> Floats:
+    """All numbers of a line; NaN for dates and times of day where `dates` may stand among them; InputError at anything else."""
+    cells = _cells(line)
+    dated = [place for place, cell in enumerate(cells) if _DATE.fullmatch(cell)] if dates else []
+    if not dated:
+        return free_format([" ".join(cells)], where=where, first_line=number)
+    values = np.full(len(cells), np.nan)
+    for place in set(range(len(cells))) - set(dated):
+        values[place : place + 1] = free_format([cells[place]], where=where, first_line=number)[:1]
+    return values
 
 
-def _rows(lines: Sequence[str], skip: int, where: str) -> tuple[list[Floats], list[int]]:
+def _rows(lines: Sequence[str], skip: int, where: str, *, dates: bool) -> tuple[list[Floats], list[int]]:
     """The numbers of every line below the first `skip`, and the lines' places; comments and blank lines are left out."""
     used = [
         (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
     ]
-    rows = [_numbers(line, where, number) for number, line in used]
+    rows = [_numbers(line, where, number, dates=dates) for number, line in used]
     if sum(row.size for row in rows) < 2:
         raise mistake(where, "skip_lines", "numbers below the lines skipped", f"{len(lines)} lines in all")
     return rows, [number for number, _ in used]
@@ -128,31 +144,64 @@ def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
     return named
 
 
-def proposal(text: str, where: str) -> str:
-    """What to type so that the text is read as the table of numbers that it seems to be; "" where it seems to be none."""
+def proposal(text: str, where: str, *, headed: bool = False) -> str:
+    """What to type so that the text is read as the table of numbers that it seems to be; "" where it seems to be none.
+
+    Where it is `headed` by names, one of them the times', no line above the numbers may be one of theirs, damaged.
+    """
     lines = text.splitlines()
     block = _block(lines)
-    if block is None:
+    if block is None or (headed and any(_or_none(cell) is not None for cell in _cells(lines[block[0] - 1]))):
         return ""
     skip, rows = block
-    width = rows[0].size
-    even = [row for row in rows if row.size == width]
-    table, head = np.array(even), "\n".join(lines[:skip])
-    steps = np.diff(table[:, 0])
-    if width > 1 and len(even) == len(rows) > 2 and (steps > 0.0).all() and steps.max() < 1.5 * steps.min():
-        layout = Layout(skip_lines=skip, time_column=1)
-        samples = table[:, 1:]
-    else:
-        samples = np.concatenate(rows)
-        runs_on = width > 1 and (
-            len(even) < len(rows) or _rough(samples) < float(np.mean([_rough(c) for c in table.T]))
-        )
-        layout = Layout(_step(head), skip, WHOLE if runs_on or width == 1 else None)
-    unit, remark = _unit(head, float(np.abs(samples).max()))
+    head = "\n".join(lines[:skip])
+    layout, samples = _layout(rows, skip, head)
+    if samples.ndim == 2 and np.isnan(rows[0]).any():
+        layout = replace(layout, dt_s=_dated_step([line for line in lines[skip:] if line.strip()][: len(rows)]))
+    unit, remark = likely_unit(head, float(np.abs(samples).max()))
+    if not unit:
+        return ""
     if not (layout.time_column or layout.dt_s):
-        layout, remark = replace(layout, dt_s=0.01), f"--dt as its source says{remark and f'; {remark}'}"
+        layout, remark = replace(layout, dt_s=0.01), f"--dt as its source says{remark and f'; --unit if {remark}'}"
+    elif remark:
+        remark = f"--unit if {remark}"
     command = f"rockcheck motion inspect {shlex.quote(where)} {layout.options()} --unit {unit}"
     return f"{command} ({remark})" if remark else command
+
+
+def _layout(rows: list[Floats], skip: int, head: str) -> tuple[Layout, Floats]:
+    """How `rows` below the lines `head` seem to be laid out, and the samples: in columns (n, k), or of one channel (n,)."""
+    width = rows[0].size
+    even = [row for row in rows if row.size == width]
+    table = np.array(even)
+    dated = np.isnan(table).any(axis=0)
+    if dated.any() and len(even) == len(rows):
+        names = _names(head, width)
+        columns = ",".join(f"{i + 1}{names[i]}" for i in np.flatnonzero(~dated))
+        return Layout(None, skip, columns), table[:, ~dated]
+    steps = np.diff(table[:, 0])
+    if width > 1 and len(even) == len(rows) > 2 and (steps > 0.0).all() and steps.max() < 1.5 * steps.min():
+        return Layout(skip_lines=skip, time_column=1), table[:, 1:]
+    samples = np.concatenate(rows)
+    runs_on = width > 1 and (len(even) < len(rows) or _rough(samples) < float(np.mean([_rough(c) for c in table.T])))
+    return Layout(_step(head, samples.size), skip, WHOLE if runs_on or width == 1 else None), samples
+
+
+def _names(head: str, width: int) -> list[str]:
+    """For every column ":" and the word that the last line above it names it by, or "" where that line names none."""
+    last = re.sub(r"\s*[\[(][^\])]*[\])]", "", head.splitlines()[-1]) if head else ""
+    words = [cell if re.fullmatch(r"\w+", cell) else "" for cell in _cells(last)]
+    return [word and f":{word}" for word in words] if len(words) == width else [""] * width
+
+
+def _dated_step(lines: Sequence[str]) -> float | None:
+    """The step in seconds between lines that each hold a time of day, from the first and the last of them."""
+    first, last = (_TIME_OF_DAY.search(line) for line in (lines[0], lines[-1]))
+    if first is None or last is None:
+        return None
+    start, end = (3600.0 * float(m[1]) + 60.0 * float(m[2]) + float(m[3].replace(",", ".")) for m in (first, last))
+    step = round((end - start) % 86400.0 / (len(lines) - 1), 6)
+    return step if _SHORTEST_S <= step <= _LONGEST_S else None
 
 
 def _rough(values: Floats) -> float:
@@ -177,28 +226,33 @@ def _block(lines: Sequence[str]) -> tuple[int, list[Floats]] | None:
 
 def _or_none(line: str) -> Floats | None:
     try:
-        return _numbers(line, "", 0)
+        return _numbers(line, "", 0, dates=True)
     except InputError:
         return None
 
 
-def _step(head: str) -> float | None:
-    """The step in seconds that the lines above the numbers speak of."""
+def _step(head: str, count: int) -> float | None:
+    """The step in seconds that the lines above the numbers speak of, or that stands beside their `count`."""
     for pattern, rate in _STEPS:
         for text in pattern.findall(head):
             value = float(text)
-            if value > 0.0 and 1e-4 <= (dt_s := 1.0 / value if rate else value) <= 0.1:
+            if value > 0.0 and _SHORTEST_S <= (dt_s := 1.0 / value if rate else value) <= _LONGEST_S:
                 return dt_s
-    return None
+    beside = [row for row in map(_or_none, head.splitlines()) if row is not None and count in row]
+    return next((float(v) for row in beside for v in row if _SHORTEST_S <= v <= _LONGEST_S), None)
 
 
-def _unit(head: str, largest: float) -> tuple[str, str]:
-    """The unit that the lines above the numbers name, else the first in which they would be an earthquake, and the others."""
+def likely_unit(head: str, largest: float) -> tuple[str, str]:
+    """The unit that the lines above the numbers name, else the first in which they would be an earthquake, and the others.
+
+    "" and why where they would be none in any unit.
+    """
     for word in _UNIT_WORDS.findall(head):
         if unit := unit_named(word):
             return unit, ""
     low, high = _PLAUSIBLE_G
     peaks = {name: largest * factor / STANDARD_GRAVITY_M_S2 for name, factor in UNITS_M_S2.items()}
-    fits = [name for name, peak in peaks.items() if low <= peak <= high] or ["g"]
-    said = ", ".join(f"{peaks[name]:.2g} g in {name}" for name in fits)
-    return fits[0], f"--unit as its source says: the peak is {said}"
+    fits = [name for name, peak in peaks.items() if low <= peak <= high]
+    if not fits:
+        return "", f"the largest, {largest:.3g}, is an earthquake's in none: counts need the recorder's factor first"
+    return fits[0], f"its source says so: the peak is {', '.join(f'{peaks[name]:.2g} g in {name}' for name in fits)}"

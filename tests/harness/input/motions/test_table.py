@@ -15,6 +15,7 @@ from harness.input.motions.records import load
 from harness.input.motions.spec import Source
 from harness.model.errors import InputError
 from tests.budgets_motions import GAL_6
+from tests.harness.input.motions.writers import GRAVITY as G_M_S2
 from tests.harness.input.motions.writers import rows, wave
 
 NORTH, EAST = wave(403, peak_m_s2=2.0), wave(403, peak_m_s2=1.5, phase=0.7)
@@ -31,6 +32,35 @@ TEXTS = {
     "decimal commas": ["Somewhere", "in gal", *(line.replace(".", ",") for line in TABLE)],
     "semicolons": ["Somewhere", "in gal", *(line.replace(".", ",").replace(" ", ";") for line in TABLE)],
     "no header": [f"{100.0 * v:.6f}" for v in NORTH],
+    "times of day": [
+        "timestamp,N (gal),E (gal)",
+        *(f"2016-10-30T06:40:{18.0 + 0.01 * i:06.3f},{100 * n:.6f},0.1" for i, n in enumerate(NORTH)),
+    ],
+    "dates beside times of day": [
+        "Date;Time;N [mg];E [mg]",
+        *(f"30/10/2016;06:40:{0.01 * i:06.3f};{v / G_M_S2 * 1e3:.6f};1".replace(".", ",") for i, v in enumerate(NORTH)),
+    ],
+    "count and step": ["TIME HISTORY", "gal", f"{NORTH.size} 0.0100", *rows(100.0 * NORTH, 5, "{:14.6f}")],
+}
+TIMES = 0.01 * np.arange(NORTH.size)
+TABLES = {
+    "units in a row of their own": (
+        ["A place", "time,acc N,acc E", "ms,gal,gal"],
+        [f"{1e3 * t:.0f},{100 * n:.6f},{100 * e:.6f}" for t, n, e in zip(TIMES, NORTH, EAST, strict=True)],
+    ),
+    "milliseconds, shares of g": (
+        ["t (ms)|N (%g)|Z (%g)"],
+        [f"{1e3 * t:.0f}|{100 * n / G_M_S2:.9f}|0.1" for t, n in zip(TIMES, NORTH, strict=True)],
+    ),
+    "quoted, a resultant": (
+        ['"Time (s)","N (m/s^2)","Absolute acceleration (m/s^2)"'],
+        [f'"{t:.3f}","{n:.9f}","{abs(n):.9f}"' for t, n in zip(TIMES, NORTH, strict=True)],
+    ),
+    "names with blanks, velocity beside": (
+        ["A program", "Time [sec]  Acceleration N [g]  Velocity [cm/sec]"],
+        [f"  {t:.3f}   {n / G_M_S2:.9E}   0.0" for t, n in zip(TIMES, NORTH, strict=True)],
+    ),
+    "minutes": (["time_min,a_N_ms2"], [f"{t / 60.0:.9f},{n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]),
 }
 
 
@@ -54,6 +84,36 @@ def test_the_error_names_the_options_that_read_the_file(tmp_path: Path, name: st
     record = read_file(path, unit=said["--unit"], layout=layout)
     assert record.channels[0].dt_s == pytest.approx(0.01)
     np.testing.assert_allclose(record.channels[0].accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_of_another_program_is_read_by_what_its_header_says(tmp_path: Path, name: str) -> None:
+    head, body = TABLES[name]
+    record = read_file(_write(tmp_path / "a.csv", head + body))
+    first = record.channels[0]
+    assert first.dt_s == pytest.approx(0.01)
+    np.testing.assert_allclose(first.accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
+    assert len(record.channels) == 1 + ("E" in head[-2 if "row" in name else 0] or "Z" in head[0])
+    left_out = [said for said in record.warnings if said.endswith("is no component of an acceleration: left out")]
+    assert len(left_out) == ("beside" in name or "resultant" in name)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["t_s,a_N", *TABLE], r'say --unit cm/s2, or unit = "cm/s2" in a scene, if its source says so: the peak is'),
+        (["t_s,N", *(line.replace(".", "") for line in TABLE)], r"in none: counts need the recorder's factor first"),
+        (["t_s,a_N_gal,a_E_gal", *TABLE, "END OF RECORD"], r"line 405: .* words among numbers: take out line 405"),
+        (["t_s,v_N_ms", *TABLE], r"wanted a time column and an acceleration column, got the columns t_s, v_N_ms"),
+    ],
+)  # fmt: skip
+def test_what_keeps_a_table_from_being_read_is_said_with_its_cure(tmp_path: Path, lines: list[str], said: str) -> None:
+    columns = 1 + lines[0].count(",")
+    path = _write(
+        tmp_path / "a.csv", [",".join(line.split()[:columns]) if line[0].isdigit() else line for line in lines]
+    )
+    with pytest.raises(InputError, match=said):
+        read_file(path)
 
 
 def test_columns_are_named_and_a_scene_says_the_same(tmp_path: Path) -> None:
@@ -87,6 +147,22 @@ def test_what_is_missing_or_wrong_is_named(tmp_path: Path, layout: Layout, unit:
     path = _write(tmp_path / "a.txt", TEXTS["columns"])
     with pytest.raises(InputError, match=said):
         read_file(path, unit=unit, layout=layout)
+
+
+@pytest.mark.parametrize(
+    ("layout", "said"),
+    [
+        (Layout(0.01, 1, "1,2"), r"columns: wanted columns of numbers, got dates or times of day in 1"),
+        (
+            Layout(None, 1, "2", 1),
+            r"time_column: wanted times in seconds, got dates or times of day — say --dt instead",
+        ),
+        (Layout(0.01, 1), r"line 2: wanted numbers, got '2016-10-30T06:40:18.000'"),
+    ],
+)
+def test_dates_stand_only_in_columns_that_are_not_asked_for(tmp_path: Path, layout: Layout, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_file(_write(tmp_path / "a.txt", TEXTS["times of day"]), unit="gal", layout=layout)
 
 
 def test_nothing_is_proposed_for_a_damaged_table_or_prose(tmp_path: Path) -> None:
