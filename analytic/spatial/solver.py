@@ -34,7 +34,7 @@ TOLERANCE: Final = 1e-13
 TOUCH_M: Final = 1e-10
 """Vertices whose gaps differ by less land together: far above what a symmetric body's rounding makes of equal gaps, far below
 what any contact resolves."""
-STILL_M_S: Final = 1e-9
+STILL_M_S: Final = 1e-11
 """Slowest sliding; where the local error is larger, ten times that: a slower velocity has no direction but that of the error."""
 SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""

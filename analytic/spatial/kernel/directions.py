@@ -7,10 +7,10 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
-from analytic.spatial.kernel.contact import Rows, along_across, columns, response, solve_columns
+from analytic.spatial.kernel.contact import Rows, along_across, clear, columns, respond, response, solve_columns
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
-from analytic.spatial.kernel.vectors import Vector, cross, dot, length, plus, row3, times, to_table
+from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, times, to_table
 
 SECTORS: Final = 48
 """Directions in which a sign change is looked for; a second root within one sector is not seen."""
@@ -50,12 +50,20 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
 
 @jit
 def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float) -> bool:
-    """Find the direction of vertex i, the others' being given; True with the solution in memory."""
+    """Find the direction of vertex i, the others' being given; True with the solution in memory.
+
+    First one to which friction turns the vertex back: from there it turns no further, away from another one at once.
+    """
+    return _direction(s, m, rows, mode, a, b, i, zero, True) or _direction(s, m, rows, mode, a, b, i, zero, False)
+
+
+@jit
+def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float, stable: bool) -> bool:
     step = TWO_PI / SECTORS
     before = _across_at(s, m, rows, mode, a, b, i, 0.0)
     for k in range(1, SECTORS + 1):
         after = _across_at(s, m, rows, mode, a, b, i, k * step)
-        if before == 0.0 or before * after < 0.0:
+        if before == 0.0 or (before > 0.0 > after if stable else before * after < 0.0):
             low, high, below = (k - 1) * step, k * step, before
             if before == 0.0:
                 high = low
@@ -114,13 +122,19 @@ def two_directions(s: Run, m: Memory, rows: Rows, a: int, b: int, size: float, z
 
 
 @jit
-def _flat_missed(
-    s: Run, m: Memory, rows: Rows, d: Vector, reach: float, first: Vector, second: Vector
-) -> tuple[float, float, float]:
-    """Response to sliding of a flat base in the direction d, along two directions across d and along d itself.
+def _level_response(m: Memory, rows: Rows, reach: float) -> Vector:
+    """Response of a flat base in place of the point below the centroid (x, y) and yaw times reach: two vertices give it."""
+    i, j = m.touch[0], m.touch[1]
+    xi, xj = to_table(rows, response(m, i)), to_table(rows, response(m, j))
+    lx, ly = place(m, rows, j, 1) - place(m, rows, i, 1), place(m, rows, j, 2) - place(m, rows, i, 2)
+    yaw = (lx * (xj[1] - xi[1]) - ly * (xj[0] - xi[0])) / (lx * lx + ly * ly)
+    return xi[0] + yaw * place(m, rows, i, 2), xi[1] - yaw * place(m, rows, i, 1), yaw * reach
 
-    A direction is a unit vector of (place of the point below the centroid x, y; yaw times reach). The response to it does not
-    depend on how fast the base slides.
+
+@jit
+def _flat_response(s: Run, m: Memory, rows: Rows, d: Vector, reach: float) -> Vector:
+    """Response to sliding of a flat base in the direction d: a unit vector of (place of the point below the centroid x, y; yaw
+    times reach). It does not depend on how fast the base slides.
     """
     for k in range(s.touching):
         i = m.touch[k]
@@ -129,13 +143,7 @@ def _flat_missed(
         if speed > 0.0:
             m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
     solve_flat(s, m, rows, FLAT_SLIDE, -1)
-    # Two vertices give the level motion of all.
-    i, j = m.touch[0], m.touch[1]
-    xi, xj = to_table(rows, response(m, i)), to_table(rows, response(m, j))
-    lx, ly = place(m, rows, j, 1) - place(m, rows, i, 1), place(m, rows, j, 2) - place(m, rows, i, 2)
-    yaw = (lx * (xj[1] - xi[1]) - ly * (xj[0] - xi[0])) / (lx * lx + ly * ly)
-    r = (xi[0] + yaw * place(m, rows, i, 2), xi[1] - yaw * place(m, rows, i, 1), yaw * reach)
-    return dot(first, r), dot(second, r), dot(d, r)
+    return _level_response(m, rows, reach)
 
 
 @inlined
@@ -154,13 +162,16 @@ def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: f
         first = cross(d, (1.0, 0.0, 0.0) if abs(d[0]) < 0.6 else (0.0, 1.0, 0.0))
         first = times(1.0 / length(first), first)
         second = cross(d, first)
-        f, g, along = _flat_missed(s, m, rows, d, reach, first, second)
-        miss = abs(f) + abs(g)
+        r = _flat_response(s, m, rows, d, reach)
+        along, miss = dot(d, r), length(cross(d, r))
         if miss <= CONVERGED * size:
             return along >= -zero
-        fp, gp, _a = _flat_missed(s, m, rows, _towards(d, times(small, first)), reach, first, second)
-        fq, gq, _a = _flat_missed(s, m, rows, _towards(d, times(small, second)), reach, first, second)
-        a, b, c, e = (fp - f) / small, (fq - f) / small, (gp - g) / small, (gq - g) / small
+        # What is to vanish is r − (r · d) d: turning d by a small angle takes (r · d) of it away on its own.
+        p = minus(_flat_response(s, m, rows, _towards(d, times(small, first)), reach), r)
+        q = minus(_flat_response(s, m, rows, _towards(d, times(small, second)), reach), r)
+        f, g = dot(first, r), dot(second, r)
+        a, b = dot(first, p) / small - along, dot(first, q) / small
+        c, e = dot(second, p) / small, dot(second, q) / small - along
         det = a * e - b * c
         if det == 0.0:
             return False
@@ -168,16 +179,12 @@ def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: f
         share, smaller = 1.0 / max(1.0, 2.0 * length(step)), False
         for _half in range(HALVINGS):
             trial = _towards(d, times(share, step))
-            f1, g1, along1 = _flat_missed(s, m, rows, trial, reach, first, second)
-            # Across the new direction, to first order.
-            turned = (dot(trial, first), dot(trial, second))
-            now = abs(f1 - along1 * turned[0]) + abs(g1 - along1 * turned[1])
-            if now < miss:
+            if length(cross(trial, _flat_response(s, m, rows, trial, reach))) < miss:
                 d, smaller = trial, True
                 break
             share *= 0.5
         if not smaller:
-            _flat_missed(s, m, rows, d, reach, first, second)
+            _flat_response(s, m, rows, d, reach)
             return miss <= 100.0 * CONVERGED * size and along >= -zero
     return False
 
@@ -186,23 +193,24 @@ def _flat_newton(s: Run, m: Memory, rows: Rows, d: Vector, reach: float, size: f
 def flat_directions(s: Run, m: Memory, rows: Rows, size: float, zero: float) -> bool:
     """Find the directions of all vertices of a flat base that begins to slide; True with the solution in memory.
 
-    Newton's method starts from the motion without contact: alone, with yaw to either side, and from yaw alone.
+    Newton's method starts from the motion without contact, from its place alone, with yaw to either side, and from yaw alone.
     """
-    px, py, reach, n = 0.0, 0.0, 0.0, 1.0 * s.touching
+    reach, n = 0.0, 1.0 * s.touching
     for k in range(s.touching):
         i = m.touch[k]
-        x = to_table(rows, row3(m.u, i))
-        px, py = px + x[0] / n, py + x[1] / n
         reach += math.sqrt(place(m, rows, i, 1) ** 2 + place(m, rows, i, 2) ** 2) / n
-    side = math.sqrt(px * px + py * py)
-    if side > 0.0:
-        px, py = px / side, py / side
+    clear(s, m)
+    respond(s, m)
+    free = _level_response(m, rows, reach)
+    side = math.sqrt(free[0] * free[0] + free[1] * free[1])
+    if _flat_newton(s, m, rows, _towards(free, (0.0, 0.0, 0.0)), reach, size, zero):
+        return True
     for start in range(5):
-        level = 1.0 if start < 3 and side > 0.0 else 0.0
+        level = 1.0 / side if start < 3 and side > 0.0 else 0.0
         yaw = 0.0 if start == 0 else (1.0 if start % 2 == 1 else -1.0)
         if level == 0.0 and yaw == 0.0:
             continue
-        d = _towards((level * px, level * py, yaw), (0.0, 0.0, 0.0))
+        d = _towards((level * free[0], level * free[1], yaw), (0.0, 0.0, 0.0))
         if _flat_newton(s, m, rows, d, reach, size, zero):
             return True
     return False

@@ -1,38 +1,32 @@
-"""Forces on a flat base that slides, or turns about a vertex that sticks."""
+"""Forces on a flat base that slides, or turns about a vertex that sticks.
+
+With more than three vertices a rigid body does not determine how they share the normal force. Of all shares that keep the base
+flat, none negative, the one of the least sum of squares is taken: that of equal springs where all vertices slide alike. Where
+there is any, it is there alone and changes without a jump. N_i = max(0, a_i · λ): a_i is what a unit of N_i does to the base, and
+λ is found by Newton's method on Σ a_i N_i = b, the gradient of a convex function, quadratic between the sets of loaded vertices.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import FLAT_PIVOT
 from analytic.spatial.kernel.contact import Rows, clear, eliminate, respond, sliding_push
-from analytic.spatial.kernel.records import Memory, Run
-from analytic.spatial.kernel.vectors import Vector, cross, dot, plus, row3, times, vector
+from analytic.spatial.kernel.records import MAX_VERTICES, Memory, Run
+from analytic.spatial.kernel.vectors import Vector, apply, cross, dot, plus, row3, times, to_table
+
+SETS: Final = 40
+"""Sets of loaded vertices tried at most, and"""
+LEAST_SHARE: Final = 1e-3
+"""the least share of one of Newton's steps."""
 
 
 @inlined
 def place(m: Memory, rows: Rows, i: int, c: int) -> float:
-    """1, x, y of vertex i from below the centroid: the pressure of a stiff base on a bed of springs is linear in these."""
+    """1, x, y of vertex i from below the centroid: heights of a flat base are linear in these."""
     return 1.0 if c == 0 else dot(rows[c - 1], row3(m.at, i))
-
-
-@jit
-def flat_row(s: Run, m: Memory, rows: Rows, row: int, column: int, pivot: int) -> None:
-    """Write the five sums of the response to the forces in memory, as a column of the flat system: heights by `place`, and the
-    pivot's x and y."""
-    lift, turn = vector(m.response, 0), vector(m.response, 3)
-    for c in range(3):
-        total = 0.0
-        for k in range(s.touching):
-            i = m.touch[k]
-            x = plus(lift, cross(turn, row3(m.at, i)))
-            total += place(m, rows, i, c) * dot(rows[2], x)
-        m.matrix[row + c, column] = total
-    if pivot >= 0:
-        x = plus(lift, cross(turn, row3(m.at, pivot)))
-        m.matrix[row + 3, column] = dot(rows[0], x)
-        m.matrix[row + 4, column] = dot(rows[1], x)
 
 
 @inlined
@@ -49,38 +43,125 @@ def load_all(s: Run, m: Memory) -> None:
 
 
 @jit
-def _flat_once(s: Run, m: Memory, rows: Rows, pivot: int) -> bool:
-    """Solve for the pressure plane over the loaded vertices."""
-    n = 3 if pivot < 0 else 5
-    for c in range(n):
-        clear(s, m)
-        if c < 3:
+def _write_effect(s: Run, m: Memory, rows: Rows, i: int, push: Vector, pivot: int, row: int) -> None:
+    """Write what a force at vertex i along push does, times the mass: change of height below the centroid and its slopes, and the
+    pivot's x and y."""
+    turned = apply(m.inverse, cross(row3(m.at, i), push))
+    level = to_table(rows, times(s.mass_kg, turned))
+    m.effect[row, 0], m.effect[row, 1], m.effect[row, 2] = dot(rows[2], push), -level[1], level[0]
+    if pivot >= 0:
+        x = plus(push, times(s.mass_kg, cross(turned, row3(m.at, pivot))))
+        m.effect[row, 3], m.effect[row, 4] = dot(rows[0], x), dot(rows[1], x)
+
+
+@jit
+def _write_effects(s: Run, m: Memory, rows: Rows, pivot: int) -> None:
+    """Write the effects of all normal forces and of the pivot's x and y, and what they must undo."""
+    for k in range(s.touching):
+        i = m.touch[k]
+        _write_effect(s, m, rows, i, flat_push(m, rows, i, pivot), pivot, i)
+    if pivot >= 0:
+        _write_effect(s, m, rows, pivot, rows[0], pivot, MAX_VERTICES)
+        _write_effect(s, m, rows, pivot, rows[1], pivot, MAX_VERTICES + 1)
+    for r in range(3):
+        for c in range(4):
+            total = 0.0
             for k in range(s.touching):
                 i = m.touch[k]
-                if m.loaded[i] != 0:
-                    f = times(place(m, rows, i, c), flat_push(m, rows, i, pivot))
-                    m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
-        else:
-            m.force[pivot, 0], m.force[pivot, 1], m.force[pivot, 2] = rows[c - 3]
-        respond(s, m)
-        flat_row(s, m, rows, 0, c, pivot)
+                total += place(m, rows, i, r) * (place(m, rows, i, c) if c < 3 else -dot(rows[2], row3(m.u, i)))
+            m.matrix[r, c] = total
+    eliminate(m.matrix, 3)
     for c in range(3):
-        total = 0.0
-        for k in range(s.touching):
-            i = m.touch[k]
-            total += place(m, rows, i, c) * dot(rows[2], row3(m.u, i))
-        m.matrix[c, n] = -total
+        m.undone[c] = s.mass_kg * m.matrix[c, 3]
     if pivot >= 0:
-        m.matrix[3, n] = -dot(rows[0], row3(m.u, pivot))
-        m.matrix[4, n] = -dot(rows[1], row3(m.u, pivot))
-    return eliminate(m.matrix, n)
+        m.undone[3] = -s.mass_kg * dot(rows[0], row3(m.u, pivot))
+        m.undone[4] = -s.mass_kg * dot(rows[1], row3(m.u, pivot))
 
 
 @inlined
-def _plane(m: Memory, rows: Rows, i: int, n: int) -> float:
-    """Pressure at vertex i in the plane that the system's column n holds."""
-    plane: float = m.matrix[0, n] + m.matrix[1, n] * place(m, rows, i, 1) + m.matrix[2, n] * place(m, rows, i, 2)
-    return plane
+def _share(m: Memory, n: int, row: int) -> float:
+    """a · λ of a force."""
+    total = 0.0
+    for c in range(n):
+        total += m.effect[row, c] * m.multiplier[c]
+    return total
+
+
+@inlined
+def _add(m: Memory, n: int, row: int) -> None:
+    """Add a force to the system."""
+    for r in range(n):
+        for c in range(n):
+            m.matrix[r, c] += m.effect[row, r] * m.effect[row, c]
+
+
+@jit
+def _write_system(s: Run, m: Memory, n: int) -> float:
+    """Write the equations for λ over the loaded vertices; by how much the λ in memory misses them."""
+    missed = 0.0
+    m.matrix[:n, : n + 1] = 0.0
+    for k in range(s.touching):
+        if m.loaded[m.touch[k]] != 0:
+            _add(m, n, m.touch[k])
+    for t in range(n - 3):
+        _add(m, n, MAX_VERTICES + t)
+    for r in range(n):
+        m.matrix[r, n] = m.undone[r]
+        row = -m.undone[r]
+        for c in range(n):
+            row += m.matrix[r, c] * m.multiplier[c]
+        missed += abs(row)
+    return missed
+
+
+@inlined
+def _pressed(s: Run, m: Memory, n: int, pivot: int) -> int:
+    """How many vertices the λ in memory presses down; none where the pivot is not among them."""
+    count = 0
+    for k in range(s.touching):
+        count += 1 if _share(m, n, m.touch[k]) >= 0.0 else 0
+    return count if pivot < 0 or _share(m, n, pivot) >= 0.0 else 0
+
+
+@inlined
+def _load(s: Run, m: Memory, n: int) -> bool:
+    """Load the vertices that the λ in memory presses down; whether they were others."""
+    changed = False
+    for k in range(s.touching):
+        i = m.touch[k]
+        now = 1 if _share(m, n, i) >= 0.0 else 0
+        changed, m.loaded[i] = changed or m.loaded[i] != now, now
+    return changed
+
+
+@jit
+def _press(s: Run, m: Memory, n: int, pivot: int) -> bool:
+    """Find λ; it stands in memory. False where there is none: then it is that of the last three vertices or more, and goes on
+    smoothly beyond the mode's end."""
+    load_all(s, m)
+    m.multiplier[:] = 0.0
+    missed = _write_system(s, m, n)
+    for _ in range(SETS):
+        m.before[:] = m.multiplier
+        if not eliminate(m.matrix, n):
+            return False
+        m.multiplier[:n] = m.matrix[:n, n]
+        # Fewer than three loaded vertices keep nothing flat, and a pivot without pressure has no friction: other modes.
+        if _pressed(s, m, n, pivot) < 3:
+            return False
+        if not _load(s, m, n):
+            return True
+        now = _write_system(s, m, n)
+        share = 1.0
+        while now >= missed and share > LEAST_SHARE:
+            share *= 0.5
+            # Item by item: an expression of arrays would ask for memory, which loaded machine code has none of.
+            for c in range(n):
+                m.multiplier[c] = 0.5 * (m.multiplier[c] + m.before[c])
+            _load(s, m, n)
+            now = _write_system(s, m, n)
+        missed = now
+    return False
 
 
 @jit
@@ -102,45 +183,19 @@ def flat_margin(s: Run, m: Memory, ok: bool) -> float:
 
 @jit
 def solve_flat(s: Run, m: Memory, rows: Rows, mode: int, a: int) -> bool:
-    """Forces on a flat base that slides, about vertex a if that sticks; False where no pressure on its vertices keeps it flat.
-
-    With more than three vertices the split of the normal force is not determined: it is that of equal springs under the vertices,
-    a pressure linear in place and never negative. Beyond the mode's end the last plane goes on smoothly.
-    """
+    """Forces on a flat base that slides, about vertex a if that sticks; False where none on its vertices keep it flat."""
     pivot = a if mode == FLAT_PIVOT else -1
     n = 3 if pivot < 0 else 5
-    ok, smooth = False, False
-    load_all(s, m)
-    for _ in range(4 + 2 * s.touching):
-        if not _flat_once(s, m, rows, pivot):
-            break
-        changed, count = False, 0
-        for k in range(s.touching):
-            i = m.touch[k]
-            m.pressed[i] = 1 if _plane(m, rows, i, n) >= 0.0 else 0
-            changed, count = changed or m.loaded[i] != m.pressed[i], count + m.pressed[i]
-        last = count < 3 or (pivot >= 0 and m.pressed[pivot] == 0)
-        if last or not changed:
-            # Fewer than three loaded vertices bear no pressure plane, and a pivot without pressure no friction: other modes.
-            ok, smooth = not last, True
-            break
-        for k in range(s.touching):
-            m.loaded[m.touch[k]] = m.pressed[m.touch[k]]
-    if not smooth:
-        load_all(s, m)
-        if not _flat_once(s, m, rows, pivot):
-            return False
-    for k in range(s.touching):
-        i = m.touch[k]
-        m.pressure[i] = _plane(m, rows, i, n) if m.loaded[i] != 0 else 0.0
-    t0, t1 = (m.matrix[3, n], m.matrix[4, n]) if pivot >= 0 else (0.0, 0.0)
+    _write_effects(s, m, rows, pivot)
+    ok = _press(s, m, n, pivot)
     clear(s, m)
     for k in range(s.touching):
         i = m.touch[k]
-        if m.loaded[i] != 0:
-            f = times(m.pressure[i], flat_push(m, rows, i, pivot))
-            if i == pivot:
-                f = plus(f, plus(times(t0, rows[0]), times(t1, rows[1])))
-            m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
+        m.pressure[i] = _share(m, n, i) if m.loaded[i] != 0 else 0.0
+        f = times(m.pressure[i], flat_push(m, rows, i, pivot))
+        if i == pivot:
+            x, y = _share(m, n, MAX_VERTICES), _share(m, n, MAX_VERTICES + 1)
+            f = plus(f, plus(times(x, rows[0]), times(y, rows[1])))
+        m.force[i, 0], m.force[i, 1], m.force[i, 2] = f
     respond(s, m)
     return ok

@@ -8,7 +8,6 @@ from analytic.kernel.compiler import jit
 from analytic.kernel.records import Floats
 from analytic.spatial.kernel.codes import (
     EDGE_PIVOT,
-    EDGE_SLIDE,
     EDGE_STICK,
     FLAT_PIVOT,
     FLAT_REST,
@@ -16,7 +15,7 @@ from analytic.spatial.kernel.codes import (
     VERTEX_SLIDE,
     VERTEX_STICK,
 )
-from analytic.spatial.kernel.contact import vertex_velocities
+from analytic.spatial.kernel.contact import along_across, set_column, solve_columns, vertex_velocities
 from analytic.spatial.kernel.rates import touches_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import (
@@ -74,28 +73,48 @@ def hold_place(s: Run, m: Memory, y: Floats) -> None:
 
 
 @jit
+def _stop(s: Run, m: Memory, y: Floats, turning: bool) -> None:
+    """Take away the velocities that the mode does not have by impulses where it holds them; that of turning too where asked."""
+    rows, n = axes(y), 0
+    vertex_velocities(s, m, y)
+    a, b = s.a if not touches_flat(s.mode) or s.mode == FLAT_PIVOT else m.touch[0], s.b
+    for c in range(0 if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT) else 2, 3):
+        set_column(m, n, a, rows[c], rows[c])
+        n += 1
+    if touches_flat(s.mode):
+        third = s.touching // 3
+        start = 0
+        for k in range(s.touching):
+            if m.touch[k] == a:
+                start = k
+        b = m.touch[(start + third) % s.touching]
+        for k in (start + third, start + 2 * third):
+            set_column(m, n, m.touch[k % s.touching], rows[2], rows[2])
+            n += 1
+    elif s.mode not in (VERTEX_STICK, VERTEX_SLIDE):
+        set_column(m, n, b, rows[2], rows[2])
+        n += 1
+    if turning:
+        across = along_across(m, rows, a, b)[1]
+        set_column(m, n, b, across, across)
+        n += 1
+    if solve_columns(s, m, n):
+        put(y, 7, plus(vector(y, 7), to_table(rows, vector(m.response, 0))))
+        put(y, 10, plus(vector(y, 10), vector(m.response, 3)))
+
+
+@jit
 def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
-    """Take away the velocities that the mode does not have."""
-    rows, spin = axes(y), vector(y, 10)
+    """Take away the velocities that the mode does not have: what that costs in energy is of second order in what is taken."""
     if s.mode == FLIGHT:
         return
     if s.mode == FLAT_REST:
         y[7:13] = 0.0
         return
-    if touches_flat(s.mode):
-        spin = times(dot(rows[2], spin), rows[2])
-    elif s.mode == EDGE_STICK:
-        edge = minus(row3(m.at, s.b), row3(m.at, s.a))
-        spin = times(dot(edge, spin) / dot(edge, edge), edge)
-    elif s.mode in (EDGE_PIVOT, EDGE_SLIDE):
-        lift = cross(minus(row3(m.at, s.b), row3(m.at, s.a)), rows[2])
-        spin = minus(spin, times(dot(lift, spin) / dot(lift, lift), lift))
-    put(y, 10, spin)
-    if s.mode in (VERTEX_STICK, EDGE_STICK, EDGE_PIVOT, FLAT_PIVOT):
-        put(y, 7, to_table(rows, times(-1.0, cross(spin, row3(m.at, s.a)))))
-    else:
-        i = m.touch[0] if touches_flat(s.mode) else s.a
-        y[9] = -dot(rows[2], cross(spin, row3(m.at, i)))
+    _stop(s, m, y, s.mode == EDGE_STICK)
+    if s.mode in (EDGE_PIVOT, FLAT_PIVOT) and s.sign * dot(axes(y)[2], vector(y, 10)) < 0.0:
+        # What was taken has turned it round, or it did turn the other way: what turns from rest must not.
+        _stop(s, m, y, True)
 
 
 @jit

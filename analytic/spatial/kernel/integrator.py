@@ -28,6 +28,7 @@ from analytic.spatial.kernel.rates import kinetic_energy, rates
 from analytic.spatial.kernel.records import MEMORY, MOST, RUN, STATE, Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.resting import hold, needed
+from analytic.spatial.kernel.slow import bend, extrapolations, is_slow, slow_step, turning_time_s
 from analytic.spatial.kernel.steps import SAME_INSTANT_S, error, part, stages
 from analytic.spatial.kernel.tableau import STAGES
 from analytic.spatial.kernel.track import audit, note_event, note_peak, sample
@@ -122,27 +123,36 @@ def step(s: Run, m: Memory) -> None:
         s.outcome = GAVE_UP
         return
     if s.fresh:
+        s.slow = False
         take_heading(s, m, m.y)
         arm(s, m, watch(s, m, m.y, s.time_s), True)
-        rates(s, m, m.y, s.time_s, m.k[0])
         s.step_s = min(s.step_s, FIRST_STEP_S)
         s.fresh = False
+    turning_s = turning_time_s(s, m)
+    s.slow = is_slow(s, turning_s)
+    rates(s, m, m.y, s.time_s, m.k[0])
+    if s.slow:
+        bend(s, m, turning_s)
     left = s.limit_s - s.time_s
     h = min(s.step_s, s.step_cap_s, left)
     if left - h < 0.1 * h:
         h = left
+    exponent = 1.0 / extrapolations(s) if s.slow else EXPONENT
     while True:
-        stages(s, m, m.k, h, m.y1)
-        size = error(s, m, h)
+        if s.slow:
+            size = slow_step(s, m, h, m.y1)
+        else:
+            stages(s, m, m.k, h, m.y1)
+            size = error(s, m, h)
         if size <= 1.0:
             break
         s.rejected += 1
         if h <= SHORTEST:
             s.outcome = GAVE_UP
             return
-        h *= max(SHRINK, SAFETY * size**-EXPONENT) if size < math.inf else SHRINK
+        h *= max(SHRINK, SAFETY * size**-exponent) if size < math.inf else SHRINK
     s.steps += 1
-    s.step_s = h * (min(GROW, SAFETY * size**-EXPONENT) if size > 0.0 else GROW)
+    s.step_s = h * (min(GROW, SAFETY * size**-exponent) if size > 0.0 else GROW)
     rates(s, m, m.y1, s.time_s + h, m.k[STAGES])
     cut = first_event(s, m, h)
     write_samples(s, m, cut)
@@ -159,7 +169,6 @@ def step(s: Run, m: Memory) -> None:
     hold_place(s, m, m.y)
     hold_velocity(s, m, m.y)
     take_heading(s, m, m.y)
-    rates(s, m, m.y, s.time_s, m.k[0])
 
 
 @jit
@@ -210,8 +219,6 @@ def run_one(s: Run, m: Memory) -> None:
                 decide(s, m)
                 if mode != s.mode:
                     note_event(s, m, BREAK, -1, 0.0, 0.0)
-            elif s.mode != FLAT_REST:
-                rates(s, m, m.y, s.time_s, m.k[0])
     audit(s, m, s.start_j)
     if s.outcome == RUNNING:
         up = axes(m.y)[2][2]

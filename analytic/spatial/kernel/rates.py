@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.records import Floats
@@ -39,6 +40,9 @@ from analytic.spatial.kernel.vectors import (
     vector,
 )
 
+SHIFT: Final = 4.0
+"""Of the slowest sliding: friction turns round beyond where a vertex that stops is seen to have stopped (`watching.arm`)."""
+
 
 @inlined
 def touches_flat(mode: int) -> bool:
@@ -48,14 +52,22 @@ def touches_flat(mode: int) -> bool:
 
 @jit
 def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
-    """Directions of sliding at a state; a vertex slower than `still_m_s` keeps the one that it began with."""
-    spin, v = vector(y, 10), to_body(rows, vector(y, 7))
+    """Directions of sliding at a state; a vertex slower than `still_m_s` keeps the one that it began with.
+
+    In a slow step all vertices have SHIFT of that speed more, each in its direction at the start: then the directions are smooth.
+    """
+    spin, v, shift = vector(y, 10), to_body(rows, vector(y, 7)), SHIFT * s.still_m_s
+    first = to_table(rows, row3(m.at, m.touch[0]))
     for k in range(s.touching):
         i = m.touch[k]
         x = plus(v, cross(spin, row3(m.at, i)))
         dx, dy = dot(rows[0], x), dot(rows[1], x)
+        if s.slow:
+            arm = minus(to_table(rows, row3(m.at, i)), first)
+            dx += shift * m.heading[i, 0] + m.bent[0] - m.bent[2] * arm[1]
+            dy += shift * m.heading[i, 1] + m.bent[1] + m.bent[2] * arm[0]
         speed = math.sqrt(dx * dx + dy * dy)
-        if speed > s.still_m_s:
+        if speed > (s.still_m_s if not s.slow else 0.0):
             m.slide[i, 0], m.slide[i, 1] = dx / speed, dy / speed
         else:
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]

@@ -68,6 +68,8 @@ class Run:
     """Of the yaw rate about a vertex that sticks while others slide."""
     fresh: bool
     """The mode was chosen at this very instant."""
+    slow: bool
+    """The present step is one of slow sliding."""
     outcome: int
     touching: int
     samples: int
@@ -129,6 +131,14 @@ class Memory:
     """Stages of a step, and the rates at its end."""
     k1: Stages
     """Stages of a part of a step."""
+    bent: Annotated[Floats, (3,)]
+    """Level motion added to what touches where its directions of sliding are read: velocities of its first vertex, yaw."""
+    gain: Annotated[Floats, (3, STATE)]
+    """What the rates change with each of these, and"""
+    returned: Matrix
+    """the level motion of that change."""
+    table: Annotated[Floats, (8, STATE)]
+    """Extrapolated changes of the state over a slow step."""
     u: Triples
     """Each vertex' response without contact, body's frame."""
     response: Annotated[Floats, (6,)]
@@ -152,11 +162,17 @@ class Memory:
     down: Marks
     """Whether each vertex touches."""
     loaded: Marks
-    """Whether each vertex of a flat base bears pressure,"""
-    pressed: Marks
-    """would bear some by the plane of pressure, and"""
+    """Whether each vertex of a flat base bears pressure, and"""
     pressure: Scalars
     """how much, N."""
+    effect: Annotated[Floats, (MAX_VERTICES + 2, 5)]
+    """What a unit of each vertex' normal force does to a flat base, and of a pivot's two horizontal ones;"""
+    undone: Annotated[Floats, (5,)]
+    """what they must undo;"""
+    multiplier: Annotated[Floats, (5,)]
+    """λ of the forces, and"""
+    before: Annotated[Floats, (5,)]
+    """the one before."""
     anchor: Pairs
     """Where each vertex sticks, table's frame."""
     column: Annotated[Ints, (8,)]
