@@ -57,16 +57,10 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     said.append(say("chance.unknown"))
     return {
         "headline": _headline(ends, say),
-        "tone": _tone([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
+        "tone": tone_of_outcomes(family(outcome) for outcomes in ends.values() for outcome in outcomes),
         "points": said,
         "pictures": _pictures(record, models, cases, say),
     }
-
-
-def _tone(families: Sequence[str]) -> str:
-    """The colour of a study's outcomes: without a probability of a fall never green, however many situations it stands."""
-    tone = tone_of_outcomes(families)
-    return "differ" if tone == "agree" else tone
 
 
 def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:
