@@ -33,7 +33,7 @@ def beyond(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
     """Whether the finest level would miss the target even if the last difference fell at the highest order."""
     if not spreads:
         return False
-    share = (finest_dt_s / spreads[-1].fine_dt_s) ** MOST_ORDER
+    share: float = (finest_dt_s / spreads[-1].fine_dt_s) ** MOST_ORDER
     return spreads[-1].stated_to_the_end.share_of(target) * min(share, 1.0) > 1.0
 
 
