@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
@@ -11,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar, cast
 
+from harness.campaign.cache_key import key_of
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import Crash, InlinePool, LocalPool
 from harness.campaign.store import STORE_NAME, Store
@@ -156,8 +156,7 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
 
 
 def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
-    text = json.dumps(record.to_plain([part.name, task, stamp]), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return key_of(*record.to_plain([part.name, task, stamp]))
 
 
 def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
