@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field
 
 from harness.input.mistakes import Contradiction, Table
 from harness.model.assumed import ASSUMPTIONS, assumption
+from harness.model.errors import nearest
 from harness.model.scene import Uncertain
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform 
         raise Contradiction(
             place,
             'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
-            "no such number",
+            "; ".join(filter(None, ("no such number", nearest(key, [item.keys for item in ASSUMPTIONS])))),
         )
     if spread.kind == "assumed":
         if (given := assumption(key)) is None:

@@ -24,7 +24,7 @@ from reports.charts.study_figures import (
 )
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
-from reports.text.chance import tone_of_outcomes
+from reports.text.chance import tone_of_study
 from reports.text.numbers import heading, label, listed, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
@@ -129,7 +129,7 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     if not pairs:
         answers = [item.answers.get(model) for model in models for item in cases]
         ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
-        return Verdict(_falls(models, cases), tone_of_outcomes(ends), points)
+        return Verdict(_falls(models, cases), tone_of_study(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, "differ", points)
 

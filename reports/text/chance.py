@@ -18,8 +18,15 @@ SEVERITY: Final[tuple[str, ...]] = ("agree", "differ", "failed")
 
 
 def tone_of_outcomes(families: Iterable[str]) -> Tone:
-    """The colour of outcomes by their families (`study_rows.family`): never green, for they hold no probability of a fall."""
-    return "differ" if set(families) & {"stands", "wall"} else "failed"
+    """The colour of outcomes by their families (`study_rows.family`): `agree` only where every answer is that it stands."""
+    ends = set(families)
+    return "agree" if ends == {"stands"} else "differ" if ends & {"stands", "wall"} else "failed"
+
+
+def tone_of_study(families: Iterable[str]) -> Tone:
+    """The colour of a study's outcomes: without a probability of a fall never green, however many situations are stood."""
+    tone = tone_of_outcomes(families)
+    return "differ" if tone == "agree" else tone
 
 
 def tone_of_probability(item: Assessment) -> Tone:
