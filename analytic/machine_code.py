@@ -5,6 +5,7 @@ To import the compiler costs a second of processor time, to load its own cache h
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import hashlib
 import importlib.util
@@ -13,7 +14,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final, final
 
@@ -22,6 +23,11 @@ import llvmlite.binding as llvm
 
 from analytic._cache import home_of
 from analytic.compiling import say
+
+try:
+    import fcntl
+except ImportError:  # another system than the ones it is for
+    fcntl = None  # type: ignore[assignment]
 
 LISTED: Final = b"\n"
 """Ends each line of the list before the object code: its digest, symbol, number of arguments, and the symbols that it needs."""
@@ -78,8 +84,11 @@ class Entry:
             if self._call is None:
                 folder = home_of(self._room)
                 path = None if folder is None else folder / f"{self.name}-{_setup()}.o"
-                content = None if path is None else _read(path)
-                self._call = (content and _linked(content)) or self._compiled(path)
+                self._call = _kept(path)
+                if self._call is None:
+                    with _alone(path):
+                        # Another process may have compiled it in the meantime.
+                        self._call = _kept(path) or self._compiled(path)
             return self._call
 
     @property
@@ -117,6 +126,22 @@ def _listed(symbol: str, arguments: int, text: str) -> bytes:
     lines = symbol, str(arguments), ",".join(needs)
     listed = LISTED.join(line.encode() for line in lines) + LISTED + code
     return hashlib.sha256(listed).hexdigest().encode() + LISTED + listed
+
+
+def _kept(path: Path | None) -> Callable[..., None] | None:
+    """The function that was kept, None where there is none, or this process cannot run it."""
+    content = None if path is None else _read(path)
+    return None if content is None else _linked(content)
+
+
+@contextlib.contextmanager
+def _alone(path: Path | None) -> Iterator[None]:
+    """Compile while no other process compiles the same; where files cannot be locked, at once."""
+    with contextlib.ExitStack() as stack:
+        if path is not None and fcntl is not None:
+            with contextlib.suppress(OSError):
+                fcntl.flock(stack.enter_context(path.with_suffix(".lock").open("w")), fcntl.LOCK_EX)
+        yield
 
 
 def _read(path: Path) -> bytes | None:

@@ -4,6 +4,7 @@ nothing."""
 from __future__ import annotations
 
 import logging
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -181,9 +182,9 @@ def load_solid(
     does not
     stand raises MeshError with what to do.
     """
-    mesh = to_metres_z_up(read_mesh(path), unit, up)
-    must_be_closed(mesh)
-    must_be_one(mesh)
+    _must_be_there(Path(path))
+    state = Path(path).stat()
+    mesh = _closed(Path(path), unit, up, (state.st_mtime_ns, state.st_size))
     if azimuth_deg != 0.0:
         mesh = RawMesh(mesh.vertices @ turn_about_z(azimuth_deg).T, mesh.faces, mesh.source)
     try:
@@ -196,6 +197,19 @@ def load_solid(
         )
     except MeshError as error:
         raise error.at(mesh.source) from error
+
+
+@lru_cache(maxsize=2)
+def _closed(path: Path, unit: str | float, up: str, _state: tuple[int, int]) -> RawMesh:
+    """The one closed surface of a file as it is now, in metres and upright: hundreds of draws read it, each with another mass or
+    base.
+    """
+    mesh = to_metres_z_up(read_mesh(path), unit, up)
+    must_be_closed(mesh)
+    must_be_one(mesh)
+    for array in (mesh.vertices, mesh.faces):
+        array.setflags(write=False)
+    return mesh
 
 
 def must_be_closed(mesh: RawMesh) -> None:

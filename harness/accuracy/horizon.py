@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
-from analytic.excitation import Excitation, ZeroExcitation
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.history import History, Outcome
 from harness.model.history_pair import first_beyond_s, pair
@@ -72,16 +70,7 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
 
 def shaken(scene: Scene, factor: float) -> Scene:
     """The scene with all its motion multiplied by a factor."""
-
-    def scaled(item: Excitation) -> Excitation:
-        return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
-
-    base_excitation = scene.base_excitation
-    return scene.but(
-        base_excitation=replace(
-            base_excitation, x=scaled(base_excitation.x), y=scaled(base_excitation.y), z=scaled(base_excitation.z)
-        )
-    )
+    return scene.but(base_excitation=scene.base_excitation.scaled(factor))
 
 
 def horizon(

@@ -29,6 +29,14 @@ def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Er
     return possible < end_s - reached_s
 
 
+def beyond(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
+    """Whether the finest level would miss the target even if the last difference fell at the highest order."""
+    if not spreads:
+        return False
+    share: float = (finest_dt_s / spreads[-1].fine_dt_s) ** MOST_ORDER
+    return spreads[-1].stated_to_the_end.share_of(target) * min(share, 1.0) > 1.0
+
+
 def _falls(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
     """Whether the largest difference of two runs falls with the step, so fast that the finest level should do."""
     known = [item for item in spreads if 0.0 < item.apart.share_of(target) < math.inf]

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from harness.accuracy.outlook import MOST_ORDER, hopeless, last_s
+from harness.accuracy.outlook import MOST_ORDER, beyond, hopeless, last_s
 from harness.accuracy.sensitivity import PARTED, response
 from harness.accuracy.spread import CLEAR, NONE, Error, Spread, factor, plain_from_s, plain_share, spread, target_of
 from harness.engines.base import FINER, Engine, Settings
@@ -24,6 +24,8 @@ from harness.model.scene import Scene
 
 START_SHARE: Final = 1.5
 """The first level may be expected to miss the target by this much: the run that is kept is twice as fine."""
+COARSER: Final = 12.0
+"""A target that no level is expected to meet is tried first with over so many times the finest step: at a tenth of its cost."""
 CLIMB_SHARE: Final = 0.75
 """A level is worth a run when its step is shorter than all that were tried by at least this."""
 LEAP: Final = 4.0
@@ -78,6 +80,8 @@ class _Climb:
         """
         refinement_levels = self.refinement_levels
         index = first_level(refinement_levels, self.target.rotation_rad, START_SHARE)[1]
+        if not self.promised:
+            index = max(sum(item.dt_s > COARSER * refinement_levels[-1].dt_s for item in refinement_levels) - 1, 0)
         while index < len(refinement_levels):
             yield refinement_levels[index]
             finest = refinement_levels[index].dt_s
@@ -115,10 +119,18 @@ class _Climb:
         elif _fallen(runs, self.spreads, needed):
             until_s = run.no_return_time_s or 0.0
         else:
-            return hopeless(self.spreads, last_s(run), self.refinement_levels[-1].dt_s, self.target)
+            finest_s = self.refinement_levels[-1].dt_s
+            return hopeless(self.spreads, last_s(run), finest_s, self.target) or (
+                not self.promised and beyond(self.spreads, finest_s, self.target)
+            )
         # Whether a slightly stronger motion moves less than the target until then, or finer steps would change little.
         answer = self._response(until_s)
         return answer is None or answer.whole or answer.until_s >= until_s or self.answers >= RESPONSES
+
+    @property
+    def promised(self) -> bool:
+        """Whether a level is expected to meet the target."""
+        return self.refinement_levels[-1].expected_error_rad <= START_SHARE * self.target.rotation_rad
 
     @property
     def agreements(self) -> int:

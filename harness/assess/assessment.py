@@ -9,6 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from harness import engines
 from harness.assess.by_model import MODEL, probability_of
 from harness.assess.clearance import of_engine, of_model
@@ -19,7 +22,7 @@ from harness.assess.inputs import Array, draw, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, model_draws, sweepable
 from harness.assess.options import Option, options_of
 from harness.assess.plan import rest_outline_m
-from harness.assess.sensitivity import fragility, indices
+from harness.assess.sensitivity import FRAGILITY_DRAWS, first_indices, fragility, indices
 from harness.assess.space_studies import compare_in_space, fragility_in_space
 from harness.assess.stratified import Estimate, estimate
 from harness.campaign.campaign import Campaign
@@ -116,15 +119,22 @@ def assess(
         runs=counts,
         clearance=ClearanceRecord(scene.statue.height_m, rest_outline_m(scene.statue).tolist(), room),
     )
-    return Assessed(_by_model(record, scene, values, seed, more_options, on_progress), values, model, others.fell)
+    fell = others.in_space if SPACE in answers and shaken_across(scene) else None
+    record = _by_model(record, scene, values, seed, more_options, on_progress, in_space=fell is not None)
+    if record.indices is None:
+        record = replace(record, indices=first_indices(inputs, values, model.overturned if fell is None else fell))
+    return Assessed(record, values, model, others.fell)
 
 
 class _Others(NamedTuple):
-    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run."""
+    """What models beside the analytic one answer, by name: probabilities, rooms, and whether the statue fell in each run; and
+    which of its draws overturn by the exact body.
+    """
 
     answers: dict[str, Assessment | NotAssessed]
     room: dict[str, ClearanceByModel]
     fell: dict[str, Mapping[int, bool | None]]
+    in_space: NDArray[np.bool_]
 
 
 def _others(
@@ -136,7 +146,7 @@ def _others(
     on_progress: Callable[[str], None],
 ) -> _Others:
     """The engines of these names, and the exact body where the scene is its own to answer."""
-    others, across, draws = _Others({}, {}, {}), shaken_across(scene), model.overturned.size
+    others, across, draws = _Others({}, {}, {}, np.empty(0, dtype=bool)), shaken_across(scene), model.overturned.size
     for name in names:
         engine = engines.load(name)
         if (reason := engine.missing()) is not None:
@@ -150,6 +160,7 @@ def _others(
         on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
         others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
+        others = others._replace(in_space=space.overturned)
     return others
 
 
@@ -182,10 +193,11 @@ def _by_model(
     seed: int,
     more_options: Sequence[Option] | None,
     on_progress: Callable[[str], None],
+    *,
+    in_space: bool,
 ) -> AssessRecord:
     """The record with all that one model alone answers: the exact body where the scene is its own, else the analytic model."""
     draws, inputs = len(next(iter(values.values()))), record.uncertainty
-    in_space = SPACE in record.answers and shaken_across(scene)
     if more_options is not None:
         own_options, left_out = options_of(scene)
         size, every = min(draws, OPTION_DRAWS), [*own_options, *more_options]
@@ -195,10 +207,9 @@ def _by_model(
     if in_space:
         on_progress(f"{SPACE}: fragility")
         return replace(record, fragility=fragility_in_space(scene, inputs, seed))
-    if not sweepable(scene, values):
-        return record
     on_progress(f"{MODEL}: fragility and indices")
-    return replace(record, fragility=fragility(scene, inputs, seed), indices=indices(scene, inputs, seed))
+    record = replace(record, fragility=fragility(scene, inputs, seed, min(draws, FRAGILITY_DRAWS)))
+    return replace(record, indices=indices(scene, inputs, seed)) if sweepable(scene, values) else record
 
 
 def _of_engine(answer: Estimate, draws: int, *, plane_only: bool) -> Assessment:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +13,7 @@ from harness import engines
 from harness.assess.inputs import Array, row
 from harness.assess.plan import reach_m
 from harness.assess.variation import varied
-from harness.campaign.cache_key import scene_key
+from harness.campaign.cache_key import key_of, scene_key
 from harness.campaign.campaign import Campaign
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
@@ -81,8 +79,7 @@ def draw_key(engine: Engine, scene: Scene) -> str:
     """What names the outcome of a drawn scene: its physics as the engine sees it, the error asked, the versions."""
     every = versions()
     mine = [every.get(name) for name in ("rockcheck", "numpy", engine.name)]
-    text = json.dumps([OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine])
-    return hashlib.sha256(text.encode()).hexdigest()
+    return key_of(OUTCOME, scene_key(scene, engine.capabilities), engine.name, ENGINE_ERROR_RAD.hex(), mine)
 
 
 def overturns(drawn: DrawnRun) -> Answer:

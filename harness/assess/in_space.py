@@ -47,9 +47,10 @@ def shaken_across(scene: Scene) -> bool:
 
 
 class SpaceDraws(NamedTuple):
-    """The probability of overturning by the exact body, and the numbers of the draws in which it stands."""
+    """The probability of overturning by the exact body, which of its draws (n,) overturn, and the numbers of those that stand."""
 
     answer: Assessment
+    overturned: NDArray[np.bool_]
     standing: Sequence[int]
 
 
@@ -64,7 +65,7 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     standing = np.flatnonzero(ends == "stands")
     undecided = float((ends != "overturned").mean()) - standing.size / ends.size
     answer = Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, max(undecided, 0.0))
-    return SpaceDraws(answer, standing.tolist())
+    return SpaceDraws(answer, np.asarray(ends == "overturned"), standing.tolist())
 
 
 def _as_it_is(scene: Scene) -> Scene:

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
-from analytic.excitation import Excitation, Harmonic, ZeroExcitation
+from analytic.excitation import Harmonic
 from harness.model.errors import InputError, Mistake
-from harness.model.scene import BaseExcitation, Scene
+from harness.model.scene import Scene
 
 AXES: Final = ("x", "y", "z")
 TIME_SCALE: Final = "motion.time_scale"
@@ -54,12 +54,12 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         return scene.but(contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation
     if key == "motion.scale":
-        return scene.but(base_excitation=_shaken(base_excitation, value / file_scale(scene)))
+        return scene.but(base_excitation=base_excitation.scaled(value / file_scale(scene)))
     if key == TIME_SCALE:
         start = scene.initial
         return scene.but(
             gravity_m_s2=scene.gravity_m_s2 * value**2,
-            base_excitation=_shaken(base_excitation, value**2),
+            base_excitation=base_excitation.scaled(value**2),
             initial=replace(start, theta_rate_rad_s=start.theta_rate_rad_s * value),
         )
     axis = key.split(".")[1]
@@ -68,19 +68,10 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
     )
 
 
-def _shaken(base_excitation: BaseExcitation, factor: float) -> BaseExcitation:
-    """The same motion of the floor with every component multiplied."""
-    return replace(base_excitation, **{axis: _scaled(getattr(base_excitation, axis), factor) for axis in AXES})
-
-
 def file_scale(scene: Scene) -> float:
     """The factor that the scene's file puts on all axes, which its excitations hold already."""
     motion: Any = scene.given.get("motion", {})
     return float(motion.get("scale", 1.0)) if isinstance(motion, Mapping) else 1.0
-
-
-def _scaled(item: Excitation, factor: float) -> Excitation:
-    return item if isinstance(item, ZeroExcitation) else item.scaled(factor)
 
 
 def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:

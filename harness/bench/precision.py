@@ -39,6 +39,9 @@ BUDGET_S: Final = 0.1
 """Processor time of one level after which no further turn is begun: what is compared are ratios of whole numbers and more."""
 
 
+PLAIN: Final = ":plain"
+"""How the names of engines end that locate no events: they are not asked what a target takes, as they refine until they give up.
+"""
 NOTHING: Final = Cost(0.0, 0.0, 0)
 """Of what was not run."""
 
@@ -99,9 +102,8 @@ def _levels(base: PrecisionRow, scene: Scene, engine: Engine, exact: Run | None,
     tried = _tried(engine, scene, quick)
     good = [(settings, run, once) for settings, run, once in tried if isinstance(run, Run)]
     judge = exact or (good[-1][1] if good else None)
-    asked, once = (
-        (None, NOTHING) if judge is None or engine.capabilities.certifies else timed(partial(_asked, engine, scene))
-    )
+    refines = judge is not None and not engine.capabilities.certifies and not engine.name.endswith(PLAIN)
+    asked, once = timed(partial(_asked, engine, scene)) if refines else (None, NOTHING)
     works: list[Callable[[], object]] = [
         partial(engine.simulate, scene, settings, RunOptions()) for settings, _, _ in good
     ]

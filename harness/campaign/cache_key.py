@@ -6,6 +6,7 @@ It is made of names that stand here and of exact numbers, so that renaming a cla
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
@@ -65,6 +66,11 @@ def scene_key(scene: Scene, capabilities: Capabilities) -> str:
     if solid is not None and capabilities.uses_mesh:
         state.update(solid.digest.encode())
     return state.hexdigest()
+
+
+def key_of(*parts: object) -> str:
+    """SHA-256 of plain values as JSON: what names an answer in a store."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def relevant(scene: Scene, capabilities: Capabilities) -> Scene:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import time
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar, cast
 
+from harness.campaign.cache_key import key_of
 from harness.campaign.campaign import Campaign
 from harness.campaign.runner import Crash, InlinePool, LocalPool
 from harness.campaign.store import STORE_NAME, Store
@@ -44,7 +44,7 @@ class Part:
 
 @dataclass
 class Measured:
-    """What is known of a part: rows by task, seconds of its tasks summed and by the clock, tasks not done."""
+    """What is known of a part: rows by task, processor seconds of its tasks and seconds by the clock, tasks not done."""
 
     rows: dict[str, list[Row]] = field(default_factory=dict)
     busy_s: float = 0.0
@@ -136,7 +136,7 @@ def measure(
 
 
 def seconds(measured: Mapping[str, Measured]) -> list[PartRow]:
-    """What each part took: by the clock, and summed over its tasks."""
+    """What each part took: by the clock, and of the processor."""
     return [PartRow(name, item.wall_s, len(item.rows), item.left, item.busy_s) for name, item in measured.items()]
 
 
@@ -156,8 +156,7 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
 
 
 def _key(part: Part, task: str, stamp: Mapping[str, object]) -> str:
-    text = json.dumps(record.to_plain([part.name, task, stamp]), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return key_of(*record.to_plain([part.name, task, stamp]))
 
 
 def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
@@ -175,9 +174,14 @@ def _measured(part: Part, keys: Mapping[str, str], store: Store) -> Measured:
 def _rows(asked: tuple[Part, str]) -> Answer:
     """What a worker does: the rows of one task of a part."""
     part, task = asked
-    begin = time.perf_counter()
+    begin = _processor_s()
     rows = record.to_plain(part.work(task))
-    return Answer(part.name, {"rows": rows}, time.perf_counter() - begin)
+    return Answer(part.name, {"rows": rows}, _processor_s() - begin)
+
+
+def _processor_s() -> float:
+    """Processor time so far of this process and of those that it began and that ended."""
+    return sum(os.times()[:4])
 
 
 def _died(asked: tuple[Part, str], crash: Crash) -> Answer:

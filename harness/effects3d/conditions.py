@@ -59,15 +59,7 @@ def turned(scene: Scene, azimuth_deg: float) -> Scene:
 
 def amplified(scene: Scene, factor: float) -> Scene:
     """The scene with all components of the motion scaled alike."""
-    base_excitation = scene.base_excitation
-    return scene.but(
-        base_excitation=replace(
-            base_excitation,
-            x=base_excitation.x.scaled(factor),
-            y=base_excitation.y.scaled(factor),
-            z=base_excitation.z.scaled(factor),
-        )
-    )
+    return scene.but(base_excitation=scene.base_excitation.scaled(factor))
 
 
 def _along(scene: Scene, axes: str) -> Scene:

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 
 from harness.effects3d.conditions import CONDITIONS
 from harness.effects3d.search import Search
-from harness.input.mistakes import Contradiction
-from harness.input.tables import Table, kind_of, read_model
+from harness.input.mistakes import Contradiction, Table
+from harness.input.tables import kind_of, read_model
 from harness.records.effects3d import BASELINE, SOLID
 from harness.studies.file import EngineName
 

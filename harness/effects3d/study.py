@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from harness.campaign.cache_key import scene_key
+from harness.campaign.cache_key import key_of, scene_key
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import STORE_NAME, Store, check_begun
@@ -118,8 +116,7 @@ class Questions:
 
     def _key(self, kind: str, arguments: tuple[Any, ...]) -> str:
         plain = [item.key() if isinstance(item, Search) else item for item in arguments]
-        text = json.dumps([self._scene_key, kind, plain, record.versions()], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return key_of(self._scene_key, kind, plain, record.versions())
 
 
 def run_effects(

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from harness.model.errors import Mistake, nearest
@@ -32,6 +32,12 @@ _WANTED: Mapping[str, str] = {
 
 UNKNOWN: Final = "extra_forbidden"
 """Pydantic's word for a key that its table does not have."""
+
+
+class Table(BaseModel):
+    """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Contradiction(ValueError):

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationError, model_validator
 
 from analytic.constants import GRAVITY_M_S2
-from harness.input.mistakes import Contradiction, mistakes_of
+from harness.input.mistakes import Contradiction, Table, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, override
 from harness.input.uncertain import Distribution, uncertain_inputs
@@ -35,12 +35,6 @@ MAX_BYTES = 10_000_000
 
 
 M = TypeVar("M", bound=BaseModel)
-
-
-class Table(BaseModel):
-    """Base of every table: strict types, no unknown keys, finite numbers, frozen."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class ModelTable(Table):

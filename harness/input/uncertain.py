@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import Contradiction, Table
 from harness.model.assumed import ASSUMPTIONS, assumption
+from harness.model.errors import nearest
 from harness.model.scene import Uncertain
 
 if TYPE_CHECKING:
@@ -22,10 +23,9 @@ FACTORS: Final = {"motion.time_scale": 1.0}
 WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
 
 
-class _Spread(BaseModel):
-    """Strict, frozen, without unknown keys; infinities and NaN are refused. `rho` goes with the earlier key that it names."""
+class _Spread(Table):
+    """What every distribution may say: `rho` goes with the earlier key that it names."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
     correlated_with: str | None = None
     rho: Annotated[float | None, Field(gt=-1.0, lt=1.0)] = None
 
@@ -82,7 +82,7 @@ def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform 
         raise Contradiction(
             place,
             'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
-            "no such number",
+            "; ".join(filter(None, ("no such number", nearest(key, [item.keys for item in ASSUMPTIONS])))),
         )
     if spread.kind == "assumed":
         if (given := assumption(key)) is None:

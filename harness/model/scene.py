@@ -129,6 +129,10 @@ class BaseExcitation:
         given = "xyz" if dimensions == 3 else "xz"
         return tuple(axis for axis in given if getattr(self, axis).peak_m_s2 > 0.0)
 
+    def scaled(self, factor: float) -> BaseExcitation:
+        """The same motion with every component multiplied by a factor."""
+        return BaseExcitation(self.x.scaled(factor), self.y.scaled(factor), self.z.scaled(factor))
+
 
 @dataclass(frozen=True)
 class Wall:
@@ -232,7 +236,8 @@ class Scene(Shown):
         """Title, statue, what it stands on, the floor's motion, how long."""
         s, p = self.statue, self.pedestal
         balance = f"balances at {s.slenderness_rad(-1):.3f} and {s.slenderness_rad(1):.3f} rad"
-        peaks = [f"{axis} up to {getattr(self.base_excitation, axis).peak_m_s2:.3g} m/s²" for axis in self._axes()]
+        floor = self.base_excitation
+        peaks = [f"{axis} up to {getattr(floor, axis).peak_m_s2:.3g} m/s²" for axis in floor.axes()]
         return {
             "title": self.title,
             "statue": f"{s.mass_kg:.4g} kg, {s.height_m:.4g} m high, {balance}",
@@ -244,19 +249,16 @@ class Scene(Shown):
     def columns(self) -> dict[str, Array]:
         """Acceleration of the floor at the scene's output step, along the axes on which it moves."""
         t_s = np.arange(0.0, self.duration_s, self.output_dt_s)
-        floor = {f"accel_{axis}_m_s2": getattr(self.base_excitation, axis).accel_m_s2(t_s) for axis in self._axes()}
-        return {"t_s": t_s, **floor}
+        floor = self.base_excitation
+        return {"t_s": t_s} | {f"accel_{axis}_m_s2": getattr(floor, axis).accel_m_s2(t_s) for axis in floor.axes()}
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the acceleration of the floor over time."""
         ax, columns = new_axes(ax), self.columns()
-        for axis in self._axes():
+        for axis in self.base_excitation.axes():
             ax.plot(columns["t_s"], columns[f"accel_{axis}_m_s2"], label=f"floor {axis}")
         ax.set(xlabel="time [s]", ylabel="acceleration [m/s²]", title=self.title)
         return ax
-
-    def _axes(self) -> tuple[str, ...]:
-        return self.base_excitation.axes()
 
     def but(self, **changes: Any) -> Scene:
         """The same scene with some parts replaced."""
@@ -286,13 +288,12 @@ class Scene(Shown):
         dx = sign * self.statue.section_m[:, 0] - corner
         dz = self.statue.section_m[:, 1]
         radius = np.hypot(dx, dz)
-        start = np.arctan2(dz, dx)
         touching = radius > self.wall.distance_m
         if np.any(dx > self.wall.distance_m):
             return 0.0
         if not np.any(touching):
             return math.inf
-        turn = start[touching] - np.arccos(self.wall.distance_m / radius[touching])
+        turn = np.arctan2(dz, dx)[touching] - np.arccos(self.wall.distance_m / radius[touching])
         # A clockwise turn lowers the polar angle: the point meets the wall where r cos(angle) = distance.
         candidates = turn[turn >= 0.0]
         return float(np.min(candidates)) if candidates.size else math.inf

@@ -95,10 +95,19 @@ class FragilityRecord:
 
 @dataclass(frozen=True)
 class Index:
-    """First and total variance-based index of one input."""
+    """First and total variance-based index of one input; `total` None where only the draws of the probability were run.
+
+    `half_width` is that of the less certain one's interval at 90 %.
+    """
 
     first: float
-    total: float
+    half_width: float
+    total: float | None = field(default=None, metadata=OMITTED)
+
+    @property
+    def most(self) -> float:
+        """How much of the doubt hangs on the input: its total where that is known."""
+        return self.first if self.total is None else self.total
 
 
 @dataclass(frozen=True)
@@ -196,7 +205,7 @@ class ClearanceRecord:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AssessRecord(Record):
-    """`result.json` of `rockcheck assess`; `fragility` and `indices` are absent where a draw needs the scene read again."""
+    """`result.json` of `rockcheck assess`; `indices` are empty where too few draws, or such as end alike, tell none."""
 
     kind: Literal["assess"] = "assess"
     scene: SceneRecord

@@ -220,7 +220,7 @@ class Start:
 
 @dataclass(frozen=True)
 class PartRow:
-    """What a part of a measurement took: by the clock, summed over its tasks; tasks that are left to do."""
+    """What a part of a measurement took: by the clock, of the processor (`busy_s`); tasks that are left to do."""
 
     part: str
     wall_s: float
@@ -231,9 +231,12 @@ class PartRow:
 
 def part_sentences(rows: Sequence[PartRow]) -> list[str]:
     """The seconds of each part in words, and what is not measured yet."""
-    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s" for row in rows if row.tasks)
+    spent = ", ".join(f"{row.part} {row.wall_s:.0f} s ({row.busy_s:.0f})" for row in rows if row.tasks)
     left = [f"{row.part} ({len(row.left)} to do)" for row in rows if row.left]
-    return [f"Time by part: {spent}."] + ([f"Not measured yet: {', '.join(left)}."] if left else [])
+    total = f"in all {sum(row.wall_s for row in rows):.0f} s ({sum(row.busy_s for row in rows):.0f})"
+    return [f"Time by part, by the clock (of the processor): {spent}; {total}."] + (
+        [f"Not measured yet: {', '.join(left)}."] if left else []
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

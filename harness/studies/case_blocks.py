@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import time
 from collections.abc import Iterator, Mapping
@@ -16,6 +15,7 @@ from analytic.excitation import SampledAcceleration
 from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.campaign.cache_key import key_of
 from harness.campaign.column_store import as_bytes, installed
 from harness.campaign.task import Answer, Task
 from harness.engines import analytic as twoblock
@@ -55,8 +55,7 @@ def columns_name(study: StudyFile, base: Base) -> str:
     """What names a study's columns: its content, its scene's (files included), accuracy and versions."""
     engine, asked = engines.load(selection.REFERENCE), accuracy_rad(study)
     keys = [run_key(engine, base.scene(variant.set), asked, False) for variant in study.variant]
-    text = json.dumps([study.model_dump_json(), base.content, keys], sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+    return key_of(study.model_dump_json(), base.content, keys)[:24]
 
 
 @dataclass(frozen=True)

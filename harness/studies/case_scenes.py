@@ -106,7 +106,7 @@ class CaseScenes:
             changed = {"amplitude_m_s2": number * moving.gravity_m_s2} if name == "amplitude_g" else {name: number}
             axes[axis] = replace(cast(Harmonic, axes[axis]), **changed)
         scale = float(factors[SCALE]) if factors else self._scale(own)
-        return BaseExcitation(**{axis: item.scaled(scale) for axis, item in axes.items()})
+        return BaseExcitation(**axes).scaled(scale)
 
     def _moving(self, own: Setting, direct: Setting, setting: Setting) -> Moving:
         """The motion of these keys, at scale 1; of those that are changed directly any value will do."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from dataclasses import dataclass
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.campaign.cache_key import scene_key
+from harness.campaign.cache_key import key_of, scene_key
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.engines.base import Engine
@@ -69,8 +67,7 @@ def run_key(engine: Engine, scene: Scene, accuracy_rad: float, histories: bool) 
     versions = record.versions()
     mine = {name: versions.get(name) for name in ("rockcheck", "numpy", "numba", engine.name) if name in versions}
     physics = scene_key(scene, engine.capabilities)
-    text = json.dumps([physics, engine.name, accuracy_rad.hex(), histories, mine], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return key_of(physics, engine.name, accuracy_rad.hex(), histories, mine)
 
 
 def stored_runs(store: Store, scene: Scene, accuracy_rad: float = DEFAULT_ACCURACY_RAD) -> dict[str, Run]:

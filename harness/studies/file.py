@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from harness.input.mistakes import Contradiction
-from harness.input.tables import Table, read_model
+from harness.input.mistakes import Contradiction, Table
+from harness.input.tables import read_model
 
 Value = float | int | str | bool
 EngineName = Literal[

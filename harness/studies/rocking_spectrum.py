@@ -20,10 +20,10 @@ from analytic import Block, Outcome, ensemble
 from analytic.constants import GRAVITY_M_S2
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import Contradiction, Table
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec, Source
-from harness.input.tables import Table, kind_of, read_model
+from harness.input.tables import kind_of, read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.history import Array
 from harness.model.run import machine, versions

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import random
 import time
@@ -14,6 +12,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.campaign.cache_key import key_of
 from harness.campaign.campaign import Campaign, OnProgress, silent
 from harness.campaign.runner import Pool
 from harness.campaign.store import Store
@@ -115,8 +114,7 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
 
 def _key(keys: Mapping[str, str]) -> str:
     """The name of a witness: the results that it judges and the versions of what computes it."""
-    text = json.dumps([KIND, keys, versions()], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return key_of(KIND, keys, versions())
 
 
 def _counted(said: Mapping[int, Mapping[str, Witness]], scenes: int, seconds: float) -> StudyWitness:

@@ -8,6 +8,7 @@ from typing import Final
 from markupsafe import Markup
 
 from harness.assess.by_model import MODEL
+from harness.assess.sensitivity import LEAST_DRAWS
 from harness.assess.words import CLEAR, advice, reserve, room
 from harness.model.assumed import assumption
 from harness.model.scene import Uncertain
@@ -45,7 +46,9 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "verdict": assess_verdict(record),
         "rows": [(name, _cells(item)) for name, item in record.assessment.items()],
         "inputs": [(item.key, _input(item, record.assumed)) for item in record.uncertainty],
-        "indices": [(key, [f"{item.first:.2f}", f"{item.total:.2f}"]) for key, item in (record.indices or {}).items()],
+        "indices": [(key, _index(item)) for key, item in (record.indices or {}).items()],
+        "totals": any(item.total is not None for item in (record.indices or {}).values()),
+        "least_draws": LEAST_DRAWS,
         "chart": None if record.fragility is None else _chart(record.fragility),
         "chart_model": None if record.fragility is None else record.fragility.model,
         "advice": [] if record.options is None else advice(record.options),
@@ -68,9 +71,11 @@ def assess_verdict(record: AssessRecord) -> Verdict:
     points += [_difference(name, item) for name, item in record.difference_from_model.items()]
     if record.fragility is not None:
         points.append(reserve(record.fragility, record.plane_only))
-    key, most = max((record.indices or {}).items(), key=lambda item: item[1].total, default=("", Index(0.0, 0.0)))
-    if most.total >= MATTERS:
-        points.append(f"What decides most is {key}: {percent(most.total)} % of the doubt hangs on it.")
+    key, most = max((record.indices or {}).items(), key=lambda item: item[1].most, default=("", Index(0.0, 0.0)))
+    if most.most >= max(MATTERS, most.half_width):
+        planar = record.plane_only and record.fragility is not None and record.fragility.model == MODEL
+        where = "In the rocking plane alone, what" if planar else "What"
+        points.append(f"{where} decides most is {key}: {percent(min(most.most, 1.0))} % of the doubt hangs on it.")
     if record.options is not None:
         points.append(advice(record.options)[0])
     return Verdict(f"The statue {answers[first].sentence}", tone_of_answers(answers), points)
@@ -86,6 +91,12 @@ def _cells(item: Assessment | NotAssessed | None) -> list[str]:
         f"{item.engine_runs}",
         f"{percent(item.undecided)} %",
     ]
+
+
+def _index(item: Index) -> list[str]:
+    """What goes when the input is known, what stays when all others are, and the half width of both."""
+    total = "not computed" if item.total is None else f"{item.total:.2f}"
+    return [f"{item.first:.2f}", total, f"± {item.half_width:.2f}"]
 
 
 def _difference(name: str, item: ProbabilityDifference) -> str:

@@ -15,7 +15,7 @@ from reports.charts.static_svg import still
 from reports.pages.conservator import reach_picture
 from reports.pages.conservator_parts import ENDS, Picture, order_picture, page, push_picture
 from reports.source import run_source
-from reports.text.chance import tone_of_outcomes
+from reports.text.chance import tone_of_study
 from reports.text.giving_way import compass, scan_turn_deg, study_support, support_of
 from reports.text.language import ENGLISH, Language
 from reports.text.numbers import heading
@@ -57,16 +57,10 @@ def of_study(record: StudyRecord, say: Language = ENGLISH) -> dict[str, object]:
     said.append(say("chance.unknown"))
     return {
         "headline": _headline(ends, say),
-        "tone": _tone([family(outcome) for outcomes in ends.values() for outcome in outcomes]),
+        "tone": tone_of_study(family(outcome) for outcomes in ends.values() for outcome in outcomes),
         "points": said,
         "pictures": _pictures(record, models, cases, say),
     }
-
-
-def _tone(families: Sequence[str]) -> str:
-    """The colour of a study's outcomes: without a probability of a fall never green, however many situations it stands."""
-    tone = tone_of_outcomes(families)
-    return "differ" if tone == "agree" else tone
 
 
 def _ends(cases: Sequence[Condition], model: str) -> list[Outcome]:

@@ -24,7 +24,7 @@ from reports.charts.study_figures import (
 )
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
-from reports.text.chance import tone_of_outcomes
+from reports.text.chance import tone_of_study
 from reports.text.numbers import heading, label, listed, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
@@ -113,7 +113,7 @@ def _shown(value: Any) -> str:
 
 
 def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition]) -> Verdict:
-    """The study in words: the claims where there are any, else how often the models agree."""
+    """The study in words: the claims where there are any, else how often the models agree; no green without a probability."""
     pairs = agreement(models, cases)
     points = [
         f"{first} and {second} say the same of {same} of {total} conditions ({_percent(same, total)})."
@@ -124,15 +124,14 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     points += left_domain(record.rows)
     points += [] if record.table is None else [record.table.sentence]
     same, total = sum(item[2] for item in pairs), sum(item[3] for item in pairs)
-    agreed = "agree" if same == total else "differ"
     if record.headline:
-        return Verdict(_claims_headline(record.headline), agreed, [*_claim_points(record), *points])
+        return Verdict(_claims_headline(record.headline), "differ", [*_claim_points(record), *points])
     if not pairs:
         answers = [item.answers.get(model) for model in models for item in cases]
         ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
-        return Verdict(_falls(models, cases), tone_of_outcomes(ends), points)
+        return Verdict(_falls(models, cases), tone_of_study(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
-    return Verdict(headline, agreed, points)
+    return Verdict(headline, "differ", points)
 
 
 def left_domain(rows: Sequence[StudyRow]) -> list[str]:

@@ -23,6 +23,12 @@ def tone_of_outcomes(families: Iterable[str]) -> Tone:
     return "agree" if ends == {"stands"} else "differ" if ends & {"stands", "wall"} else "failed"
 
 
+def tone_of_study(families: Iterable[str]) -> Tone:
+    """The colour of a study's outcomes: without a probability of a fall never green, however many situations are stood."""
+    tone = tone_of_outcomes(families)
+    return "differ" if tone == "agree" else tone
+
+
 def tone_of_probability(item: Assessment) -> Tone:
     """The colour of a probability: `agree` only where a fall is improbable, and its interval says so too."""
     if item.probability_overturned <= SAFE and item.most < SAFE_HIGH:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
+import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -147,3 +149,22 @@ def test_the_processor_and_the_loader_name_what_is_kept(monkeypatch: pytest.Monk
     monkeypatch.undo()
     monkeypatch.setattr(machine_code.llvmlite, "__version__", "0")
     assert machine_code._setup() != before
+
+
+HEARING = """
+import sys
+import numpy as np
+from analytic import compiling, machine_code
+compiling.listen(lambda done, total: print("compiled"))
+machine_code.Entry(sys.argv[1], "powers")(np.zeros(3).ctypes.data, 3)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_processes_that_start_together_compile_once(tiny: Callable[[], machine_code.Entry], tmp_path: Path) -> None:
+    command = [sys.executable, "-c", HEARING, tiny().module]
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    both = [subprocess.Popen(command, env=os.environ | {"PYTHONPATH": path}, stdout=subprocess.PIPE) for _ in range(2)]
+    told = [process.communicate()[0] for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    assert sorted(b"compiled" in each for each in told) == [False, True]

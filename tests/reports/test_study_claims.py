@@ -102,10 +102,8 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     for variant, each in falls.items():
         expected = f"“{variant}”: it falls in" if len(falls) > 1 else "It falls in"
         assert any(f"{expected} {sum(each)} of {len(each)}" in point for point in said["points"])
-    stands = [row.run.outcome == "stands" for row in record.rows]
     assert said["tone"] != "agree"
-    # One model alone cannot agree with itself: the engineer's page takes its colour from the outcomes too.
-    assert (study_verdict(record, *conditions(record.rows)).tone == "agree") is all(stands)
+    assert study_verdict(record, *conditions(record.rows)).tone != "agree", "it holds no probability of a fall"
 
 
 def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:

@@ -177,18 +177,8 @@ def _part(
     done: StepLog | None = None,
 ) -> StepLog:
     """One world: from the scene's start, or from where another one has come to."""
-    statue = scene.statue
-    pedestal = wall = None
-    if scene.pedestal is not None:
-        pedestal = (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
-    if scene.wall is not None:
-        sign = scene.wall.sign
-        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
-    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
-    bodies = None if full is None else full.turned(centroid, setup.axes)
     with World(level, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
-        whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
-        world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
+        build(world, scene, setup, full, crossing)
         stepper = Stepper(world, scene, schedule)
         if done is None:
             state = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
@@ -197,6 +187,20 @@ def _part(
             stepper.writer.ledger = done.ledger
             state = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
         return loop.integrate(scene, schedule, watch, state)
+
+
+def build(world: World, scene: Scene, setup: Setup, full: FullShape | None, crossing: Crossing | None = None) -> None:
+    """Create the scene's bodies, the statue on its feet or with its full shape."""
+    statue, pedestal, wall = scene.statue, None, None
+    if scene.pedestal is not None:
+        pedestal = (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
+    if scene.wall is not None:
+        sign = scene.wall.sign
+        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
+    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
+    bodies = None if full is None else full.turned(centroid, setup.axes)
+    whole = (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start)
+    world.build(scene.contact, pedestal, wall, whole, None if crossing is None else crossing.beside)
 
 
 def _joined(before: StepLog, after: StepLog) -> StepLog:

@@ -22,6 +22,7 @@ from harness.engines.contact.friction import FloorFriction, floor_friction, foll
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
 from harness.engines.contact.steering import refuse_steering
+from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -46,8 +47,6 @@ TURNING_RAD_S: Final = 3.0
 """Rate up to which a turning body's feet are still contacts at the end of a step: statues rock at up to some 2 rad/s."""
 LOOK_STEPS: Final = 64
 """Steps between two looks at whether the run can end, or the pedestal's edge be met."""
-REST_BAND_RAD: Final = 1e-5
-"""Rotation within which a statue that rests on all its feet is left by the contact's slop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,25 +64,13 @@ class PlainBullet3D(Engine):
     """Bullet's own steps, nothing else."""
 
     name: ClassVar[str] = "pybullet:plain"
-    capabilities: ClassVar[Capabilities] = Capabilities(
-        dimensions=3,
-        uses_mesh=True,
-        own_impact=True,
-        pedestal_tips=True,
-        statue_slips=True,
-        flies=True,
-        posed_start=True,
-        forces=True,
-        skips=frozenset({"base_only", "no_history", "stop_at_overturn"}),
+    capabilities: ClassVar[Capabilities] = replace(
+        Bullet3D.capabilities, moving_table=False, skips=frozenset({"base_only", "no_history", "stop_at_overturn"})
     )
     order: ClassVar[float] = 1.0
     step_cost: ClassVar[float] = 1.5
 
-    def missing(self) -> str | None:
-        """Why pybullet cannot run here, or None."""
-        from harness.engines.pybullet.adapter import Bullet3D
-
-        return Bullet3D().missing()
+    missing = Bullet3D.missing
 
     def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
         """Steps of 2 ms to 0.0625 ms."""
@@ -168,21 +155,14 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     import pybullet
 
+    from harness.engines.pybullet.course import build
     from harness.engines.pybullet.schedule import Schedule
     from harness.engines.pybullet.stepper import StepLog, reader
     from harness.engines.pybullet.world import World
 
-    statue = scene.statue
-    centroid = np.array([0.0, 0.0, statue.centroid_height_m])
-    bodies = None if full is None else full.turned(centroid, setup.axes)
-    pedestal = None if scene.pedestal is None else (scene.pedestal, statue.base_centre_m + scene.pedestal.offset_m)
-    wall = None
-    if scene.wall is not None:
-        sign = scene.wall.sign
-        wall = (scene.wall, sign * (statue.corner_m(sign) + scene.wall.distance_m))
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
     with World(settings) as world:
-        world.build(scene.contact, pedestal, wall, (statue.mass_kg, setup.moments, setup.feet_m, bodies, setup.start))
+        build(world, scene, setup, full)
         if scene.contact.restitution is not None:
             world.bounce(scene.contact.restitution)
         read, client, acting = reader(world), world.client, course.friction.static

@@ -41,8 +41,10 @@ TURNING_LEAST: Final = 24
 IMPACT_ITERATIONS: Final = 400
 """Least iterations of a step in which all contacts meet an impact or a stick onset: it starts from impulses of another state."""
 DEPTH_RAD_S: Final = 0.002
-"""Depth of contact over the base's width and the step: impacts slower than twice this are left to the engine's own steps."""
+"""Depth of contact over the base's width and the step, so that contacts exist from the first step on: impacts slower
+than twice this are left to the engine's own steps."""
 SLOP_DEPTHS: Final = 50.0
+"""Penetration that Chipmunk leaves alone, in such depths: its correction of deeper ones adds energy."""
 SETTLE_STEPS: Final = 500
 """Whole steps computed before the first instant at which anything can move: the contact's penetration must have settled as it
 would have by then, or an outcome far on may be another (with 64 of them two of six under real records were)."""

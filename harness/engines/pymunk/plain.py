@@ -18,6 +18,7 @@ from harness.engines.contact.friction import floor_friction, followed
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.steering import refuse_steering
 from harness.engines.contact.trajectory import Trajectory
+from harness.engines.pymunk import DEPTH_RAD_S, SLOP_DEPTHS, Munk2D
 from harness.engines.pymunk.samples import trajectory
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
@@ -36,10 +37,6 @@ LEVELS: Final = (
 """(step in s, iterations, error in rad). With 40 iterations a stuck pedestal slides (0.1 rad off); these are past the number at
 which the paper's cases with a pedestal stop changing. The error is
 assumed: first order, some ten times what the paper's cases with one coefficient show; not measured over random scenes."""
-DEPTH_RAD_S: Final = 0.002
-"""Depth at which the statue is placed, over the base's width and the step: contacts exist from the first step on."""
-SLOP_DEPTHS: Final = 50.0
-"""Penetration that Chipmunk leaves alone, in such depths: its correction of deeper ones adds energy."""
 BLOCK_STEPS: Final = 64
 """Steps between two looks at whether the run can end."""
 
@@ -49,24 +46,13 @@ class PlainMunk2D(Engine):
     """Chipmunk's own steps, nothing else."""
 
     name: ClassVar[str] = "pymunk:plain"
-    capabilities: ClassVar[Capabilities] = Capabilities(
-        dimensions=2,
-        own_impact=True,
-        pedestal_tips=True,
-        statue_slips=True,
-        flies=True,
-        forces=True,
-        edge_shape="the hull of its silhouette",
-        skips=frozenset({"no_history", "stop_at_overturn"}),
+    capabilities: ClassVar[Capabilities] = replace(
+        Munk2D.capabilities, moving_table=False, skips=frozenset({"no_history", "stop_at_overturn"})
     )
     order: ClassVar[float] = 1.0
     step_cost: ClassVar[float] = 4.0
 
-    def missing(self) -> str | None:
-        """Why pymunk cannot run here, or None."""
-        from harness.engines.pymunk import Munk2D
-
-        return Munk2D().missing()
+    missing = Munk2D.missing
 
     def refinement_levels(self, scene: Scene) -> tuple[MunkSettings, ...]:
         """Steps of 2 ms to 0.025 ms."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from harness.input.mistakes import Table
 from harness.input.motions.layout import Layout
 from harness.input.motions.recordfile import unit_named
 
@@ -29,13 +30,7 @@ LARGEST_M_S: Final = 1e3
 LONGEST_S: Final = 3600.0
 
 
-class _Part(BaseModel):
-    """Strict, frozen, without unknown keys; infinities and NaN are refused."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Oscillator(_Part):
+class Oscillator(Table):
     """One mode of a building (docs/motions.md, "The building's filter").
 
     `share` is the mode's participation factor times its shape at the statue's floor; the shares of all modes sum to 1 where
@@ -47,13 +42,13 @@ class Oscillator(_Part):
     share: float = 1.0
 
 
-class _Filtered(_Part):
+class _Filtered(Table):
     """Any component may pass through the building before it reaches the statue."""
 
     floor: Annotated[tuple[Oscillator, ...], BeforeValidator(list_to_tuple)] = ()
 
 
-class RestSpec(_Part):
+class RestSpec(Table):
     """No shaking along this axis."""
 
     kind: Literal["rest"]
@@ -79,7 +74,7 @@ class PulseSpec(_Filtered):
     start_s: float = Field(default=0.0, ge=0.0, le=LONGEST_S)
 
 
-class Source(_Part):
+class Source(Table):
     """A channel of a record file and what is done to it, in the order of the keys below.
 
     `column` is a CSV header, a component's name (N28W, UP) or its azimuth in degrees; `azimuth_deg` turns the two horizontal
@@ -137,7 +132,7 @@ class RecordSpec(Source, _Filtered):
     kind: Literal["record"]
 
 
-class Target(_Part):
+class Target(Table):
     """An elastic design spectrum from its parameters (docs/motions.md, "Target spectra").
 
     Either the shape itself (`S`, `TB_s`, `TC_s`, `TD_s`, for NTC also `F0`) or the site: `soil` (with `type` for ec8; with `F0`,
@@ -209,7 +204,7 @@ class SpectrumSpec(Target, _Filtered):
 Component = Annotated[RestSpec | HarmonicSpec | PulseSpec | RecordSpec | SpectrumSpec, Field(discriminator="kind")]
 
 
-class Motion(_Part):
+class Motion(Table):
     """The floor's acceleration along x (in the rocking plane), y (across it) and z (up); an absent axis is at rest.
 
     `scale` multiplies all of them together.

@@ -62,6 +62,18 @@ def test_a_target_accuracy_takes_few_runs_steps_and_iterations(name: str) -> Non
     assert finer.work["steps_of_all_runs"] > budgets.ACCURACY_STEPS, "the budget does not see a finer level"
 
 
+@pytest.mark.parametrize("name", ["pymunk", "pybullet"])
+def test_a_target_that_no_level_is_expected_to_meet_is_given_up_early(forced: Scene, name: str) -> None:
+    engine = ready(name)
+    finest = engine.refinement_levels(forced)[-1]
+    run = run_to_accuracy(engine, forced, 0.1 * finest.expected_error_rad, RunOptions())
+    finest_steps = forced.duration_s / finest.dt_s
+    both = finest_steps + sum(forced.duration_s / each.dt_s for each in engine.verification_settings(forced, finest))
+    assert run.work["steps_of_all_runs"] <= budgets.GIVEN_UP_SHARE * both
+    assert any("the target of" in text for text in run.warnings)
+    assert run.numerical_uncertainty_rad > 0.1 * finest.expected_error_rad or run.bounded_until_s < run.end_s
+
+
 @pytest.mark.parametrize(("name", "duration_s"), [("analytic", 20.0), ("pymunk", 2.0), ("pybullet", 2.0)])
 def test_an_outcome_allocates_no_history(forced: Scene, name: str, duration_s: float) -> None:
     engine = ready(name)

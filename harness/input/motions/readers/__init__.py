@@ -128,7 +128,13 @@ def _with_proposal(error: InputError, text: str, where: str) -> InputError:
     if first.wanted == csv.UNIT or not (said := table.proposal(text, where, headed=csv.names_times(text))):
         return error
     return InputError(
-        Mistake(first.where, first.key, first.wanted, first.got, f"its numbers alone are read by: {said}")
+        Mistake(
+            first.where,
+            first.key,
+            first.wanted,
+            first.got,
+            f"its numbers alone are read by: {said}; new and assess take the same options",
+        )
     )
 
 

@@ -82,7 +82,7 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         used = stated or unit
         if used is None:
             likely, said_so = likely_unit(text[:_HEAD], float(np.abs(table.values[:, column]).max()))
-            advice = f'say --unit {likely}, or unit = "{likely}" in a scene, if {said_so}' if likely else said_so
+            advice = f'say --motion-unit {likely}, or unit = "{likely}" in a scene, if {said_so}' if likely else said_so
             raise mistake(where, header, UNIT, "none in the header and none given", advice)
         units.add(used)
         values = clock.on(table.values[:, column])

@@ -36,7 +36,7 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
         raise mistake(where, "", "a whole miniSEED or SAC file", f"{type(error).__name__}: {error}") from error
     if unit is None:
         raise mistake(
-            where, "unit", UNIT_NAMES, "none", "these files do not state it: say --unit, or unit = in a scene"
+            where, "unit", UNIT_NAMES, "none", "these files do not state it: say --motion-unit, or unit = in a scene"
         )
     names = [trace.id for trace in stream]
     if len(set(names)) < len(names):

@@ -47,7 +47,7 @@ _UNIT_WORDS = re.compile(r"(?<![\w/])(?:c?m+/s\S*|gals?|%?g|(?<=[(\[])mg)(?![\w/
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
     """The channels of a text whose layout and unit the user gives; InputError naming what is missing, and the line at fault."""
     if unit is None:
-        raise mistake(where, "unit", UNIT_NAMES, "none", "say --unit, or unit = in a scene")
+        raise mistake(where, "unit", UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene")
     if (layout.dt_s is None) == (layout.time_column is None):
         got = "neither" if layout.dt_s is None else "both"
         raise mistake(where, "dt, time_column", "the step, or the column of times", got, "say --dt or --time-column")
@@ -162,10 +162,13 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
     if not unit:
         return ""
     if not (layout.time_column or layout.dt_s):
-        layout, remark = replace(layout, dt_s=0.01), f"--dt as its source says{remark and f'; --unit if {remark}'}"
+        layout, remark = (
+            replace(layout, dt_s=0.01),
+            f"--dt as its source says{remark and f'; --motion-unit if {remark}'}",
+        )
     elif remark:
-        remark = f"--unit if {remark}"
-    command = f"rockcheck motion inspect {shlex.quote(where)} {layout.options()} --unit {unit}"
+        remark = f"--motion-unit if {remark}"
+    command = f"rockcheck motion inspect {shlex.quote(where)} {layout.options()} --motion-unit {unit}"
     return f"{command} ({remark})" if remark else command
 
 

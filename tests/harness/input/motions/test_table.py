@@ -74,14 +74,14 @@ def test_the_error_names_the_options_that_read_the_file(tmp_path: Path, name: st
     path = _write(tmp_path / "any text.txt", TEXTS[name])
     with pytest.raises(InputError, match=r"its numbers alone are read by: rockcheck motion inspect ") as error:
         read_file(path)
-    words = shlex.split(re.sub(r" \(.*\)$", "", str(error.value).partition("read by: ")[2]))
+    words = shlex.split(re.sub(r"( \(.*\))?; new and .*$", "", str(error.value).partition("read by: ")[2]))
     assert words[3] == str(path)
     said = dict(zip(words[4::2], words[5::2], strict=True))
     layout = Layout(
         float(said["--dt"]) if "--dt" in said else None, int(said.get("--skip-lines", 0)), said.get("--columns"),
         int(said["--time-column"]) if "--time-column" in said else None,
     )  # fmt: skip
-    record = read_file(path, unit=said["--unit"], layout=layout)
+    record = read_file(path, unit=said["--motion-unit"], layout=layout)
     assert record.channels[0].dt_s == pytest.approx(0.01)
     np.testing.assert_allclose(record.channels[0].accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
 
@@ -101,7 +101,7 @@ def test_a_table_of_another_program_is_read_by_what_its_header_says(tmp_path: Pa
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
-        (["t_s,a_N", *TABLE], r'say --unit cm/s2, or unit = "cm/s2" in a scene, if its source says so: the peak is'),
+        (["t_s,a_N", *TABLE], r'say --motion-unit cm/s2, or unit = "cm/s2" in a scene, if its source says so: the peak is'),
         (["t_s,N", *(line.replace(".", "") for line in TABLE)], r"in none: counts need the recorder's factor first"),
         (["t_s,a_N_gal,a_E_gal", *TABLE, "END OF RECORD"], r"line 405: .* words among numbers: take out line 405"),
         (["t_s,v_N_ms", *TABLE], r"wanted a time column and an acceleration column, got the columns t_s, v_N_ms"),

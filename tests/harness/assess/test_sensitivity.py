@@ -1,0 +1,67 @@
+"""Which input matters: indices by ranks hold known ones; a factor on the motion costs no second reading of a drawn scene."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+import pytest
+
+from harness.assess.inputs import draw, uncertain_inputs
+from harness.assess.model_draws import model_draws, sweepable
+from harness.assess.sensitivity import LEAST_DRAWS, first_indices, fragility, indices
+from harness.input.scene_file import load_scene
+from harness.model.scene import Uncertain
+from tests import budgets_assess as budget
+from tests.harness.assess.measure_own_runs import SCENE
+
+INPUTS = [Uncertain(key, "normal", 0.0, 1.0) for key in ("a", "b")]
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.5, 1.0, 3.0, 30.0])
+@pytest.mark.parametrize("count", [LEAST_DRAWS, 400])
+def test_an_index_by_ranks_holds_the_known_one_as_often_as_it_says(slope: float, count: int) -> None:
+    """A fall at a x slope + b > 0: the share of the variance that a explains is that of Φ(slope a), four times."""
+    own = NormalDist()
+    truth = 4.0 * float(np.var([own.cdf(slope * own.inv_cdf((k + 0.5) / 2000)) for k in range(2000)]))
+    held = 0
+    for seed in range(budget.ESTIMATES):
+        a, b = np.random.default_rng(seed).standard_normal((2, count))
+        index = first_indices(INPUTS, {"a": a, "b": b}, slope * a + b > 0.0)["a"]
+        assert index.total is None
+        held += abs(index.first - truth) <= index.half_width
+    assert held >= budget.LEAST_OF_HUNDRED
+
+
+def test_too_few_draws_or_such_as_end_alike_or_inputs_that_hang_together_have_no_index() -> None:
+    values = draw(INPUTS, 300, 0)
+    fell = values["a"] > 0.0
+    assert first_indices(INPUTS, values, fell[: LEAST_DRAWS - 1]) == {}
+    assert first_indices(INPUTS, values, np.zeros(300, dtype=bool)) == {}
+    linked = [INPUTS[0], replace(INPUTS[1], correlated_with="a", rho=0.5)]
+    assert first_indices(linked, values, fell) == {}
+
+
+def test_both_ways_to_an_index_agree_on_the_shipped_scene() -> None:
+    scene = load_scene(SCENE)
+    inputs = uncertain_inputs(scene)
+    values = draw(inputs, 2000, 5)
+    ranked = first_indices(inputs, values, model_draws(scene, values).overturned)
+    drawn = indices(scene, inputs, 5)
+    assert set(ranked) == set(drawn)
+    for key, index in ranked.items():
+        assert drawn[key].total is not None
+        assert abs(index.first - drawn[key].first) <= 2.0 * math.hypot(index.half_width, drawn[key].half_width)
+
+
+def test_a_scene_read_again_for_each_draw_has_the_fragility_of_one_that_is_not() -> None:
+    """A height of the pedestal that hardly varies makes each draw be read again, and changes nothing."""
+    scene = load_scene(SCENE)
+    inputs = uncertain_inputs(scene)
+    slow = [*inputs, Uncertain("pedestal.height_m", "uniform", 0.2, 1e-9)]
+    assert not sweepable(scene, draw(slow, 2, 0))
+    expected, answer = (fragility(scene, each, 3, count=60) for each in (inputs, slow))
+    assert answer.probability_overturned == pytest.approx(expected.probability_overturned, abs=1e-12)
+    assert 0.0 < answer.probability_overturned[12] < 1.0
