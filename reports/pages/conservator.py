@@ -112,7 +112,10 @@ def _who(runs: Mapping[str, EngineRunRecord], answered: Mapping[str, EngineRunRe
         side = [say("run.only_side")] if len(sides) > 1 and all(Outcome(end).overturned for end in sides) else []
         return [" ".join([say("run.all_agree", count=_begun(say.count(len(answered)))), *side]), *unlike, *none]
     total = say.count(len(answered))
-    ends = [say("run.some", end=end, count=say.count(count), total=total) for end, count in groups.items()]
+    ends = [
+        say("run.some_one" if count == 1 else "run.some", end=end, count=say.count(count), total=total)
+        for end, count in groups.items()
+    ]
     return [*ends, *unlike, *none]
 
 
@@ -197,7 +200,9 @@ def reach_picture(source: RunSource, say: Language, heading: str = "reach.headin
         words.append(f"{say('reach.free', gap=say.length(gap))} {remains}")
     fell = [name for name, run in source.runs.items() if run.outcome.overturned]
     if fell:
-        words.append(say("reach.fell", count=say.count(len(fell)), total=say.count(len(source.runs))))
+        total = len(source.runs)
+        key = "reach.fell_all" if len(fell) == total else "reach.fell_one" if len(fell) == 1 else "reach.fell"
+        words.append(say(key, count=say.count(len(fell)), total=say.count(total)))
     last = _no_return(source, fell) if not extremes else []
     if last:
         words.append(say("reach.no_return"))

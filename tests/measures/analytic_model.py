@@ -26,11 +26,12 @@ from analytic import (
     ensemble,
     simulate,
 )
+from analytic.certified_rows import body_of, certify_rows
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
 from analytic.problem import Options, Problem
 from analytic.solver import Prepared, prepare
-from harness.bench.timing import cost, costs
+from harness.bench.timing import Cost, cost, costs
 from harness.records.bench import SolverRow, Throughput
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 
@@ -249,18 +250,38 @@ def outcomes(size: int, pedestal: bool, threads: int, repeats: int) -> Throughpu
     """A size × size map of outcomes of 10 s at 1e-6 over amplitude and frequency, of the paper's statue; the least of several."""
     ensemble(STATUE, Harmonic(1.0, 1.0), **_map(1, pedestal))
     call = partial(ensemble, STATUE, Harmonic(1.0, 1.0), threads=threads, **_map(size, pedestal))
-    spent, result, runs = cost(call, repeats, math.inf), call(), size * size
-    steps = float(result.steps.sum())
+    spent, result = cost(call, repeats, math.inf), call()
+    return _rate(spent, size * size, threads, float(result.steps.sum()), float(result.overturned.mean()))
+
+
+def certified_outcomes(size: int, repeats: int) -> Throughput:
+    """The same map on a pedestal, each run with the one that checks it and its doubt flag."""
+    scene = _map(size, True)
+    pairs = np.broadcast_arrays(*scene["sweep"].values())
+    still = ZeroExcitation()
+    motions = [(Harmonic(float(a), float(f)), still) for a, f in zip(*(each.ravel() for each in pairs), strict=True)]
+    problem = Problem(
+        STATUE, *motions[0], scene["duration_s"], scene["pedestal"], scene["floor_static"], scene["floor_kinetic"],
+        gravity_m_s2=GRAVITY_M_S2,
+    )  # fmt: skip
+    call = partial(certify_rows, [body_of(problem, 1e-6)], np.zeros(size * size, np.int64), motions, 1e-3)
+    spent, first = cost(call, repeats, math.inf), call().first
+    overturned = float(np.mean(np.isfinite(first.results["overturn_time_s"])))
+    return _rate(spent, size * size, 1, float(first.counts["steps"].sum()), overturned)
+
+
+def _rate(spent: Cost, runs: int, threads: int, steps: float, overturned: float) -> Throughput:
     return Throughput(
         runs, threads, spent.wall_s, spent.cpu_s, runs / spent.wall_s, runs / spent.cpu_s, steps / runs,
-        1e6 * spent.cpu_s / steps, float(result.overturned.mean()),
+        1e6 * spent.cpu_s / steps, overturned,
     )  # fmt: skip
 
 
 def throughput(runs: int = 2000, threads: int = 1, repeats: int = REPEATS) -> dict[str, Throughput]:
-    """Outcomes with and without the pedestal."""
+    """Outcomes with the pedestal, without it, and with it and their doubt flags."""
     side = max(math.isqrt(runs), 1)
-    return {name: outcomes(side, on, threads, repeats) for name, on in (("two_block", True), ("single_block", False))}
+    bare = {name: outcomes(side, on, threads, repeats) for name, on in (("two_block", True), ("single_block", False))}
+    return bare | {"two_block_certified": certified_outcomes(side, repeats)}
 
 
 def map_time(size: int = 200, threads: int = 2) -> Throughput:

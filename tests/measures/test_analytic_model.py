@@ -87,6 +87,7 @@ def test_work_of_an_overturning_map() -> None:
     assert found["two_block"].steps_per_run <= budgets.MAP_STEPS
     assert found["single_block"].steps_per_run <= budgets.MAP_STEPS_ON_FLOOR
     assert bench.map_time(4).overturned > 0.0
+    assert found["two_block_certified"].overturned == found["two_block"].overturned
 
 
 def test_a_missing_rival_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -125,6 +125,7 @@ def test_sentences_are_short_and_terms_explained(folders: dict[str, Path], code:
         assert max(lengths) <= SENTENCE_WORDS_MOST, (name, max(text, key=len))
         assert sum(lengths) / len(lengths) <= SENTENCE_WORDS_MEAN, name
         whole = " ".join(text)
+        assert not re.search(r"\b(?:un modelli|one models|[Oo]ne of one|un[oa]? su un)\b", whole), name
         letters = sum(map(str.isalnum, whole))
         assert 89.0 + (300.0 * len(lengths) - 10.0 * letters) / sum(lengths) >= GULPEASE, name
         assert [word for word in JARGON[code] if re.search(rf"(?<!\w){re.escape(word)}", whole)] == [], name
