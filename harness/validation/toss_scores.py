@@ -14,6 +14,7 @@ from analytic.rotation import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.model.history import History
+from harness.model.in_space import rotations
 from harness.model.scene import BaseExcitation, Contact, Initial, Scene, Statue
 from harness.records.tosses import Quartiles
 from harness.validation.jobs import Model
@@ -111,16 +112,7 @@ def errors(toss: Toss, body: Statue, history: History) -> Errors:
 
 def poses(body: Statue, history: History) -> tuple[Array, Array]:
     """Rotations (n, 3, 3) and centroids (n, 3) from the columns that every engine of three dimensions records."""
-    roll, pitch, yaw = (0.5 * history.extra[f"{name}_rad"] for name in ("roll", "pitch", "yaw"))
-    cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
-    # R = R_z(yaw) R_y(pitch) R_x(roll), as quaternions.
-    quaternions = [
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    ]
-    turn = rotation_matrices(np.stack(quaternions, axis=1))
+    turn = rotations(history.extra)
     corner = np.stack([history.extra[f"corner_right_{axis}_m"] for axis in "xyz"], axis=1)
     return turn, corner - turn @ np.array([body.corner_right_m, 0.0, -body.centroid_height_m])
 

@@ -46,6 +46,10 @@ SHORTEST: Final = 1e-15
 FIRST_STEP_S: Final = 1e-3
 LOOKS: Final = 4
 """Places in a step at which the event functions are looked at."""
+NEAR: Final = 1e-3
+"""Share of a look within which the cubic's event is likely to be."""
+GUESSES: Final = 6
+"""Places at which the cubic is asked where the event is: as near as the cubic itself is to the step."""
 
 
 @inlined
@@ -55,6 +59,57 @@ def _between(m: Memory, h: float, x: float) -> None:
     b, c = x * (1.0 - x) * (1.0 - x), -x * x * (1.0 - x)
     for i in range(STATE):
         m.ys[i] = m.y[i] + a * (m.y1[i] - m.y[i]) + h * (b * m.k[0, i] + c * m.k[STAGES, i])
+
+
+@jit
+def _guess(s: Run, m: Memory, h: float, low: float, high: float) -> float:
+    """About where between low and high the least event function vanishes, on the cubic: for a start."""
+    above, below = 0.0, 0.0
+    for count in range(GUESSES):
+        at = (low * below - high * above) / (below - above) if above > 0.0 > below else 0.5 * (low + high)
+        _between(m, h, at / h)
+        value = lowest(s, m, m.ys, s.time_s + at)
+        if value > 0.0:
+            low, above = at, value
+            below *= 0.5 if count > 1 else 1.0
+        else:
+            high, below = at, value
+            above *= 0.5 if count > 1 else 1.0
+    return 0.5 * (low + high)
+
+
+@jit
+def _locate(s: Run, m: Memory, h: float, low: float, high: float) -> float:
+    """Time in the step of its first event, which lies after low and not after high, to `SAME_INSTANT_S`; the state there in `y1`.
+
+    Secants from a guess, kept inside what encloses the event and a least width away from its ends.
+    """
+    width = max(SAME_INSTANT_S, 4.0 * 2.2e-16 * s.time_s)
+    at, before, value_before, widest = _guess(s, m, h, low, high), high, 0.0, high - low
+    part(s, m, high, m.y1)
+    for count in range(200):
+        if high - low <= width:
+            break
+        part(s, m, at, m.y2)
+        value = lowest(s, m, m.y2, s.time_s + at)
+        if value > 0.0:
+            low = at
+        else:
+            high = at
+            m.y1[:] = m.y2
+        slope = (value - value_before) / (at - before) if count > 0 and at != before else math.nan
+        before, value_before = at, value
+        if count == 0:
+            at += NEAR * widest if value > 0.0 else -NEAR * widest
+        else:
+            at = at - value / slope if slope < 0.0 else 0.5 * (low + high)
+        if count % 4 == 3:
+            if high - low > 0.25 * widest:
+                at = 0.5 * (low + high)
+            widest = high - low
+        # A root that is hit from one side leaves the other end where it was: reach a little beyond.
+        at = min(max(at, low + 0.6 * width), high - 0.6 * width) if high - low > 1.2 * width else 0.5 * (low + high)
+    return high
 
 
 @jit
@@ -75,29 +130,7 @@ def first_event(s: Run, m: Memory, h: float) -> float:
         if lowest(s, m, m.y2, s.time_s + x * h) > 0.0:
             low = x * h
             continue
-        high = x * h
-        # Regula falsi after Illinois; halving every third time.
-        above, below = 0.0, lowest(s, m, m.y2, s.time_s + high)
-        part(s, m, low, m.y2)
-        above = lowest(s, m, m.y2, s.time_s + low)
-        width = max(SAME_INSTANT_S, 4.0 * 2.2e-16 * s.time_s)
-        for count in range(200):
-            if high - low <= width:
-                break
-            at = (low * below - high * above) / (below - above) if above > below else 0.5 * (low + high)
-            if count % 3 == 2 or not low < at < high:
-                at = 0.5 * (low + high)
-            # a root hit from one side leaves the other end where it was: reach a little beyond
-            part(s, m, at, m.y2)
-            value = lowest(s, m, m.y2, s.time_s + at)
-            if value > 0.0:
-                low, above = at, value
-                below *= 0.5
-            else:
-                high, below = at, value
-                above *= 0.5
-        part(s, m, high, m.y1)
-        return high
+        return _locate(s, m, h, low, x * h)
     return h
 
 

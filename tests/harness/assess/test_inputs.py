@@ -45,7 +45,7 @@ def test_a_file_says_what_is_uncertain(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
-        ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "a number of this scene"),
+        ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "got no such number; did you mean contact.floor?"),
         ('"title" = { kind = "normal", sd = 0.1 }', "a number of this scene"),
         ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
         ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "cov"),
