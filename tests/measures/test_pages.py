@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.engines_for_tests import ready
 from tests.measures import pages, paper_forms
 from tests.measures.pages import DOCS, END, begin, renew_tables, renewed, table
 
@@ -35,6 +36,7 @@ def test_the_tables_that_are_wanted_are_measured_alone(tmp_path: Path, monkeypat
 
 
 def test_every_mark_of_the_documentation_names_a_command_and_its_table() -> None:
+    ready("pybullet")
     from tests.measures import pybullet_settings
 
     named = {

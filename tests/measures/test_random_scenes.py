@@ -9,6 +9,7 @@ import pytest
 
 from harness.records.bench import Statement
 from harness.records.scores import Verdict
+from tests.engines_for_tests import ready
 from tests.measures import seeded_rows
 from tests.measures.random_scenes import Judged, SceneRow, row_of, tables
 from tests.measures.seeded_rows import measured
@@ -16,6 +17,7 @@ from tests.measures.seeded_scenes import GENERATORS
 
 
 def test_a_row_holds_each_engine_s_statement_and_each_pair_s_verdict() -> None:
+    ready("pybullet")
     row = row_of("random", 20_900)
     for name, item in row.engines.items():
         assert item.engine == name

@@ -18,6 +18,7 @@ from harness.model.scene import BaseExcitation, Scene, Statue
 from harness.records.assess import ClearanceRecord
 from reports.drawing.floor_plan import probable_plan
 from tests import budgets_assess as budget
+from tests.engines_for_tests import ready
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 BLOCK = rectangle(0.4, 1.0)
@@ -104,6 +105,7 @@ def shaken_both_ways() -> Scene:
 
 @pytest.mark.parametrize("engine", ["analytic", "pybullet"])
 def test_a_scene_in_space_has_its_room_all_round(engine: str) -> None:
+    ready(engine)
     record = assess(shaken_both_ways(), [engine], draws=60, most_runs=30, more_options=None, pool=InlinePool()).record
     assert record.clearance is not None
     answered = record.clearance.answered

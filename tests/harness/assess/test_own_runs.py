@@ -15,6 +15,7 @@ from harness.assess.stratified import estimate
 from harness.assess.variation import varied
 from harness.input.scene_file import load_scene
 from tests import budgets_assess as budget
+from tests.engines_for_tests import ready
 from tests.harness.assess.measure_own_runs import ENGINES, RUNS, SCENE, SEED, own_runs
 
 POPULATION = 20_000
@@ -65,6 +66,7 @@ def test_the_thousand_runs_are_the_engines_of_now() -> None:
 @pytest.mark.parametrize("name", ENGINES)
 def test_an_assessment_s_interval_holds_the_thousand_runs(name: str) -> None:
     """As `rockcheck assess` makes it, with draws of its own; the thousand runs err by 1.5 % themselves, which is left out."""
+    ready(name)
     answer = assess(load_scene(SCENE), [name], more_options=None).record.answers[name]
     truth = own_runs()[name].count("1") / RUNS
     assert answer.low <= truth <= answer.high

@@ -22,6 +22,7 @@ from harness.model.history import History
 from harness.model.options import SKIPS, RunOptions
 from harness.records.base import plain, validated
 from harness.records.bench import BenchRecord, Covered, PrecisionRow, ScalingRow, SkipRow, Start, Throughput
+from tests.engines_for_tests import ready
 from tests.measures import engine_defaults
 
 FREE = Standard("short", {"duration_s": 0.4, "statue": COLUMN, "initial": {"theta_rad": 0.05}}, "analytic")
@@ -102,6 +103,7 @@ def test_an_error_is_seen() -> None:
 
 
 def test_rows_of_an_engine_its_defaults_and_a_peer() -> None:
+    ready("pybullet")
     rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
     rows += engine_defaults.rows_of(FREE, FREE.scene())
     groups = {(item.engine, item.group) for item in rows}

@@ -14,6 +14,7 @@ from harness.model.history import Outcome
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD
 from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
 
 
 def turned(profile: list[tuple[float, float]]) -> trimesh.Trimesh:
@@ -47,6 +48,7 @@ BODIES = {
 
 
 def run(folder: Path, body: str, engine: str, *, across: bool = False) -> Run:
+    ready(engine)
     mesh, amplitude_g = BODIES[body]
     mesh.export(folder / "body.ply")
     weak, strong = (f'kind = "harmonic"\namplitude_g = {size}\nfrequency_hz = 1.0\n' for size in (0.01, amplitude_g))

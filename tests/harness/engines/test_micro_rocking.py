@@ -10,6 +10,7 @@ from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.model.options import RunOptions
 from tests import budgets_engines as budget
+from tests.engines_for_tests import ready
 from tests.measures.micro_rocking import rows
 from tests.measures.random_scenes import GENERATORS
 from tests.scenes_for_tests import rectangle, scene
@@ -20,6 +21,7 @@ ENGINES = pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda e
 @ENGINES
 @pytest.mark.parametrize("seed", [10129, 20399, 20809, 20866])
 def test_a_micro_rocking_is_followed_by_steps_that_are_a_fraction_of_its_half_cycles(engine: Engine, seed: int) -> None:
+    ready(engine.name)
     for row in rows(engine, [seed], [1e-3]):
         assert row.sensitive_rad < 1e-5, "the scene itself is sensitive"
         assert row.error_rad[1e-3] <= budget.MICRO_ROCKING_RAD
@@ -27,6 +29,7 @@ def test_a_micro_rocking_is_followed_by_steps_that_are_a_fraction_of_its_half_cy
 
 @ENGINES
 def test_ever_shorter_half_cycles_end_in_finite_work(engine: Engine) -> None:
+    ready(engine.name)
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
     run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions(skips=frozenset()))
     assert run.history is not None

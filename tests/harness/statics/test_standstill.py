@@ -14,6 +14,7 @@ from harness.scene_run.scene_run import run_scene
 from harness.statics.push import push_of
 from harness.statics.standstill import STILL_RAD, motion_sized, standstill
 from tests import scenes_for_tests as blocks
+from tests.engines_for_tests import ready
 
 
 @pytest.fixture
@@ -47,6 +48,7 @@ def test_the_least_size_counts_the_motion_across_and_the_vertical(file: Path) ->
 
 
 def test_what_moves_across_the_rocking_plane_is_not_called_still(file: Path) -> None:
+    ready("pybullet")
     keys = ["motion.x.amplitude_g=0.01", "motion.y.amplitude_g=0.7", "motion.z=none", "duration_s=1.5"]
     scene = harness.load_scene(file, keys)
     runs = [harness.simulate(scene, name) for name in ("analytic", "pybullet")]
