@@ -88,3 +88,6 @@ SCAN_RAD = 2e-5
 
 SCAN_ROCKS_RAD = 5e-3
 """It rocks by a thousand times that, so that the comparison says something."""
+
+SCAN_STEPS = 20_000
+"""Steps that a draw of a probability may take: 40 s of a real record take 500 to 2 800."""

@@ -118,6 +118,18 @@ def hold_velocity(s: Run, m: Memory, y: Floats) -> None:
 
 
 @jit
+def hold_level(s: Run, m: Memory, y: Floats) -> None:
+    """Take away at once what the vertices that touch still rise by: a rebound dropped at one must not push another down."""
+    rows, n = axes(y), min(s.touching, 3)
+    vertex_velocities(s, m, y)
+    for k in range(n):
+        set_column(m, k, m.touch[k * s.touching // n], rows[2], rows[2])
+    if solve_columns(s, m, n):
+        put(y, 7, plus(vector(y, 7), to_table(rows, vector(m.response, 0))))
+        put(y, 10, plus(vector(y, 10), vector(m.response, 3)))
+
+
+@jit
 def take_heading(s: Run, m: Memory, y: Floats) -> None:
     """Note in which direction each touching vertex slides now; a vertex slower than `still_m_s` keeps its direction."""
     rows = axes(y)

@@ -18,7 +18,7 @@ from analytic.spatial.kernel.codes import (
     SETTLED,
 )
 from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, vertex_velocities
-from analytic.spatial.kernel.holding import hold_place, hold_velocity, set_touch, take_heading, vertex_place
+from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import kinetic_energy, touches_flat
 from analytic.spatial.kernel.records import Memory, Run
@@ -102,6 +102,8 @@ def decide(s: Run, m: Memory) -> None:
 def enter(s: Run, m: Memory) -> None:
     """Put the state into the mode just chosen: what does not take part is free, what sticks has its place."""
     if not touches_flat(s.mode):
+        if s.mode != FLIGHT:
+            hold_level(s, m, m.y)
         for i in range(m.vertices):
             part = i == s.a or (i == s.b and s.mode in (EDGE_STICK, EDGE_PIVOT, EDGE_SLIDE))
             m.down[i] = 1 if part and s.mode != FLIGHT else 0
