@@ -99,11 +99,25 @@ def decide(s: Run, m: Memory) -> None:
 
 
 @jit
+def _drop_rebounds(s: Run, m: Memory) -> None:
+    """Take away what the mode's vertices rise by; where that would push down another that touches, what all of them do."""
+    m.ys[:] = m.y
+    hold_velocity(s, m, m.y)
+    vertex_velocities(s, m, m.y)
+    rows, least_m_s = axes(m.y), 0.0
+    for k in range(s.touching):
+        least_m_s = min(least_m_s, dot(rows[2], row3(m.u, m.touch[k])))
+    if least_m_s < -s.still_m_s:
+        m.y[:] = m.ys
+        hold_level(s, m, m.y)
+
+
+@jit
 def enter(s: Run, m: Memory) -> None:
     """Put the state into the mode just chosen: what does not take part is free, what sticks has its place."""
     if not touches_flat(s.mode):
-        if s.mode != FLIGHT:
-            hold_level(s, m, m.y)
+        if s.mode != FLIGHT and s.touching > 1:
+            _drop_rebounds(s, m)
         for i in range(m.vertices):
             part = i == s.a or (i == s.b and s.mode in (EDGE_STICK, EDGE_PIVOT, EDGE_SLIDE))
             m.down[i] = 1 if part and s.mode != FLIGHT else 0
