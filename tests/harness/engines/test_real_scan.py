@@ -38,7 +38,7 @@ def test_a_scan_shaken_in_space_is_the_same_in_pybullet_and_exactly(root: Path, 
 
 
 def test_outcomes_of_a_scan_are_decided_at_every_friction(root: Path, data_dir: Path) -> None:
-    """A ragged base lands on one vertex beside another that slides: a rebound dropped at one pushed the other down without end."""
+    """A ragged base lands on a vertex beside another that slides: a rebound dropped at one pushed the other down, without end."""
     if not (data_dir / "meshes" / "maria_acephalous.obj").is_file():
         pytest.skip(f"real data absent: {data_dir}")
     problem = problem_of(load_scene(root / "scenes" / "maria.toml"))
