@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -47,8 +48,12 @@ class Assessment:
 
 
 def percent(share: float) -> str:
-    """A share in per cent, two digits where it is small."""
+    """A share in per cent, two digits of it where it is small, two of what is left where it is large: no 100 for 99.97."""
     value = 100.0 * share
+    left = 100.0 - value
+    if 0.0 < left < 9.95:
+        digits = min(max(1 - math.floor(math.log10(left)), 0), 3)
+        return f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return f"{value:.0f}" if value >= 9.95 or value == 0.0 else f"{value:.2g}"
 
 
