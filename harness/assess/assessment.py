@@ -49,7 +49,7 @@ MOST_RUNS: Final = 400
 """Engine runs after which an interval is told as it is."""
 SPACE_DIMENSIONS: Final = 3
 SPACE_STEPS: Final = 1_000_000
-"""Steps that the exact body may take in all, where it is asked beside the others: ten times those beside a single run."""
+"""Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
 BATCH: Final = 16
 """Runs between two looks at the interval."""
 

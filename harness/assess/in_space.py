@@ -23,8 +23,8 @@ from harness.records.assess import Assessment, ClearanceByModel
 Ends = NDArray[np.object_]
 
 SPACE: Final = "spatial"
-MOST_STEPS: Final = 100_000
-"""Steps of all runs together after which no draws are begun: some four seconds of one core, and"""
+MOST_STEPS: Final = 300_000
+"""Steps of all runs together after which no draws are begun: some three seconds of one core, and"""
 RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""
 RUN_COST: Final = 20
