@@ -124,9 +124,10 @@ def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
         perturbed_run = run(scene)
     except EngineFailure:
         return None
-    # A run that ends because no mode was found has no path that could part from another.
+    # A run that ends because no mode was found, or that was given up, has no path that could part from another.
     ended = perturbed_run.outcome.failed or perturbed_run.outcome is Outcome.FRICTION_PARADOX
-    return None if ended else perturbed_run
+    given_up = perturbed_run.outcome is Outcome.UNDECIDED and perturbed_run.end_s < scene.duration_s
+    return None if ended or given_up else perturbed_run
 
 
 def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:

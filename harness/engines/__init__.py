@@ -21,17 +21,25 @@ REGISTRY: Final[Mapping[str, str]] = {
     "mujoco:plain": "harness.engines.mujoco.adapter:PlainMujoco3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
-THROWN: Final = ("spatial", "pybullet")
+EXACT_IN_SPACE: Final = "spatial"
+"""Joins them where the floor also moves across the rocking plane, of which planar models know nothing."""
+THROWN: Final = (EXACT_IN_SPACE, "pybullet")
 """Engines of a scene that begins from a pose in space, with plastic impacts, and"""
-BOUNCING: Final = ("spatial", "pybullet:plain")
+BOUNCING: Final = (EXACT_IN_SPACE, "pybullet:plain")
 """where impacts give back a share of the velocity."""
 
 
 def default_engines(scene: Scene) -> tuple[str, ...]:
     """The engines that run a scene unless others are asked for."""
     if scene.initial.pose is None:
-        return DEFAULT_ENGINES
+        return DEFAULT_ENGINES + ((EXACT_IN_SPACE,) if _known_in_space(scene) else ())
     return THROWN if scene.contact.restitution is None else BOUNCING
+
+
+def _known_in_space(scene: Scene) -> bool:
+    """Whether the floor moves across the plane under one body that stands on it, with no impact prescribed."""
+    alone = scene.pedestal is None and scene.wall is None and scene.contact.restitution is None
+    return alone and scene.table != "moving" and scene.base_excitation.y.peak_m_s2 > 0.0
 
 
 def load(name: str) -> Engine:

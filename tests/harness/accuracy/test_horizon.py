@@ -97,10 +97,11 @@ def test_a_run_that_ends_earlier_parts_at_its_end() -> None:
     assert parted_s(doubles.parted(history, 2.0, 0.01), history, TOLERANCE) == pytest.approx(3.0)
 
 
-def test_a_perturbed_run_that_finds_no_mode_says_nothing_of_the_horizon() -> None:
+@pytest.mark.parametrize("outcome", [Outcome.FRICTION_PARADOX, Outcome.UNDECIDED])
+def test_a_perturbed_run_that_finds_no_mode_or_is_given_up_says_nothing_of_the_horizon(outcome: Outcome) -> None:
     def model(each: Scene) -> Run:
         if each.initial.theta_rate_rad_s > 0.0:
-            return doubles.run_of(doubles.truncated(doubles.rocking(), 0.1), outcome=Outcome.FRICTION_PARADOX)
+            return doubles.run_of(doubles.truncated(doubles.rocking(), 0.1), outcome=outcome)
         return doubles.run_of(doubles.rocking())
 
     found = horizon(SCENE, model, tolerance_rad=TOLERANCE)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from analytic import Harmonic
 from harness import engines
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.assess.assessment import assess
@@ -20,7 +21,7 @@ from harness.model.errors import InputError
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
-from harness.model.scene import Contact, Initial, Pose, Scene, Uncertain
+from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
 from tests import budgets_spatial_reference as budget
 from tests.analytic.spatial.reference import initial_state, simulate
 from tests.analytic.spatial.reference_body import Case
@@ -211,4 +212,7 @@ def test_a_thrown_body_runs_by_default_with_engines_that_take_it(root: Path) -> 
             engine = engines.load(name)
             short = on.but(duration_s=0.05)
             assert engine.missing() or engine.simulate(short, engine.settings_for_dt(short, 1e-3), RunOptions()).history
-    assert engines.default_engines(cube.but(initial=Initial())) == engines.DEFAULT_ENGINES
+    standing = cube.but(initial=Initial())
+    assert engines.default_engines(standing) == engines.DEFAULT_ENGINES
+    across = standing.but(base_excitation=BaseExcitation(y=Harmonic(1.0, 2.0)))
+    assert engines.default_engines(across) == (*engines.DEFAULT_ENGINES, "spatial")
