@@ -96,6 +96,8 @@ def _second_body(vertices: Array, faces: Faces) -> Beside | None:
         places, first, last = middle @ along, float((vertices @ along).min()), float((vertices @ along).max())
         bins = np.clip(((places - first) / (last - first) * SECTIONS).astype(np.int64), 0, SECTIONS - 1)
         section = np.maximum(-np.cumsum(np.bincount(bins, projected @ along, SECTIONS))[:-1], 0.0)
+        if not section.sum() > 0.0:
+            continue
         before = np.cumsum(section) / section.sum()
         sides = np.minimum(np.maximum.accumulate(section), np.maximum.accumulate(section[::-1])[::-1])
         inside = (before > LEAST_VOLUME) & (before < 1.0 - LEAST_VOLUME) & (sides > 0.0)

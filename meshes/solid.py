@@ -171,6 +171,12 @@ def solid_from_mesh(
     placed = np.ascontiguousarray(vertices_m - origin, dtype=np.float64)
     polygon = base.footprint(placed, contact_tolerance_m)
     _must_stand(polygon, contact_tolerance_m)
+    if not np.linalg.eigvalsh(properties.inertia_per_density_m5)[0] > 0.0:
+        raise MeshError(
+            "a surface with its faces outward throughout",
+            "a moment of inertia that is not positive: parts of it lie inside out",
+            "repair the surface (rockcheck mesh prepare does, with a log)",
+        )
     return Solid(
         vertices_m=placed,
         faces=np.array(faces, dtype=np.int64),

@@ -154,7 +154,10 @@ def step(path: Path) -> None:
     if record.format != "PEER AT2":
         return
     line = decoded(path.read_bytes(), "", "", latin=True).splitlines()[3]
-    token = re.split(r"DT\s*=\s*", line, flags=re.IGNORECASE)[1]
+    named = re.split(r"DT\s*=\s*", line, flags=re.IGNORECASE)
+    if len(named) < 2:  # the older layout: number and step without their names
+        return
+    token = named[1]
     token = re.split(r"[\s,]|SEC", token, flags=re.IGNORECASE)[0].upper().replace("D", "E")
     meant = float(Decimal(re.sub(r"(?<=[0-9.])([+-][0-9]{3})$", r"E\1", token)))
     if record.channels[0].dt_s != meant:

@@ -87,7 +87,7 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         if csv.recognises(text) or csv.names_times(text):
             return csv.read(text, where, unit=named)
         names = ", ".join(FORMATS)
-        first = next(line.strip() for line in text.splitlines() if line.strip())
+        first = next((line.strip() for line in text.splitlines() if line.strip()), "blank lines alone")
         raise mistake(where, "", f"one of {names}", repr(first[:60]), "columns of numbers with t_s also do")
     except InputError as error:
         raise _with_proposal(error, text, where) from None

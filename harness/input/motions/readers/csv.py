@@ -57,7 +57,7 @@ def recognises(text: str) -> bool:
 def names_times(text: str) -> bool:
     """Whether a line names a column of times among as many as most lines have: a table with headers, damaged or not."""
     lines = [_split(line.lstrip(" #%")) for line in text.splitlines() if line.strip()]
-    usual, _ = Counter(map(len, lines)).most_common(1)[0]
+    usual = max(Counter(map(len, lines)).items(), key=lambda item: item[1], default=(0, 0))[0]
     return any(len(cells) == usual and _names_times(cells) for cells in lines)
 
 

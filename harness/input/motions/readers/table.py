@@ -209,6 +209,11 @@ def _dated_step(lines: Sequence[str]) -> float | None:
 
 def _rough(values: Floats) -> float:
     """Mean step from number to number in standard deviations: small where neighbours follow each other in time."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if not 0.0 < largest < np.inf:
+        return 0.0
+    # Squares of what a damaged file may hold overflow; a share does not depend on the unit.
+    values = values / largest
     spread = float(values.std())
     return float(np.abs(np.diff(values)).mean()) / spread if spread > 0.0 else 0.0
 
