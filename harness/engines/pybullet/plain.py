@@ -71,6 +71,7 @@ class PlainBullet3D(Engine):
     step_cost: ClassVar[float] = 1.5
 
     missing = Bullet3D.missing
+    sensitivity_settings = Bullet3D.sensitivity_settings
 
     def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
         """Steps of 2 ms to 0.0625 ms."""
@@ -157,7 +158,7 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
 
     from harness.engines.pybullet.course import build
     from harness.engines.pybullet.schedule import Schedule
-    from harness.engines.pybullet.stepper import StepLog, reader
+    from harness.engines.pybullet.stepper import StepLog, puller, reader
     from harness.engines.pybullet.world import World
 
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
@@ -165,12 +166,12 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
         build(world, scene, setup, full)
         if scene.contact.restitution is not None:
             world.bounce(scene.contact.restitution)
-        read, client, acting = reader(world), world.client, course.friction.static
+        read, pull, client, acting = reader(world), puller(world), world.client, course.friction.static
         row = read()
         record = StepLog(len(row))
         record.keep(0.0, 0.0, row)
         for step, gravity in enumerate(Schedule(scene, dt, 0, count).coarse, 1):
-            pybullet.setGravity(*gravity, client)
+            pull(*gravity, client)
             pybullet.stepSimulation(client)
             row = read()
             record.keep(step * dt, (step - 0.5) * dt, row)

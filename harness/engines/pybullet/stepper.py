@@ -109,12 +109,25 @@ def reader(world: World) -> Callable[[], Row]:
         velocity, rate = speed(statue, client)
         return (*place, *turn, *velocity, *rate)
 
-    return alone if pedestal is None else both
+    read = alone if pedestal is None else both
+    if world.heading is None:
+        return read
+    back = world.heading.back
+    return lambda: back.row(read())
+
+
+def puller(world: World) -> Callable[[float, float, float, int], None]:
+    """What sets a gravity, given along the scene's axes."""
+    set_gravity: Callable[[float, float, float, int], None] = pybullet.setGravity
+    if world.heading is None:
+        return set_gravity
+    turned = world.heading.vector
+    return lambda x, y, z, client: set_gravity(*turned((x, y, z)), client)
 
 
 def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
     """Bullet's own step under a gravity, and the row after it."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def advance(gravity: Vector) -> Row:
         set_gravity(*gravity, client)
@@ -127,7 +140,7 @@ def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Ca
 
 def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
     """The same for several steps of a body that needs no gyroscopic torque: rows are kept, the last is returned."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def run(pulls: Sequence[Vector], record: StepLog) -> Row:
         row: Row = ()
