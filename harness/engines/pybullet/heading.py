@@ -8,9 +8,16 @@ All above the world keeps the scene's axes: states and pulls are turned as they 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pybullet
 
 from harness.engines.pybullet.pose import Body
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.world import World
 
 Vector = tuple[float, float, float]
 Row = tuple[float, ...]
@@ -57,3 +64,12 @@ class Heading:
             body = self.body(Body(row[k : k + 3], row[k + 3 : k + 7], row[k + 7 : k + 10], row[k + 10 : k + 13]))  # type: ignore[arg-type]
             turned += (*body.place_m, *body.turn, *body.velocity_m_s, *body.rate_rad_s)
         return turned
+
+
+def puller(world: World) -> Callable[[float, float, float, int], None]:
+    """What sets a gravity, given along the scene's axes."""
+    set_gravity: Callable[[float, float, float, int], None] = pybullet.setGravity
+    if world.heading is None:
+        return set_gravity
+    turned = world.heading.vector
+    return lambda x, y, z, client: set_gravity(*turned((x, y, z)), client)

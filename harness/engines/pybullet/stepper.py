@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.gyroscopic import Gyroscope
+from harness.engines.pybullet.heading import puller
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -114,15 +115,6 @@ def reader(world: World) -> Callable[[], Row]:
         return read
     back = world.heading.back
     return lambda: back.row(read())
-
-
-def puller(world: World) -> Callable[[float, float, float, int], None]:
-    """What sets a gravity, given along the scene's axes."""
-    set_gravity: Callable[[float, float, float, int], None] = pybullet.setGravity
-    if world.heading is None:
-        return set_gravity
-    turned = world.heading.vector
-    return lambda x, y, z, client: set_gravity(*turned((x, y, z)), client)
 
 
 def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Final, Self, final
@@ -37,8 +36,6 @@ MOVING: Final = 1
 EVERYTHING: Final = -1
 SHORT: Final = 0.1
 """Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
-BOUNCES_ABOVE_M_S: Final = 0.02
-"""Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
 
@@ -269,12 +266,6 @@ class World:
                 restitution=0.0,
                 physicsClientId=self.client,
             )
-
-    def bounce(self, restitution: float) -> None:
-        """Let contacts between the statue and the floor return this share of their normal velocity (Bullet multiplies both)."""
-        pybullet.setPhysicsEngineParameter(restitutionVelocityThreshold=BOUNCES_ABOVE_M_S, physicsClientId=self.client)
-        for body in (self.statue, self.floor):
-            pybullet.changeDynamics(body, -1, restitution=math.sqrt(restitution), physicsClientId=self.client)
 
     def _links(self, body: int) -> range:
         """Numbers of a body's links, its base's -1 first."""
