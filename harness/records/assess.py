@@ -96,13 +96,22 @@ class ProbabilityDifference:
 
 @dataclass(frozen=True)
 class FragilityRecord:
-    """Probability of overturning by a factor on the whole motion, and the factor at which it reaches some (None: never)."""
+    """Probability of overturning by a factor on the whole motion, and the factor at which it reaches some (None: never).
+
+    `low` and `high` are its interval (90 %) at each factor: a draw that comes to no end (share: `undecided`) stands in the low,
+    falls in the high. `soonest_at` and `latest_at` are the factors by the high and the low.
+    """
 
     factor: Sequence[float]
     probability_overturned: Sequence[float]
     draws: int
     factor_at: Mapping[str, float | None]
     model: str = "analytic"
+    low: Sequence[float] = ()
+    high: Sequence[float] = ()
+    undecided: Sequence[float] = ()
+    soonest_at: Mapping[str, float | None] = field(default_factory=dict)
+    latest_at: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -184,7 +193,7 @@ class ClearanceByModel:
     """How far, m, the outline, the middle of its top and the pedestal go beyond where they are at rest, by direction seen from
     above, anticlockwise from the statue's right: a row of quantiles for each `share` of the `standing` draws.
 
-    A planar model has two directions; without any too few draws stand.
+    A planar model has two directions; without any too few draws stand. Draws that come to no end are `undecided`, and left out.
     """
 
     draws: int
@@ -194,6 +203,7 @@ class ClearanceByModel:
     outline_m: Sequence[Sequence[float]] = ()
     top_m: Sequence[Sequence[float]] = ()
     pedestal_m: Sequence[Sequence[float]] = ()
+    undecided: int = 0
 
     def at(self, share: float) -> dict[float, float]:
         """How far the outline goes by direction at one of the shares that are told."""

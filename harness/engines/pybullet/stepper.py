@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.gyroscopic import Gyroscope
+from harness.engines.pybullet.heading import puller
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -109,12 +110,16 @@ def reader(world: World) -> Callable[[], Row]:
         velocity, rate = speed(statue, client)
         return (*place, *turn, *velocity, *rate)
 
-    return alone if pedestal is None else both
+    read = alone if pedestal is None else both
+    if world.heading is None:
+        return read
+    back = world.heading.back
+    return lambda: back.row(read())
 
 
 def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
     """Bullet's own step under a gravity, and the row after it."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def advance(gravity: Vector) -> Row:
         set_gravity(*gravity, client)
@@ -127,7 +132,7 @@ def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Ca
 
 def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
     """The same for several steps of a body that needs no gyroscopic torque: rows are kept, the last is returned."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def run(pulls: Sequence[Vector], record: StepLog) -> Row:
         row: Row = ()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Final, Self, final
@@ -12,6 +11,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.engines.pybullet import client, mirror, shapes, writing
+from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.pose import Body
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.scene import Contact, Pedestal, Wall
@@ -36,8 +36,6 @@ MOVING: Final = 1
 EVERYTHING: Final = -1
 SHORT: Final = 0.1
 """Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
-BOUNCES_ABOVE_M_S: Final = 0.02
-"""Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
 NO_RESTITUTION_BELOW_M_S: Final = 1e9
 """Every contact is slower than this, so none bounces."""
 
@@ -51,6 +49,7 @@ class World:
 
     def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
+        self.heading = Heading.of(settings.turn_rad)
         self.client = client.take()
         self.floor = -1
         self.wall: int | None = None
@@ -151,14 +150,16 @@ class World:
             states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
         for number, (body, state) in enumerate(states.items(), 1):
             x, y, z = state.place_m
-            writing.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL), self.client)
+            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
         pybullet.stepSimulation(self.client)
         for body, state in states.items():
-            writing.place(body, state, self.client)
+            self.place(body, state)
 
     def _fixed(self, normal: Vector, place: Vector) -> int:
         body = self._created(shapes.plane(normal, self.client), 0.0, place)
         self._homes[body] = place
+        if self.heading is not None:
+            self.place(body, Body(place, UPRIGHT, STILL, STILL))
         return body
 
     def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
@@ -199,6 +200,8 @@ class World:
         else:
             shape = shapes.pedestal(p, self.radius_m, False, self.client, halved=self.mirrored)
             self.pedestal = self.add(shape, p.mass_kg, moments, place)
+        if self.heading is not None:
+            self.place(self.pedestal, Body((centre_m, 0.0, p.centroid_height_m), UPRIGHT, STILL, STILL))
 
     def _part_top(self, pedestal: int) -> None:
         """Let the face be met by the feet over it alone, and them not by the box."""
@@ -237,7 +240,7 @@ class World:
         else:
             self.statue = shapes.described_body(feet_m, radius, (), self.client)
             self._inert(self.statue, mass, moments)
-        writing.place(self.statue, state, self.client)
+        self.place(self.statue, state)
 
     def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
         pybullet.changeDynamics(
@@ -264,12 +267,6 @@ class World:
                 physicsClientId=self.client,
             )
 
-    def bounce(self, restitution: float) -> None:
-        """Let contacts between the statue and the floor return this share of their normal velocity (Bullet multiplies both)."""
-        pybullet.setPhysicsEngineParameter(restitutionVelocityThreshold=BOUNCES_ABOVE_M_S, physicsClientId=self.client)
-        for body in (self.statue, self.floor):
-            pybullet.changeDynamics(body, -1, restitution=math.sqrt(restitution), physicsClientId=self.client)
-
     def _links(self, body: int) -> range:
         """Numbers of a body's links, its base's -1 first."""
         return range(-1, pybullet.getNumJoints(body, self.client))
@@ -278,6 +275,10 @@ class World:
         """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
         link = OVER if self.edges else -1
         pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
+
+    def place(self, body: int, state: Body) -> None:
+        """Put a body into a state."""
+        writing.place(body, state if self.heading is None else self.heading.body(state), self.client)
 
     def set_reach(self, reach: float) -> None:
         """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
@@ -296,4 +297,4 @@ class World:
         """Put floor and wall to where the table is, with its velocity."""
         for body, (x, y, z) in self._homes.items():
             there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
-            writing.place(body, Body(there, UPRIGHT, velocity_m_s, STILL), self.client)
+            self.place(body, Body(there, UPRIGHT, velocity_m_s, STILL))
