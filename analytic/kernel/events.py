@@ -185,7 +185,7 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
     state, series, params = task.state, task.series, task.params
     if state.slide != 0:
         if not _clear(series.slip_rate, h, state.slide, 0.0, bounds.friction):
-            lo = slip_rate_zeros(task, n) if series.slip_rate[0] == 0.0 else 0
+            lo = slip_rate_zeros(task, state.pivot, n) if series.slip_rate[0] == 0.0 else 0
             _measure(task, series.slip_rate, n, state.slide, 0.0)
             best = _search(task, n, h, lo, STICK_ONSET, state.slide, best)
         return best

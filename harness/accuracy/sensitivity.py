@@ -46,7 +46,8 @@ def response(
             return False
         return t_s > until_s or abs(float(history.at(t_s)) - theta_rad) > PARTED * target.rotation_rad
 
-    other = engine.simulate(stronger(scene, expected_error_rad), settings, RunOptions(stop=parted))
+    other_settings = engine.sensitivity_settings(scene, settings)
+    other = engine.simulate(stronger(scene, expected_error_rad), other_settings, RunOptions(stop=parted))
     if other.outcome.failed or history is None:
         return None
     return spread(other, run, target, target), other

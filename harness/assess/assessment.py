@@ -160,7 +160,7 @@ def _others(
         on_progress(f"{SPACE}: draws, then clearance")
     if SPACE not in names and (space := assess_in_space(scene, values, SPACE_STEPS)) is not None:
         others.answers[SPACE], others.room[SPACE] = space.answer, clearance_in_space(scene, values, space)
-        others = others._replace(in_space=space.overturned)
+        others = others._replace(in_space=space.ends == "overturned")
     return others
 
 

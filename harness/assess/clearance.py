@@ -29,18 +29,20 @@ LEAST_DRAWS: Final = 20
 
 def of_model(scene: Scene, values: Mapping[str, Array]) -> ClearanceByModel:
     """The clearance right and left by the analytic model, on the first draws."""
-    from analytic import simulate
+    from analytic import Outcome, simulate
 
     size = min(CLEARANCE_DRAWS if sweepable(scene, values) else SLOW_DRAWS, len(next(iter(values.values()))))
-    reached = []
+    reached, undecided = [], 0
     for k in range(size):
         drawn = varied(scene, row(values, k))
         shaken = drawn.base_excitation
         keywords = {**twoblock.keywords(drawn), "dt_s": STEP_S}
         solution = simulate(twoblock.block_of(drawn), shaken.x, shaken.z, **keywords)  # type: ignore[arg-type]
-        if not solution.outcome.startswith("overturned"):
+        if solution.outcome == Outcome.STANDS:
             reached.append(reach_m(drawn, solution.theta_rad, solution.slip_m, {}))
-    return clearance(reached, np.ones(len(reached)), size)
+        elif not solution.outcome.startswith("overturned"):
+            undecided += 1
+    return clearance(reached, np.ones(len(reached)), size, undecided)
 
 
 def of_engine(model: ModelDraws, runs: EngineRuns) -> ClearanceByModel:
@@ -48,14 +50,15 @@ def of_engine(model: ModelDraws, runs: EngineRuns) -> ClearanceByModel:
     strata, standing = strata_of(model), list(runs.reach_m)
     decided = strata[[number for number, fell in runs.fell.items() if fell is not None]]
     each = np.bincount(strata, minlength=3) / np.maximum(np.bincount(decided, minlength=3), 1)
-    return clearance([runs.reach_m[number] for number in standing], each[strata[standing]], len(runs.fell))
+    undecided = sum(fell is None for fell in runs.fell.values())
+    return clearance([runs.reach_m[number] for number in standing], each[strata[standing]], len(runs.fell), undecided)
 
 
-def clearance(reached: Sequence[Array], weights: Array, draws: int) -> ClearanceByModel:
+def clearance(reached: Sequence[Array], weights: Array, draws: int, undecided: int = 0) -> ClearanceByModel:
     """Quantiles of reaches (parts, directions), one for each draw that stands; `weights` (n,) are what each counts for."""
     count = len(reached)
     if count < LEAST_DRAWS:
-        return ClearanceByModel(draws, count)
+        return ClearanceByModel(draws, count, undecided=undecided)
     every = np.array(reached)
     shares = [share for share in SHARES if (1.0 - share) * count > 1.0 - 1e-9]
     # Each direction has an order of its own: the smallest reach that this share of the weight does not exceed.
@@ -65,4 +68,6 @@ def clearance(reached: Sequence[Array], weights: Array, draws: int) -> Clearance
     at = [np.argmax(below >= share - 1e-12, axis=0)[None] for share in shares]
     tables = [np.take_along_axis(sorted_m, index, axis=0)[0] for index in at]
     columns = {f"{part}_m": [table[k].tolist() for table in tables] for k, part in enumerate(PARTS)}
-    return ClearanceByModel(draws, count, directions_deg(3 if every.shape[2] > 2 else 2), shares, **columns)
+    return ClearanceByModel(
+        draws, count, directions_deg(3 if every.shape[2] > 2 else 2), shares, **columns, undecided=undecided
+    )

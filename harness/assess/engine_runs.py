@@ -22,7 +22,7 @@ from harness.model.options import RunOptions
 from harness.model.run import versions
 from harness.model.scene import Scene
 
-OUTCOME: Final = "outcome and reach"
+OUTCOME: Final = "end and reach"
 """Kind of a result that is whether a statue fell, and how far one that stands went on the plan."""
 ENGINE_ERROR_RAD: Final = 1e-3
 """A single run's expected error: an outcome changes by it only where a draw lies that near the boundary."""
@@ -37,7 +37,7 @@ class DrawnRun:
 
 
 class EngineRuns:
-    """Whether one engine's statue overturns, by number of the draw: `fell` keeps what was asked, None where the run failed;
+    """Whether one engine's statue overturns, by number of the draw: `fell` keeps what was asked, None where it came to no end;
     `reach_m` how far it went on the plan in each run that stands (`harness.assess.plan.reach_m`).
     """
 
@@ -88,13 +88,13 @@ def overturns(drawn: DrawnRun) -> Answer:
     engine = engines.load(drawn.engine)
     levels = engine.refinement_levels(drawn.scene)
     settings = next((item for item in levels if item.expected_error_rad <= ENGINE_ERROR_RAD), levels[-1])
-    fell, reached = None, None
+    fell, reached, failed = None, None, False
     try:
         run = engine.simulate(drawn.scene, settings, RunOptions())
-        fell = None if run.outcome.failed else run.outcome.overturned
+        fell, failed = run.outcome.fell, run.outcome.failed
         if fell is False and (history := run.history) is not None:
             reached = reach_m(drawn.scene, history.theta_rad, history.slip_m, history.extra).tolist()
     except EngineFailure:
-        fell = None
+        failed = True
     seconds = time.perf_counter() - begin
-    return Answer(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=fell is None)
+    return Answer(OUTCOME, {"overturned": fell, "reach_m": reached}, seconds, inside_s=seconds, failed=failed)

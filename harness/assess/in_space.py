@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Final, NamedTuple
 
@@ -47,11 +47,10 @@ def shaken_across(scene: Scene) -> bool:
 
 
 class SpaceDraws(NamedTuple):
-    """The probability of overturning by the exact body, which of its draws (n,) overturn, and the numbers of those that stand."""
+    """The probability of overturning by the exact body, and how each of its draws (n,) ends."""
 
     answer: Assessment
-    overturned: NDArray[np.bool_]
-    standing: Sequence[int]
+    ends: Ends
 
 
 def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int = MOST_STEPS) -> SpaceDraws | None:
@@ -62,10 +61,13 @@ def assess_in_space(scene: Scene, values: Mapping[str, Array], most_steps: int =
     share = None if ends is None else wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
     if ends is None or share is None:
         return None
-    standing = np.flatnonzero(ends == "stands")
-    undecided = float((ends != "overturned").mean()) - standing.size / ends.size
-    answer = Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, max(undecided, 0.0))
-    return SpaceDraws(answer, np.asarray(ends == "overturned"), standing.tolist())
+    undecided = without_end(ends) / ends.size
+    return SpaceDraws(Assessment(share.value, share.low, share.high, LEVEL, ends.size, ends.size, undecided), ends)
+
+
+def without_end(ends: Ends) -> int:
+    """How many draws neither fall nor stand: given up, or outside the exact body's domain."""
+    return int(((ends != "overturned") & (ends != "stands")).sum())
 
 
 def _as_it_is(scene: Scene) -> Scene:
@@ -101,11 +103,12 @@ def ends_in_space(
 
 def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: SpaceDraws) -> ClearanceByModel:
     """The clearance all round by the exact body, on the first draws in which it stands."""
-    chosen = draws.standing[:CLEARANCE_RUNS]
+    standing = np.flatnonzero(draws.ends == "stands").tolist()
+    chosen = standing[:CLEARANCE_RUNS]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         reached = list(pool.map(lambda number: _reach_m(varied(scene, row(values, number))), chosen))
-    seen = draws.answer.draws if len(chosen) == len(draws.standing) else chosen[-1] + 1
-    return clearance(reached, np.ones(len(reached)), seen)
+    seen = draws.ends if len(chosen) == len(standing) else draws.ends[: chosen[-1] + 1]
+    return clearance(reached, np.ones(len(reached)), seen.size, without_end(seen))
 
 
 def _reach_m(scene: Scene) -> Array:

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from harness.assess.inputs import draw, groups, row
 from harness.assess.model_draws import model_draws, sweepable
+from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale, varied
+from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.records.assess import FragilityRecord, Index
 
@@ -44,15 +46,32 @@ def fragility(scene: Scene, inputs: Sequence[Uncertain], seed: int, count: int =
     draws = draw(inputs, count, seed)
     own = draws.pop("motion.scale", np.full(count, file_scale(scene)))
     if sweepable(scene, draws):
-        probability = [model_draws(scene, {**draws, "motion.scale": own * factor}).probability for factor in FACTORS]
+        by_factor = [model_draws(scene, {**draws, "motion.scale": own * factor}) for factor in FACTORS]
+        fell = np.array([item.overturned for item in by_factor])
+        decided = np.array([item.decided for item in by_factor])
     else:
         scenes = (varied(scene, row(draws, k)) for k in range(count))
-        fell = [
-            model_draws(drawn, {"motion.scale": strength * np.array(FACTORS)}).overturned
+        by_draw = [
+            model_draws(drawn, {"motion.scale": strength * np.array(FACTORS)})
             for drawn, strength in zip(scenes, own, strict=True)
         ]
-        probability = np.mean(fell, axis=0).tolist()
-    return FragilityRecord(FACTORS, probability, count, factors_at(FACTORS, probability))
+        fell = np.array([item.overturned for item in by_draw]).T
+        decided = np.array([item.decided for item in by_draw]).T
+    return fragility_of(FACTORS, [(int(a.sum()), int((~b).sum()), count) for a, b in zip(fell, decided, strict=True)])
+
+
+def fragility_of(
+    factors: Sequence[float], counts: Sequence[tuple[int, int, int]], model: str = "analytic"
+) -> FragilityRecord:
+    """The fragility by counts at each factor: draws that fall, that come to no end, and all."""
+    falls = [fell / size for fell, _, size in counts]
+    none = [wilson(fell, size, LEVEL) for fell, _, size in counts]
+    every = [wilson(fell + undecided, size, LEVEL) for fell, undecided, size in counts]
+    low, high = [item.low for item in none if item], [item.high for item in every if item]
+    undecided_share = [undecided / size for _, undecided, size in counts]
+    factor_at, soonest_at, latest_at = (factors_at(factors, curve) for curve in (falls, high, low))
+    size = min(size for *_, size in counts)
+    return FragilityRecord(factors, falls, size, factor_at, model, low, high, undecided_share, soonest_at, latest_at)
 
 
 def factors_at(factors: Sequence[float], probability: Sequence[float]) -> dict[str, float | None]:

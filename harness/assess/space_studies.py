@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from harness.assess.compared import AS_IT_IS, DIFFERENCE_LEVEL, common, paired_difference
-from harness.assess.in_space import SPACE, Ends, ends_in_space
+from harness.assess.in_space import SPACE, Ends, ends_in_space, without_end
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.options import Option
-from harness.assess.sensitivity import factors_at
+from harness.assess.sensitivity import fragility_of
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale
 from harness.comparison.statistics.distributions import wilson
@@ -82,10 +82,10 @@ def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> 
     """Probability of overturning by a factor on all axes together; None for a scene that the exact body does not know."""
     draws = draw(inputs, FRAGILITY_DRAWS, seed)
     own = draws.get("motion.scale", np.full(FRAGILITY_DRAWS, file_scale(scene)))
-    probability = []
+    counts = []
     for factor in FACTORS:
         ends = ends_in_space(scene, {**draws, "motion.scale": own * factor}, FRAGILITY_STEPS)
         if ends is None:
             return None
-        probability.append(float((ends == "overturned").mean()))
-    return FragilityRecord(FACTORS, probability, FRAGILITY_DRAWS, factors_at(FACTORS, probability), model=SPACE)
+        counts.append((int((ends == "overturned").sum()), without_end(ends), ends.size))
+    return fragility_of(FACTORS, counts, SPACE)

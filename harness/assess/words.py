@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from harness.assess.by_model import MODEL
@@ -20,6 +21,9 @@ from harness.records.assess import (
 
 CLEAR: Final = 0.95
 """Share of the standing draws whose clearance is told in a sentence."""
+
+FIRST: Final = "0.05"
+"""The least probability whose factor is told: what a reserve is."""
 
 
 def summary(record: AssessRecord) -> str:
@@ -50,17 +54,33 @@ def summary(record: AssessRecord) -> str:
 
 def reserve(item: FragilityRecord, plane_only: bool = False) -> str:
     """How much stronger than today's the shaking may be until a fall is as probable as 5, 16 and 50 %, by the model."""
-    reached = {percent(float(asked)): factor for asked, factor in item.factor_at.items() if factor is not None}
-    each = _listed([f"{asked} % at {factor:.2f} times" for asked, factor in reached.items()])
+    at_most = f"{item.factor[-1]:g} times today's shaking"
+    reached = [asked for asked, factor in item.factor_at.items() if factor is not None]
+    each = _listed([_factor(item, asked) for asked in reached])
+    open_ = max(item.undecided, default=0.0)
+    counted = f" Draws without an end, up to {percent(open_)} %, fall in the lower factor and stand in the higher."
+    after = counted if open_ else ""
     if plane_only and item.model == MODEL:
         said = "In the rocking plane alone a fall is"
         if not reached:
-            return f"{said} less probable than 5 % at all strengths tried, up to {item.factor[-1]:g} times today's shaking."
-        return f"{said} as probable as {each} today's shaking."
+            return f"{said} less probable than 5 % at all strengths tried, up to {at_most}.{after}"
+        return f"{said} as probable as {each} today's shaking.{after}"
+    soonest = item.soonest_at.get(FIRST, item.factor_at[FIRST])
+    word = "No reserve" if (item.factor_at[FIRST] or math.inf) <= 1.0 else "Reserve"
+    if word == "Reserve" and (soonest or math.inf) <= 1.0:
+        word = "No reserve is shown"
     if not reached:
-        return f"Reserve: at {item.factor[-1]:g} times today's shaking a fall is still less probable than 5 %."
-    first = next(iter(reached.values()))
-    return f"{'Reserve' if first > 1.0 else 'No reserve'}: a fall is as probable as {each} today's shaking."
+        beyond = "" if soonest is None else f", as far as draws tell; it may be as probable from {soonest:.2f} times on"
+        return f"{word}: at {at_most} a fall is still less probable than 5 %{beyond}.{after}"
+    return f"{word}: a fall is as probable as {each} today's shaking.{after}"
+
+
+def _factor(item: FragilityRecord, asked: str) -> str:
+    """`5 % at 1.10 (1.02 to 1.20) times`; the range is what draws leave open."""
+    soonest, latest = (at.get(asked, item.factor_at[asked]) for at in (item.soonest_at, item.latest_at))
+    low, high = (f"beyond {item.factor[-1]:g}" if at is None else f"{at:.2f}" for at in (soonest, latest))
+    between = "" if low == high else f" ({low} to {high})"
+    return f"{percent(float(asked))} % at {item.factor_at[asked]:.2f}{between} times"
 
 
 def room(item: ClearanceRecord) -> str:
@@ -69,6 +89,11 @@ def room(item: ClearanceRecord) -> str:
     few = {name: each for name, each in item.by_model.items() if name not in item.answered}
     silent = "".join(
         f"; in {name} only {each.standing} of {each.draws} draws stand, too few to tell" for name, each in few.items()
+    )
+    silent += "".join(
+        f"; left out are draws of {name} that come to no end, {each.undecided} of {each.draws}"
+        for name, each in item.by_model.items()
+        if each.undecided
     )
     name, answer = next(iter(item.answered.items()), ("", None))
     if answer is None:

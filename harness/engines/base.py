@@ -110,6 +110,12 @@ class Engine(ABC):
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """Variations of `settings` (half the step, other body order, more iterations) whose spread is the numerical error."""
 
+    def sensitivity_settings(self, scene: Scene, settings: Settings) -> Settings:
+        """Settings of the run that shows how much a small change moves the answer: what else should change nothing is changed
+        there too.
+        """
+        return settings
+
     @abstractmethod
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

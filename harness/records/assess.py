@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from harness.model.run import OMITTED
 from harness.model.scene import Uncertain
@@ -13,6 +13,9 @@ from harness.records.base import Record
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.validation import RunCounts
+
+MOSTLY: Final = 0.5
+"""Where more draws than this come to no end, the share that falls is no headline."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,12 @@ class Assessment:
         if self.undecided >= 1.0:
             return "may fall or stand: the model comes to no end in anything that may be true"
         low, high = percent(self.low), percent(self.high)
-        said = f"falls in {percent(self.probability_overturned)} % of what may be true ({low} to {high} %)"
-        said += f", and in {percent(self.undecided)} % the model comes to no end" if self.undecided else ""
+        falls, open_ = f"falls in {percent(self.probability_overturned)} %", f"in {percent(self.undecided)} %"
+        if self.undecided > MOSTLY:
+            said = f"may fall or stand: {open_} of what may be true the model comes to no end; it {falls} ({low} to {high} %)"
+        else:
+            said = f"{falls} of what may be true ({low} to {high} %)"
+            said += f", and {open_} the model comes to no end" if self.undecided else ""
         return said + (", the shaking across its plane left out" if self.plane_only else "")
 
 
@@ -89,13 +96,22 @@ class ProbabilityDifference:
 
 @dataclass(frozen=True)
 class FragilityRecord:
-    """Probability of overturning by a factor on the whole motion, and the factor at which it reaches some (None: never)."""
+    """Probability of overturning by a factor on the whole motion, and the factor at which it reaches some (None: never).
+
+    `low` and `high` are its interval (90 %) at each factor: a draw that comes to no end (share: `undecided`) stands in the low,
+    falls in the high. `soonest_at` and `latest_at` are the factors by the high and the low.
+    """
 
     factor: Sequence[float]
     probability_overturned: Sequence[float]
     draws: int
     factor_at: Mapping[str, float | None]
     model: str = "analytic"
+    low: Sequence[float] = ()
+    high: Sequence[float] = ()
+    undecided: Sequence[float] = ()
+    soonest_at: Mapping[str, float | None] = field(default_factory=dict)
+    latest_at: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -177,7 +193,7 @@ class ClearanceByModel:
     """How far, m, the outline, the middle of its top and the pedestal go beyond where they are at rest, by direction seen from
     above, anticlockwise from the statue's right: a row of quantiles for each `share` of the `standing` draws.
 
-    A planar model has two directions; without any too few draws stand.
+    A planar model has two directions; without any too few draws stand. Draws that come to no end are `undecided`, and left out.
     """
 
     draws: int
@@ -187,6 +203,7 @@ class ClearanceByModel:
     outline_m: Sequence[Sequence[float]] = ()
     top_m: Sequence[Sequence[float]] = ()
     pedestal_m: Sequence[Sequence[float]] = ()
+    undecided: int = 0
 
     def at(self, share: float) -> dict[float, float]:
         """How far the outline goes by direction at one of the shares that are told."""

@@ -26,7 +26,7 @@ from harness.records.assess import (
     percent,
     planar_alone,
 )
-from reports.charts.palette import HAIRLINE, INK, MUTED
+from reports.charts.palette import HAIRLINE, INK, MUTED, faint
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.text.chance import tone_of_answers
@@ -50,6 +50,7 @@ def context(_folder: Path, record: AssessRecord) -> dict[str, object]:
         "totals": any(item.total is not None for item in (record.indices or {}).values()),
         "least_draws": LEAST_DRAWS,
         "chart": None if record.fragility is None else _chart(record.fragility),
+        "chart_draws": None if record.fragility is None else record.fragility.draws,
         "chart_model": None if record.fragility is None else record.fragility.model,
         "advice": [] if record.options is None else advice(record.options),
         "options": None if record.options is None else _options(record.options),
@@ -194,7 +195,18 @@ def _source(item: OptionAnswer) -> str:
 
 
 def _chart(fragility: FragilityRecord) -> dict[str, object]:
+    band = {
+        "type": "scatter",
+        "x": [*fragility.factor, *reversed(fragility.factor)],
+        "y": [*fragility.high, *reversed(fragility.low)],
+        "fill": "toself",
+        "fillcolor": faint(INK, 0.1),
+        "line": {"width": 0},
+        "hoverinfo": "skip",
+        "showlegend": False,
+    }
     data = [
+        *([band] if fragility.low else []),
         {
             "type": "scatter",
             "mode": "lines+markers",

@@ -42,6 +42,17 @@ def test_each_run_is_the_single_run() -> None:
             assert found.end_s[i, j] == alone.end_s
 
 
+def test_one_coefficient_for_rest_and_motion_leaves_no_run_without_a_joint_state() -> None:
+    """Where the pedestal begins to slide nothing jumps then: an onset found to 1e-6 rad must still stick or slide."""
+    rng = np.random.default_rng(21)
+    mu = 0.15 * np.exp(0.15 * rng.standard_normal(400))
+    sweep = {"floor_static": mu, "floor_kinetic": mu, "amplitude_m_s2": rng.uniform(3.0, 5.0, 400)}
+    found = ensemble(STATUE, Harmonic(1.0, 3.0), sweep=sweep, duration_s=10.0, pedestal=PEDESTAL)
+    ends = {str(outcome) for outcome in found.outcomes}
+    assert ends <= {"stands", "overturned_right", "overturned_left", "undecided"}
+    assert 0.1 < found.overturned.mean() < 0.9
+
+
 def test_threads_change_no_bit() -> None:
     rng = np.random.default_rng(5)
     sweep = {

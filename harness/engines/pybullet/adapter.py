@@ -14,6 +14,7 @@ from harness.engines.base import FINER, Engine, EngineFailure, Settings, own_set
 from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
+from harness.engines.pybullet import mirror
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -103,6 +104,11 @@ class Bullet3D(Engine):
         )
         expected = min((item.expected_error_rad for item in coarser), default=level.expected_error_rad)
         return (replace(verification, expected_error_rad=min(expected, level.expected_error_rad)),)
+
+    def sensitivity_settings(self, scene: Scene, settings: Settings) -> Settings:
+        """The same level under another heading: what friction does there is Bullet's own."""
+        level = own_settings(self.name, BulletSettings, settings)
+        return replace(level, turn_rad=mirror.other_heading(scene, level))
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""

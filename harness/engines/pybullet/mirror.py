@@ -8,16 +8,20 @@ step from the impulses of the last, and their friction, a pyramid along the slid
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.pybullet.settings import BulletSettings
 from harness.model.scene import Scene
 from harness.statics.symmetry import SAME, asymmetry
 
 Array = NDArray[np.float64]
 
+TURN_RAD: Final = 0.25 * math.pi
+"""The other heading: half-way between Bullet's axes, where its friction leans to neither."""
 LOCKED_KG_M2: Final = 1e20
 """A moment of inertia that nothing turns: across the plane."""
 
@@ -25,6 +29,11 @@ LOCKED_KG_M2: Final = 1e20
 def halves(scene: Scene) -> bool:
     """Whether half of the scene tells the whole. A moving table is not one: Bullet's rigid bodies do not feel its velocity."""
     return scene.table == "frame" and asymmetry(scene) is None
+
+
+def other_heading(scene: Scene, settings: BulletSettings) -> float:
+    """Heading beside that of `settings`, rad: none other where the scene mirrors itself, as it slides along one line."""
+    return settings.turn_rad if asymmetry(scene) is None else TURN_RAD - settings.turn_rad
 
 
 def halved(feet_m: Array) -> Array:

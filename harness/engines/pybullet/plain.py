@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from harness.engines.pybullet.course import Setup
     from harness.engines.pybullet.full import FullShape
     from harness.engines.pybullet.stepper import StepLog
+    from harness.engines.pybullet.world import World
 
 LEVELS: Final = (
     (2e-3, 1e-2),
@@ -47,6 +48,10 @@ TURNING_RAD_S: Final = 3.0
 """Rate up to which a turning body's feet are still contacts at the end of a step: statues rock at up to some 2 rad/s."""
 LOOK_STEPS: Final = 64
 """Steps between two looks at whether the run can end, or the pedestal's edge be met."""
+
+
+BOUNCES_ABOVE_M_S: Final = 0.02
+"""Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +76,7 @@ class PlainBullet3D(Engine):
     step_cost: ClassVar[float] = 1.5
 
     missing = Bullet3D.missing
+    sensitivity_settings = Bullet3D.sensitivity_settings
 
     def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
         """Steps of 2 ms to 0.0625 ms."""
@@ -156,6 +162,7 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     import pybullet
 
     from harness.engines.pybullet.course import build
+    from harness.engines.pybullet.heading import puller
     from harness.engines.pybullet.schedule import Schedule
     from harness.engines.pybullet.stepper import StepLog, reader
     from harness.engines.pybullet.world import World
@@ -164,13 +171,13 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     with World(settings) as world:
         build(world, scene, setup, full)
         if scene.contact.restitution is not None:
-            world.bounce(scene.contact.restitution)
-        read, client, acting = reader(world), world.client, course.friction.static
+            _bounce(world, scene.contact.restitution)
+        read, pull, client, acting = reader(world), puller(world), world.client, course.friction.static
         row = read()
         record = StepLog(len(row))
         record.keep(0.0, 0.0, row)
         for step, gravity in enumerate(Schedule(scene, dt, 0, count).coarse, 1):
-            pybullet.setGravity(*gravity, client)
+            pull(*gravity, client)
             pybullet.stepSimulation(client)
             row = read()
             record.keep(step * dt, (step - 0.5) * dt, row)
@@ -184,3 +191,12 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
             ):
                 break
     return record
+
+
+def _bounce(world: World, restitution: float) -> None:
+    """Let contacts between the statue and the floor return this share of their normal velocity (Bullet multiplies both)."""
+    import pybullet
+
+    pybullet.setPhysicsEngineParameter(restitutionVelocityThreshold=BOUNCES_ABOVE_M_S, physicsClientId=world.client)
+    for body in (world.statue, world.floor):
+        pybullet.changeDynamics(body, -1, restitution=math.sqrt(restitution), physicsClientId=world.client)

@@ -18,7 +18,8 @@ class BulletSettings(Settings):
     `residual` is the squared change of velocity, (m/s)², at `REFERENCE_DT_S` below which solver iterations end early (0: never);
     around an event `event_residual` times that holds, with at most `event_iterations`. `foot_radius_m` is the radius of the
     spheres at the base's vertices, `reach` the gap, in radii of the body, up to which they are contacts while it turns slowly.
-    `reversed_bodies` puts the statue before its pedestal: the same solution, by more solver iterations. `full_shape` is what
+    `reversed_bodies` puts the statue before its pedestal: the same solution, by more solver iterations. `turn_rad` is the heading
+    of the scene in Bullet's world. `full_shape` is what
     meets a pedestal's edge: what the scene needs (harness/statics/collision_shape.py), or one of two whatever it needs.
     """
 
@@ -32,6 +33,7 @@ class BulletSettings(Settings):
     foot_radius_m: float = 1e-9
     cone_friction: bool = True
     reversed_bodies: bool = False
+    turn_rad: float = 0.0
     full_shape: Literal["needed", "hull", "parts"] = "needed"
 
     def residual_for(self) -> float:

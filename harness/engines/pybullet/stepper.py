@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.gyroscopic import Gyroscope
+from harness.engines.pybullet.heading import puller
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -39,6 +40,8 @@ NARROWER: Final = 256.0
 """how many times too wide it may be."""
 REVERSAL: Final = "friction_reversal"
 """Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
+RESTING_M_S: Final = 1e-3
+"""Velocity, m/s and rad/s, below which statue and pedestal rest: one that rocks is slower for a hundredth of a half-cycle."""
 STICKS_BELOW: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
@@ -109,12 +112,16 @@ def reader(world: World) -> Callable[[], Row]:
         velocity, rate = speed(statue, client)
         return (*place, *turn, *velocity, *rate)
 
-    return alone if pedestal is None else both
+    read = alone if pedestal is None else both
+    if world.heading is None:
+        return read
+    back = world.heading.back
+    return lambda: back.row(read())
 
 
 def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
     """Bullet's own step under a gravity, and the row after it."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def advance(gravity: Vector) -> Row:
         set_gravity(*gravity, client)
@@ -127,7 +134,7 @@ def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Ca
 
 def _runner(world: World, read: Callable[[], Row]) -> Callable[[Sequence[Vector], StepLog], Row]:
     """The same for several steps of a body that needs no gyroscopic torque: rows are kept, the last is returned."""
-    set_gravity, step, client = pybullet.setGravity, pybullet.stepSimulation, world.client
+    set_gravity, step, client = puller(world), pybullet.stepSimulation, world.client
 
     def run(pulls: Sequence[Vector], record: StepLog) -> Row:
         row: Row = ()
@@ -212,6 +219,10 @@ class Stepper:
         """After whole steps under `pulls`: what the bodies' contacts need next."""
         turning = after[10] * after[10] + after[11] * after[11]
         if len(after) > ALONE:
+            x, y, z = self.table_rate
+            table = (x, y, z, 0.0, 0.0, 0.0)
+            moving = (abs(v - w) for k in (7, 20) for v, w in zip(after[k : k + 6], table, strict=True))
+            self.world.solver.rest(not self.world.in_plane and max(moving) < RESTING_M_S)
             turning = max(turning, after[23] * after[23] + after[24] * after[24])
         needed = STEPS_OFF * turning * self.schedule.step_s**2
         if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:

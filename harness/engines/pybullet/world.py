@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Final, Self, final
@@ -12,8 +11,10 @@ import pybullet
 from numpy.typing import NDArray
 
 from harness.engines.pybullet import client, mirror, shapes, writing
+from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.pose import Body
 from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.pybullet.solver import Solver
 from harness.model.scene import Contact, Pedestal, Wall
 
 Array = NDArray[np.float64]
@@ -23,8 +24,6 @@ STILL: Final = (0.0, 0.0, 0.0)
 ALOFT_M: Final = 1e3
 """Height at which bodies touch nothing, and above each other."""
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
-MIRRORED_RESIDUAL: Final = 1e-2
-"""Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""
 FACE, BOX = 0, 1
 """Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
 OVER, BESIDE = 0, 1
@@ -34,12 +33,6 @@ WALL_REACH: Final = 1e-4
 MOVING: Final = 1
 """Bullet's own group of bodies that move; they touch"""
 EVERYTHING: Final = -1
-SHORT: Final = 0.1
-"""Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
-BOUNCES_ABOVE_M_S: Final = 0.02
-"""Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
-NO_RESTITUTION_BELOW_M_S: Final = 1e9
-"""Every contact is slower than this, so none bounces."""
 
 
 @final
@@ -51,7 +44,9 @@ class World:
 
     def __init__(self, settings: BulletSettings, *, mirrored: bool = False, in_plane: bool = False) -> None:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
+        self.heading = Heading.of(settings.turn_rad)
         self.client = client.take()
+        self.solver = Solver(settings, self.client, mirrored=mirrored)
         self.floor = -1
         self.wall: int | None = None
         self.pedestal: int | None = None
@@ -62,49 +57,13 @@ class World:
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
-        self._set_engine(self.settings.dt_s)
+        self.solver.begin()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         client.give_back(self.client, sound=error is None)
-
-    def _set_engine(self, step_s: float) -> None:
-        """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
-        pybullet.setPhysicsEngineParameter(
-            numSubSteps=0,
-            contactBreakingThreshold=self.settings.reach,
-            enableConeFriction=int(self.settings.cone_friction),
-            globalCFM=0.0,
-            contactSlop=0.0,
-            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
-            deterministicOverlappingPairs=1,
-            enableFileCaching=0,
-            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
-            physicsClientId=self.client,
-        )
-        self.set_length(step_s)
-
-    def set_length(self, step_s: float) -> None:
-        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
-
-        A step of another length than the level's holds an event, whose impulses are solved more tightly.
-        """
-        s, erp = self.settings, self.settings.erp_for(step_s)
-        tight, share = step_s != s.dt_s, step_s / s.dt_s
-        residual = s.residual_for() * (MIRRORED_RESIDUAL if self.mirrored else s.event_residual if tight else 1.0)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=step_s,
-            erp=erp,
-            contactERP=erp,
-            frictionERP=share**2 if share > SHORT else 0.0,
-            numSolverIterations=max(s.iterations, s.event_iterations) if tight or self.mirrored else s.iterations,
-            solverResidualThreshold=residual,
-            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
-            warmStartingFactor=0.0 if tight else 1.0,
-            physicsClientId=self.client,
-        )
 
     def build(
         self,
@@ -151,14 +110,16 @@ class World:
             states[self.pedestal] = Body(place, UPRIGHT, STILL, STILL)
         for number, (body, state) in enumerate(states.items(), 1):
             x, y, z = state.place_m
-            writing.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL), self.client)
+            self.place(body, Body((x, y, z + number * ALOFT_M), state.turn, STILL, STILL))
         pybullet.stepSimulation(self.client)
         for body, state in states.items():
-            writing.place(body, state, self.client)
+            self.place(body, state)
 
     def _fixed(self, normal: Vector, place: Vector) -> int:
         body = self._created(shapes.plane(normal, self.client), 0.0, place)
         self._homes[body] = place
+        if self.heading is not None:
+            self.place(body, Body(place, UPRIGHT, STILL, STILL))
         return body
 
     def add(self, shape: int, mass_kg: float, moments_kg_m2: Array, place: list[float]) -> int:
@@ -199,6 +160,8 @@ class World:
         else:
             shape = shapes.pedestal(p, self.radius_m, False, self.client, halved=self.mirrored)
             self.pedestal = self.add(shape, p.mass_kg, moments, place)
+        if self.heading is not None:
+            self.place(self.pedestal, Body((centre_m, 0.0, p.centroid_height_m), UPRIGHT, STILL, STILL))
 
     def _part_top(self, pedestal: int) -> None:
         """Let the face be met by the feet over it alone, and them not by the box."""
@@ -237,7 +200,7 @@ class World:
         else:
             self.statue = shapes.described_body(feet_m, radius, (), self.client)
             self._inert(self.statue, mass, moments)
-        writing.place(self.statue, state, self.client)
+        self.place(self.statue, state)
 
     def _inert(self, body: int, mass_kg: float, moments_kg_m2: Array) -> None:
         pybullet.changeDynamics(
@@ -264,12 +227,6 @@ class World:
                 physicsClientId=self.client,
             )
 
-    def bounce(self, restitution: float) -> None:
-        """Let contacts between the statue and the floor return this share of their normal velocity (Bullet multiplies both)."""
-        pybullet.setPhysicsEngineParameter(restitutionVelocityThreshold=BOUNCES_ABOVE_M_S, physicsClientId=self.client)
-        for body in (self.statue, self.floor):
-            pybullet.changeDynamics(body, -1, restitution=math.sqrt(restitution), physicsClientId=self.client)
-
     def _links(self, body: int) -> range:
         """Numbers of a body's links, its base's -1 first."""
         return range(-1, pybullet.getNumJoints(body, self.client))
@@ -278,6 +235,10 @@ class World:
         """Let the statue's feet come back to where they first stood, or no longer: a contact that slides has no such place."""
         link = OVER if self.edges else -1
         pybullet.changeDynamics(self.statue, link, frictionAnchor=int(held), physicsClientId=self.client)
+
+    def place(self, body: int, state: Body) -> None:
+        """Put a body into a state."""
+        writing.place(body, state if self.heading is None else self.heading.body(state), self.client)
 
     def set_reach(self, reach: float) -> None:
         """The gap, in radii of the body, up to which vertices are contacts. Contacts are made anew: Bullet keeps it with each."""
@@ -296,4 +257,4 @@ class World:
         """Put floor and wall to where the table is, with its velocity."""
         for body, (x, y, z) in self._homes.items():
             there = (x + displacement_m[0], y + displacement_m[1], z + displacement_m[2])
-            writing.place(body, Body(there, UPRIGHT, velocity_m_s, STILL), self.client)
+            self.place(body, Body(there, UPRIGHT, velocity_m_s, STILL))

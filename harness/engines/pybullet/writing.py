@@ -73,6 +73,6 @@ class RowWriter:
     def restore(self, row: Row) -> None:
         """Put both bodies back to where a step began that is solved again, or as a new world begins."""
         statue, pedestal = bodies(row)
-        place(self.world.statue, statue, self.world.client)
+        self.world.place(self.world.statue, statue)
         if pedestal is not None and self.world.pedestal is not None:
-            place(self.world.pedestal, pedestal, self.world.client)
+            self.world.place(self.world.pedestal, pedestal)

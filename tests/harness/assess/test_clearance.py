@@ -11,7 +11,9 @@ from analytic import Pulse
 from harness.assess.assessment import assess
 from harness.assess.clearance import clearance, of_model
 from harness.assess.inputs import draw, uncertain_inputs
+from harness.assess.model_draws import model_draws
 from harness.assess.plan import AROUND_DEG, PARTS, PLANAR_DEG, reach_m, rest_outline_m
+from harness.assess.words import room
 from harness.campaign.runner import InlinePool
 from harness.engines.contact.spatial import statue_columns
 from harness.model.scene import BaseExcitation, Scene, Statue
@@ -84,6 +86,18 @@ def test_too_few_standing_draws_have_no_quantile() -> None:
     answer = of_model(fallen, draw(uncertain_inputs(fallen), 30, seed=0))
     assert answer.standing < 20
     assert not answer.outline_m
+
+
+def test_draws_without_an_end_are_no_standing_ones() -> None:
+    """Three seconds leave some draws leaning beyond the balance point."""
+    cut = paestum(0.429, 3.0, duration_s=3.0)
+    values = draw(uncertain_inputs(cut), 60, seed=0)
+    answer, model = of_model(cut, values), model_draws(cut, values)
+    assert answer.undecided > 0
+    assert abs(answer.undecided - int((~model.decided).sum())) <= 2, "the sweep is coarser"
+    assert abs(answer.standing - int((model.decided & ~model.overturned).sum())) <= 2
+    told = room(ClearanceRecord(1.46, rest_outline_m(cut.statue).tolist(), {"analytic": answer}))
+    assert f"left out are draws of analytic that come to no end, {answer.undecided} of 60" in told
 
 
 def test_a_run_counts_for_what_it_stands_for() -> None:

@@ -11,12 +11,13 @@ import trimesh
 
 from harness import assess_cli
 from harness.assess.assessment import assess
-from harness.assess.engine_runs import overturns
+from harness.assess.engine_runs import DrawnRun, overturns
 from harness.campaign.runner import InlinePool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer
 from harness.command import Asked, Known, Sampling, Surroundings
 from harness.model.errors import InputError
+from harness.model.scene import Wall
 from tests.scenes_for_tests import paestum
 
 FEW = {"draws": 200, "most_runs": 32, "more_options": None}
@@ -59,6 +60,14 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert record.runs.wanted - record.runs.computed == 9
 
 
+def test_a_run_that_touches_the_wall_neither_stands_nor_falls() -> None:
+    shaken = paestum(0.334, 3.0, duration_s=1.0)
+    answer = overturns(DrawnRun("pymunk", shaken.but(wall=Wall("right", 0.001))))
+    assert answer.record == {"overturned": None, "reach_m": None}
+    assert not answer.failed
+    assert overturns(DrawnRun("pymunk", shaken)).record["overturned"] is False
+
+
 SCENE = Path(__file__).parents[3] / "scenes" / "paestum_block.toml"
 SAMPLING = Sampling(draws=100, seed=0, half_width=0.05, most_runs=30)
 
@@ -76,7 +85,8 @@ def test_draws_are_written_with_every_outcome(tmp_path: Path) -> None:
     share = sum(int(row["analytic_overturned"]) for row in rows) / 100
     assert share == record.answers["analytic"].probability_overturned
     assert record.runs is not None
-    assert sum(row["pymunk_overturned"] != "" for row in rows) == record.runs.wanted
+    undecided = record.answers["pymunk"].undecided * record.runs.wanted
+    assert sum(row["pymunk_overturned"] != "" for row in rows) == pytest.approx(record.runs.wanted - undecided)
     assert all(float(row["contact.floor"]) > 0.0 for row in rows)
     # With the store of the first, a second call runs nothing, and takes away what it is not asked for.
     again = assess_cli.run(SCENE, folder, asked, SAMPLING, no_options=True, jobs=1, resume=True, quiet=True)

@@ -11,7 +11,8 @@ import pytest
 
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.model_draws import model_draws, sweepable
-from harness.assess.sensitivity import LEAST_DRAWS, first_indices, fragility, indices
+from harness.assess.sensitivity import LEAST_DRAWS, first_indices, fragility, fragility_of, indices
+from harness.assess.words import reserve
 from harness.input.scene_file import load_scene
 from harness.model.scene import Uncertain
 from tests import budgets_assess as budget
@@ -65,3 +66,37 @@ def test_a_scene_read_again_for_each_draw_has_the_fragility_of_one_that_is_not()
     expected, answer = (fragility(scene, each, 3, count=60) for each in (inputs, slow))
     assert answer.probability_overturned == pytest.approx(expected.probability_overturned, abs=1e-12)
     assert 0.0 < answer.probability_overturned[12] < 1.0
+
+
+def test_draws_without_an_end_stand_at_one_edge_of_the_fragility_and_fall_at_the_other() -> None:
+    factors, falls = (0.5, 1.0, 2.0, 4.0), (0, 0, 400, 1000)
+    decided, some_open = (
+        fragility_of(factors, [(fell, open_, 1000) for fell, open_ in zip(falls, undecided, strict=True)])
+        for undecided in ((0, 0, 0, 0), (0, 200, 300, 0))
+    )
+    assert some_open.probability_overturned == decided.probability_overturned
+    assert (some_open.low, some_open.factor_at, some_open.latest_at) == (
+        decided.low,
+        decided.factor_at,
+        decided.latest_at,
+    )
+    assert some_open.undecided == [0.0, 0.2, 0.3, 0.0]
+    assert some_open.high[1] > 0.2 > decided.high[1]
+    assert some_open.high[2] > 0.7
+    for asked, soonest in some_open.soonest_at.items():
+        assert soonest is not None
+        assert soonest < (decided.soonest_at[asked] or 0.0)
+    assert reserve(decided).startswith("Reserve: a fall is as probable as 5 % at 1.09 (")
+    assert "without an end" not in reserve(decided)
+    told = reserve(some_open)
+    assert told.startswith("No reserve is shown: "), "at today's strength a fifth of the draws may fall"
+    assert told.endswith("Draws without an end, up to 30 %, fall in the lower factor and stand in the higher.")
+
+
+def test_what_no_strength_decides_is_no_reserve() -> None:
+    never = fragility_of((1.0, 2.0), [(0, 0, 1000)] * 2)
+    assert reserve(never) == "Reserve: at 2 times today's shaking a fall is still less probable than 5 %."
+    unknown = fragility_of((0.5, 1.0, 2.0), [(0, 0, 64), (0, 30, 64), (0, 64, 64)])
+    assert reserve(unknown).startswith(
+        "No reserve is shown: at 2 times today's shaking a fall is still less probable than 5 %, as far"
+    )
