@@ -23,13 +23,10 @@ from analytic._cache import home_of
 FUSED: Final = {"contract"}
 """Of all liberties only the fused a·b + c, rounded once where the processor has it. A mirrored run keeps its bits, and so does
 any run on the same kind of processor; between those with and without it numbers differ in their last bits."""
+OPTIONS: Final[dict[str, object]] = {"nogil": True, "error_model": "numpy", "fastmath": FUSED}
+"""A sweep's threads run at once; a division by nought gives infinity, without a branch for an exception."""
 P = ParamSpec("P")
 R = TypeVar("R")
-
-
-def _options(forceinline: bool) -> dict[str, Any]:
-    """A sweep's threads run at once (nogil); a division by nought gives infinity, without a branch for an exception."""
-    return {"forceinline": forceinline, "nogil": True, "error_model": "numpy", "fastmath": FUSED}
 
 
 class _Part(JITCodeLibrary):
@@ -108,7 +105,9 @@ class Inner(Generic[P, R]):
         if Inner.on_made is not None:
             Inner.on_made(Inner.made, Inner.total)
         make: Any = numba.njit
-        part = make(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_options(self._forceinline))(self._function)
+        part = make(no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=self._forceinline, **OPTIONS)(
+            self._function
+        )
         part._compiler.targetdescr = _parts()
         return part
 
@@ -122,7 +121,7 @@ class Inner(Generic[P, R]):
         config.CACHE_DIR = str(place or "")
         try:
             make: Any = numba.njit
-            compiled: Callable[P, R] = make(cache=bool(place), **_options(forceinline=False))(self._function)
+            compiled: Callable[P, R] = make(cache=bool(place), **OPTIONS)(self._function)
         finally:
             config.CACHE_DIR = theirs
         return compiled
