@@ -16,7 +16,7 @@ from harness.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_input
 from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, joined, model_draws, repeated, sweepable
 from harness.assess.options import Option
 from harness.assess.stratified import LEVEL
-from harness.assess.variation import varied
+from harness.assess.variation import KINETIC, STATIC, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.records.assess import OptionAnswer, OptionsRecord
@@ -123,9 +123,9 @@ def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int
 def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:
     """The scene's inputs as an option leaves them: friction has its own median, what is gone is not drawn."""
     relevant = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
-    return [
-        replace(item, value=other.contact.floor_static) if item.key == "contact.floor" else item for item in relevant
-    ]
+    contact = other.contact
+    medians = {"contact.floor": contact.floor_static, STATIC: contact.floor_static, KINETIC: contact.floor_kinetic}
+    return [replace(item, value=medians.get(item.key, item.value)) for item in relevant]
 
 
 def common(
