@@ -159,8 +159,8 @@ def _doubts(run: Solution) -> list[str]:
         )
     if doubts.ambiguous_states:
         messages.append(
-            f"{doubts.ambiguous_states} times several states of motion were possible; the stuck one was taken, an engine may "
-            "take another."
+            f"{'Once' if doubts.ambiguous_states == 1 else f'{doubts.ambiguous_states} times'} several states of motion were "
+            "possible; the stuck one was taken, an engine may take another."
         )
     if doubts.dropped_rebounds:
         messages.append(f"{doubts.dropped_rebounds} sequences of impacts of vanishing size were ended (chattering).")

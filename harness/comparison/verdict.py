@@ -27,6 +27,8 @@ number that calls no pair of equal models different and misses no effect above t
 
 OPEN: Final = frozenset({Verdict.AGREE, Verdict.HORIZON, Verdict.UNBOUNDED})
 """Verdicts with which outcomes that differ decide nothing between the two."""
+UNSTATED: Final = "Neither states its numerical error"
+"""In the sentence of two answers that do not: a difference between them need not be one of models."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | Non
         text += f"; {name} was not given the floor's motion along {' and '.join(axes)}"
     unstated = [side.name for side in (a, b) if side.uncertainty_rad is None]
     if open_ and verdict is Verdict.AGREE:
-        text += ". Neither states its numerical error"
+        text += f". {UNSTATED}"
     elif unstated:
         text += f" (numerical error of {' and '.join(unstated)} not stated: taken as zero)"
     slipless = [side.name for side in (a, b) if side.slip_uncertainty_m is None and side.uncertainty_rad is not None]
@@ -172,7 +174,7 @@ def _unstated(a: Side, b: Side, facts: Facts) -> str:
     limit = _mm(facts.slip.limit) if slips else _rad(facts.rotation.limit)
     return (
         f"{a.name} and {b.name} differ: their {what} are up to {size} apart, more than rounding and their files leave open"
-        f" ({limit}). Neither states its numerical error: their models differ only if it is smaller.{_digits(a, b)}"
+        f" ({limit}). {UNSTATED}: their models differ only if it is smaller.{_digits(a, b)}"
     )
 
 

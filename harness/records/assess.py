@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from harness.model.run import OMITTED
 from harness.model.scene import Uncertain
@@ -13,6 +13,9 @@ from harness.records.base import Record
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
 from harness.records.validation import RunCounts
+
+MOSTLY: Final = 0.5
+"""Where more draws than this come to no end, the share that falls is no headline."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,12 @@ class Assessment:
         if self.undecided >= 1.0:
             return "may fall or stand: the model comes to no end in anything that may be true"
         low, high = percent(self.low), percent(self.high)
-        said = f"falls in {percent(self.probability_overturned)} % of what may be true ({low} to {high} %)"
-        said += f", and in {percent(self.undecided)} % the model comes to no end" if self.undecided else ""
+        falls, open_ = f"falls in {percent(self.probability_overturned)} %", f"in {percent(self.undecided)} %"
+        if self.undecided > MOSTLY:
+            said = f"may fall or stand: {open_} of what may be true the model comes to no end; it {falls} ({low} to {high} %)"
+        else:
+            said = f"{falls} of what may be true ({low} to {high} %)"
+            said += f", and {open_} the model comes to no end" if self.undecided else ""
         return said + (", the shaking across its plane left out" if self.plane_only else "")
 
 

@@ -67,10 +67,12 @@ def settings(trial: Trial) -> Iterator[Variant]:
 def scene_of(trial: Trial, variant: Variant, seed: int = 0) -> Scene:
     """The scene of one variant. Raises `InputError` that names the test and its file."""
     turn_deg, edge_m, friction = _perturbation(trial, variant, seed)
+    scene = _base_scene(trial)
+    if scene.statue.solid is None:
+        turn_deg = 0.0  # numbers of one plane say nothing of others: only a turn that the table asks for is refused
     turn_deg += trial.azimuths_deg[variant.azimuth]
     edge_m += trial.insets_m[variant.inset]
     chosen = trial.frictions[variant.friction]
-    scene = _base_scene(trial)
     statue = _turned(trial, turn_deg, edge_m, trial.contact_tolerances_m[variant.tolerance])
     contact = scene.contact if chosen is None else replace(scene.contact, statue=chosen)
     contact = replace(contact, statue=contact.statue * friction)

@@ -14,7 +14,7 @@ from reports.text.study_rows import FAILED, SYMBOLS, Condition
 
 MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""
-ROWS: Final = (((0.70, 1.0), ""), ((0.36, 0.62), "largest rotation  [rad]"), ((0.0, 0.28), "largest slip  [mm]"))
+ROWS: Final = (((0.70, 1.0), ""), ((0.36, 0.62), "rotation  [rad]"), ((0.0, 0.28), "slip  [mm]"))
 """Share of the chart's height and title of each row, from above."""
 
 
@@ -63,13 +63,13 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str) -> Js
     rows = ROWS if slips else (((0.58, 1.0), ""), ((0.0, 0.46), ROWS[1][1]))
     data = [trace for trace in data if slips or trace["yaxis"] != "y3"]
     layout: Json = {
-        "height": 520, "xaxis": {"title": {"text": heading(key)}, "anchor": f"y{len(rows)}", "gridcolor": HAIRLINE},
+        "height": 560, "xaxis": {"title": {"text": heading(key)}, "anchor": f"y{len(rows)}", "gridcolor": HAIRLINE},
         "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
     }  # fmt: skip
     for number, (domain, title) in enumerate(rows, start=1):
         layout[f"yaxis{number if number > 1 else ''}"] = {
             "domain": list(domain), "title": {"text": title}, "gridcolor": HAIRLINE, "automargin": True,
-            "type": "category" if number == 1 else "linear", "rangemode": "tozero", "nticks": 4,
+            "type": "category" if number == 1 else "linear", "rangemode": "tozero", "nticks": 4, "exponentformat": "none",
         }  # fmt: skip
     return {"data": data, "layout": layout}
 

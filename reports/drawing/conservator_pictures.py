@@ -159,10 +159,9 @@ def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Marku
         return np.column_stack([SIDE / 2 + seen[:, 0], SIDE / 2 - seen[:, 1]])
 
     shapes: list[Shape] = [] if stone is None else [Path(place(corners[2]), "#59636f", 1.2, closed=True)]
-    shapes += [
-        area(place(plan.rest_m), "#dfd8cb", "#6d6353", 1.5),
-        Path(place(plan.moved_m), SHAKING, 1.6, "5 4", closed=True),
-    ]
+    shapes.append(area(place(plan.rest_m), "#dfd8cb", "#6d6353", 1.5))
+    if plan.room_m:
+        shapes.append(Path(place(plan.moved_m), SHAKING, 1.6, "5 4", closed=True))
     if wall is not None:
         side = 1.0 if wall.side == "right" else -1.0
         edge = scene.statue.corner_right_m if side > 0 else scene.statue.corner_left_m

@@ -35,7 +35,10 @@ class Plan:
 
 
 def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
-    """The plan over the histories of these models; a model of a plane alone tells nothing of the front and the back."""
+    """The plan over the histories of these models; a model of a plane alone tells nothing of the front and the back.
+
+    Without a model nothing is known of the room.
+    """
     body = _body(source)
     rest = _hull(body[:, :2])
     points, in_space = [rest], False
@@ -46,7 +49,7 @@ def floor_plan(source: RunSource, names: Sequence[str]) -> Plan:
         points.append(_in_space(source, body, history) if solid else _in_plane(source, body, history))
     moved = _hull(np.vstack(points))
     sides = SIDES if in_space else {side: SIDES[side] for side in ("left", "right")}
-    room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items()}
+    room = {side: float((moved @ towards).max() - (rest @ towards).max()) for side, towards in sides.items() if names}
     return Plan(rest, moved, room)
 
 

@@ -19,7 +19,7 @@ from reports.charts.decimate import kept_samples
 from reports.charts.event import MOVED_SHARE, event_s
 from reports.charts.packed import packed_array
 from reports.charts.palette import HAIRLINE, MUTED, look
-from reports.text.glossary import score_rows
+from reports.text.glossary import score_rows, verdict_words
 from reports.text.wording import Verdict
 
 DIFFERENCE: Final = "difference, first less second"
@@ -39,7 +39,7 @@ def context(folder: Path, record: CompareRecord) -> dict[str, object]:
     names = (scores.a, scores.b) if scores.a != scores.b else (f"{scores.a} (first)", f"{scores.b} (second)")
     return {
         "verdict": Verdict(
-            f"{scores.a} and {scores.b} {scores.verdict}",
+            f"{scores.a} and {scores.b} {verdict_words(scores)}",
             "agree" if scores.verdict.startswith("agree") else "differ",
             [scores.verdict_sentence, *(scores.warnings or ())],
         ),

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.model.history import Outcome
-from harness.records.assess import command_in_space, percent
+from harness.records.assess import MOSTLY, percent
 from harness.records.run import EngineRunRecord, RunRecord
 from reports.drawing.conservator_pictures import plan_svg, reach_svg
 from reports.drawing.floor_plan import floor_plan
@@ -63,7 +63,13 @@ def _answer(source: RunSource, nominal: str, colour: str, say: Language) -> tupl
         for value in (item.probability_overturned, item.low, item.high, item.undecided)
     )
     open_ = [say("chance.undecided", share=left)] if item.undecided else []
-    plane = [say("chance.plane", command=command_in_space(source.scene.file))] if item.plane_only else []
+    plane = [say("chance.plane")] if item.plane_only else []
+    if item.undecided > MOSTLY:
+        return (
+            say("chance.open"),
+            tone,
+            [say("chance.mostly_open", share=share), say("chance.cases"), *open_, *plane, given],
+        )
     return say("chance.falls", share=share, low=low, high=high), tone, [say("chance.cases"), *open_, *plane, given]
 
 

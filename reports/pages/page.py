@@ -82,7 +82,8 @@ def _pages(record: Record, say: Language) -> dict[str, Callable[[Path, Record], 
 
 def _report(folder: Path, record: Record) -> str:
     values = _common(record) | import_module(PAGES[record.kind]).context(folder, record)
-    machinery = {"script": source_text("page.js"), "chart_library": chart_library(), "dark": DARK}
+    scripts = {"script": source_text("page.js"), "units": source_text("units.js")}
+    machinery = scripts | {"chart_library": chart_library(), "dark": DARK}
     return _render(f"{record.kind}.html.j2", values | machinery)
 
 

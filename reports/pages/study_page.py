@@ -153,7 +153,7 @@ def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     for model in models:
         rows = [row for item in cases if (row := item.answers.get(model)) is not None]
         ends = [family(row.run.outcome) for row in rows if row.run is not None]
-        parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions ({model})")
+        parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions by {model}")
     return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
 
 

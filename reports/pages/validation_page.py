@@ -81,7 +81,7 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
         )
     else:
         words = "with these tests no model can be told from a bare threshold on PGV"
-    return Verdict(f"{best}; {words} ({share(bare)})", "agree" if better else "differ", points)
+    return Verdict(f"{best}; {words}, right in {share(bare)}", "agree" if better else "differ", points)
 
 
 def _thresholds(baseline: BaselineRecord) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Final
 
+from harness.comparison.verdict import UNSTATED
 from harness.records.base import Table
-from harness.records.scores import AfterHorizon, Scores
+from harness.records.scores import AfterHorizon, Scores, Verdict
 from reports.text.numbers import digits, label, plain, split_unit
 
 SCORE_WORDS: Final[Mapping[str, tuple[str, str]]] = {
@@ -125,9 +126,16 @@ def score_rows(scores: Mapping[str, Scores]) -> list[tuple[str, str, list[str]]]
     return rows
 
 
+def verdict_words(scores: Scores) -> str:
+    """The verdict as a headline; where neither answer states its error a difference is not said to be the models'."""
+    if scores.verdict is Verdict.MODEL and UNSTATED in scores.verdict_sentence:
+        return "differ by more than rounding"
+    return str(scores.verdict.value)
+
+
 def scores_text(pair: str, scores: Scores) -> str:
     """One pair's scores as lines for a terminal: the verdict, what is to be said beside it, a table in words."""
-    lines = [f"{pair.replace('_vs_', ' against ')}: {scores.verdict}", f"  {scores.verdict_sentence}"]
+    lines = [f"{pair.replace('_vs_', ' against ')}: {verdict_words(scores)}", f"  {scores.verdict_sentence}"]
     lines += [f"  warning: {text}" for text in scores.warnings or ()]
     rows = [(words, _short(cells[0])) for words, _, cells in score_rows({pair: scores})]
     if scores.iso is not None:

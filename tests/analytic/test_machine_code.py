@@ -59,8 +59,8 @@ def powers(entry: machine_code.Entry) -> tuple[float, float]:
 def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of what is handed to the compiler."""
     names = []
-    real = compiler.c_function
-    monkeypatch.setattr(compiler, "c_function", lambda function: (names.append(function.__name__), real(function))[1])
+    real = compiler.c_code
+    monkeypatch.setattr(compiler, "c_code", lambda function: (names.append(function.__name__), real(function))[1])
     return names
 
 

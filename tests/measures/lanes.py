@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from analytic import Harmonic, Pedestal, ZeroExcitation
 from analytic.constants import GRAVITY_M_S2
 from analytic.encode import encode
-from analytic.kernel.compiler import entry
+from analytic.kernel.compiler import jit
 from analytic.kernel.events import first_event
 from analytic.kernel.integrator import _expand_step
 from analytic.kernel.layout import TASK
@@ -92,7 +92,7 @@ def each_ns(work: Callable[..., Any], shape: tuple[int, ...], lanes: int) -> flo
     return 1e9 * min(spent) / REPEATS / lanes
 
 
-@entry
+@jit
 def coefficients(tasks: Records, repeats: int) -> None:
     """The step's coefficients and its length, again and again."""
     task = tasks[0]
@@ -101,7 +101,7 @@ def coefficients(tasks: Records, repeats: int) -> None:
         _expand_step(task, task.state.limit_s - task.state.time_s)
 
 
-@entry
+@jit
 def events(tasks: Records, repeats: int) -> None:
     """The search for the step's first event."""
     task = tasks[0]
@@ -110,7 +110,7 @@ def events(tasks: Records, repeats: int) -> None:
         first_event(task, n, h)
 
 
-@entry
+@jit
 def sums(tasks: Records, repeats: int) -> None:
     """The state at the step's end."""
     task = tasks[0]

@@ -38,6 +38,8 @@
   for (const item of all('dl')) for (const child of item.children) if (!child.matches('div, dt, dd')) say('a list of terms holds terms', item);
   for (const item of all('[tabindex]')) if (Number(item.tabIndex) > 0) say('nothing jumps the queue', item);
   for (const item of all('button, select').filter((each) => !hidden(each) && !each.closest('.live'))) { const box = item.getBoundingClientRect(); if (Math.min(box.width, box.height) < 24) say('a target is 24 px wide', item); }
+  const words = document.createTreeWalker(document.querySelector('main') || document.body, NodeFilter.SHOW_TEXT);
+  while (words.nextNode()) if (/\d (%|mm|cm|m|kg|g|s|rad)(?![\w/])/.test(words.currentNode.nodeValue) && !words.currentNode.parentElement.closest('pre, code, script, svg, .chart, .replay')) say('a number keeps its unit', words.currentNode.parentElement);
   const ids = all('[id]').filter((each) => !each.closest('.live')).map((each) => each.id);
   for (const id of ids.filter((each, k) => ids.indexOf(each) !== k)) said.push(`an id stands once: ${id}`);
   return said;

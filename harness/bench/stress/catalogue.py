@@ -72,9 +72,7 @@ def _rest() -> list[Hard]:
         Hard(
             "600 s at rest", {**still, "statue": COLUMN}, "stands", checks=creeping, dt_s=2e-3, skips=False, exact=False
         ),
-        Hard(
-            "60 s at rest on a pedestal", on_pedestal, "stands", checks=creeping, skips=False, exact=False, converged_s=5.0
-        ),
+        Hard("60 s at rest on a pedestal", on_pedestal, "stands", checks=creeping, skips=False, exact=False),
         Hard(
             "1.1 km from the origin", far, "stands", CONTACT, creeping, skips=False,
             note="a table that moves away at 0.1 g for 48 s, below every limit of rest",

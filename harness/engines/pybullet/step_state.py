@@ -202,5 +202,5 @@ class StepState:
 
     def _set(self, length_s: float) -> None:
         if length_s != self.length_s:
-            self.stepper.world.set_length(length_s)
+            self.stepper.world.solver.set_length(length_s)
             self.length_s = length_s

@@ -40,6 +40,8 @@ NARROWER: Final = 256.0
 """how many times too wide it may be."""
 REVERSAL: Final = "friction_reversal"
 """Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
+RESTING_M_S: Final = 1e-3
+"""Velocity, m/s and rad/s, below which statue and pedestal rest: one that rocks is slower for a hundredth of a half-cycle."""
 STICKS_BELOW: Final = 0.3
 """Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
 
@@ -217,6 +219,10 @@ class Stepper:
         """After whole steps under `pulls`: what the bodies' contacts need next."""
         turning = after[10] * after[10] + after[11] * after[11]
         if len(after) > ALONE:
+            x, y, z = self.table_rate
+            table = (x, y, z, 0.0, 0.0, 0.0)
+            moving = (abs(v - w) for k in (7, 20) for v, w in zip(after[k : k + 6], table, strict=True))
+            self.world.solver.rest(not self.world.in_plane and max(moving) < RESTING_M_S)
             turning = max(turning, after[23] * after[23] + after[24] * after[24])
         needed = STEPS_OFF * turning * self.schedule.step_s**2
         if needed > self.world.reach or needed * NARROWER < self.world.reach > self.least_reach:

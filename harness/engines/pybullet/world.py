@@ -14,6 +14,7 @@ from harness.engines.pybullet import client, mirror, shapes, writing
 from harness.engines.pybullet.heading import Heading
 from harness.engines.pybullet.pose import Body
 from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.pybullet.solver import Solver
 from harness.model.scene import Contact, Pedestal, Wall
 
 Array = NDArray[np.float64]
@@ -23,8 +24,6 @@ STILL: Final = (0.0, 0.0, 0.0)
 ALOFT_M: Final = 1e3
 """Height at which bodies touch nothing, and above each other."""
 UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
-MIRRORED_RESIDUAL: Final = 1e-2
-"""Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""
 FACE, BOX = 0, 1
 """Links of a pedestal with edges: its top's face, which the feet over it meet, and a box, which everything else does."""
 OVER, BESIDE = 0, 1
@@ -34,10 +33,6 @@ WALL_REACH: Final = 1e-4
 MOVING: Final = 1
 """Bullet's own group of bodies that move; they touch"""
 EVERYTHING: Final = -1
-SHORT: Final = 0.1
-"""Share of a step below which nothing is taken back of what a standing foot has crept along: it holds an impact."""
-NO_RESTITUTION_BELOW_M_S: Final = 1e9
-"""Every contact is slower than this, so none bounces."""
 
 
 @final
@@ -51,6 +46,7 @@ class World:
         self.settings, self.mirrored, self.in_plane = settings, mirrored, mirrored or in_plane
         self.heading = Heading.of(settings.turn_rad)
         self.client = client.take()
+        self.solver = Solver(settings, self.client, mirrored=mirrored)
         self.floor = -1
         self.wall: int | None = None
         self.pedestal: int | None = None
@@ -61,49 +57,13 @@ class World:
         self._homes: dict[int, Vector] = {}
 
     def __enter__(self) -> Self:
-        self._set_engine(self.settings.dt_s)
+        self.solver.begin()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         client.give_back(self.client, sound=error is None)
-
-    def _set_engine(self, step_s: float) -> None:
-        """Send every parameter for steps of `step_s`: some are global to the process and outlive a client."""
-        pybullet.setPhysicsEngineParameter(
-            numSubSteps=0,
-            contactBreakingThreshold=self.settings.reach,
-            enableConeFriction=int(self.settings.cone_friction),
-            globalCFM=0.0,
-            contactSlop=0.0,
-            restitutionVelocityThreshold=NO_RESTITUTION_BELOW_M_S,
-            deterministicOverlappingPairs=1,
-            enableFileCaching=0,
-            constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_SI,
-            physicsClientId=self.client,
-        )
-        self.set_length(step_s)
-
-    def set_length(self, step_s: float) -> None:
-        """The length of the steps that follow; what is a share of a penetration for each step goes with it.
-
-        A step of another length than the level's holds an event, whose impulses are solved more tightly.
-        """
-        s, erp = self.settings, self.settings.erp_for(step_s)
-        tight, share = step_s != s.dt_s, step_s / s.dt_s
-        residual = s.residual_for() * (MIRRORED_RESIDUAL if self.mirrored else s.event_residual if tight else 1.0)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=step_s,
-            erp=erp,
-            contactERP=erp,
-            frictionERP=share**2 if share > SHORT else 0.0,
-            numSolverIterations=max(s.iterations, s.event_iterations) if tight or self.mirrored else s.iterations,
-            solverResidualThreshold=residual,
-            # Impulses of an event are no guess for the next step's, nor the last step's for an event's.
-            warmStartingFactor=0.0 if tight else 1.0,
-            physicsClientId=self.client,
-        )
 
     def build(
         self,

@@ -182,5 +182,7 @@ def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path
     assert intensity_of(block).pga_g == pytest.approx(0.3, rel=1e-3)
     narrower = scene_of(replace(block, azimuths_deg=(0.0,)), Variant())
     assert narrower.statue.corner_left_m == 0.1
+    drawn = scene_of(block, Variant(sample=1)).statue  # its base's edge is drawn, its turn is not
+    assert 0.0 < abs(drawn.corner_left_m - 0.1) < 5 * BASE_SD_M
     with pytest.raises(InputError, match="numbers alone"):
         scene_of(block, Variant(azimuth=1))

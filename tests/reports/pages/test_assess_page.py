@@ -38,6 +38,11 @@ def test_draws_without_an_end_are_said_and_are_no_reason_for_green() -> None:
     half = replace(answer(0.0, 0.0, 0.01), undecided=0.5)
     assert half.sentence.endswith("(0 to 1 %), and in 50 % the model comes to no end")
     assert tone_of_probability(half) == "differ"
+    most = replace(half, undecided=0.9)
+    assert (
+        most.sentence
+        == "may fall or stand: in 90 % of what may be true the model comes to no end; it falls in 0 % (0 to 1 %)"
+    )
     none = replace(half, undecided=1.0)
     assert worse_tone({"analytic": none}, "agree") == "differ"
     assert "0 %" not in none.sentence

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,3 +81,14 @@ def test_a_history_that_was_changed_has_no_page(files: tuple[Path, Path], tmp_pa
     doubles.rest(1.0).write_csv(out / "history_b.csv")
     with pytest.raises(InputError, match=r"history_b\.csv"):
         write_report(out)
+
+
+def test_a_difference_of_files_that_state_no_error_is_not_said_to_be_the_models(
+    files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    larger = tmp_path / "larger.csv"
+    history = doubles.rocking(slip_m=0.0101)
+    replace(history, theta_rad=1.05 * history.theta_rad).write_csv(larger)
+    done = CliRunner().invoke(app, ["compare", str(files[1]), str(larger), "--out", str(tmp_path / "ab")])
+    assert "whole.csv against larger.csv: differ by more than rounding" in done.output
+    assert "whole.csv and larger.csv differ by more than rounding." in (tmp_path / "ab" / "report.html").read_text()

@@ -263,3 +263,19 @@ def test_a_shaking_whose_danger_was_not_computed_is_not_green(tmp_path: Path) ->
     page = of_run(replace(source, record=replace(source.record, assessment=None)))
     assert page["tone"] == "differ"
     assert "How probable a fall is was not computed." in page["points"]
+
+
+def test_the_few_draws_that_ended_are_no_headline(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    few = Assessment(0.0026, 0.0019, 0.0036, 0.9, 1000, 1000, 0.9974, plane_only=True)
+    page = of_run(replace(source, record=replace(source.record, assessment={"analytic": few})))
+    assert page["headline"] == "No answer was reached: the statue may fall or stand"
+    assert page["tone"] == "differ"
+    assert "The statue falls in at least 0.26 of 100 possible cases." in page["points"]
+    assert not re.search("analytic|pymunk|pybullet|rockcheck", spoken(page)), "an engineer's command"
+
+
+def test_where_it_stands_in_no_model_no_room_is_drawn(tmp_path: Path) -> None:
+    source = run_source(write_invented(tmp_path))
+    assert set(floor_plan(source, list(source.histories)).room_m) >= {"left", "right"}
+    assert floor_plan(source, []).room_m == {}
