@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from statistics import NormalDist
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from harness.assess.bodies import sliding
 from harness.assess.in_space import shaken_across
 from harness.assess.inputs import LEAST_SHARE, Array, draw, row, uncertain_inputs
 from harness.assess.model_draws import SLOW_DRAWS, Flags, ModelDraws, joined, model_draws, repeated, sweepable
-from harness.assess.options import Option
+from harness.assess.options import AS_IT_IS, Option
 from harness.assess.stratified import LEVEL
-from harness.assess.variation import varied
+from harness.assess.variation import KINETIC, STATIC, varied
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.records.assess import OptionAnswer, OptionsRecord
@@ -31,7 +31,6 @@ ALIKE: Final = ("contact.", "motion.", "initial.")
 """Keys whose draws are the same before and after a statue or a pedestal is changed."""
 NEW_KEYS: Final = 2_000_003
 """Added to the seed where an option brings an uncertain number that the scene as it is does not have."""
-AS_IT_IS: Final = "as it is"
 
 
 def compare(
@@ -49,7 +48,7 @@ def compare(
     if not sweepable(scene, values):
         values = draw(inputs, min(draws, SLOW_DRAWS), seed)
     own = model_draws(scene, values)
-    answers = [_answer(AS_IT_IS, "", "", own, None)]
+    answers = [_answer(None, own, None)]
     others: dict[str, ModelDraws | None] = {}
     for option in options:
         on_progress(f"options: {option.name}")
@@ -59,7 +58,7 @@ def compare(
     others |= _one_by_one(scene, slow, values) if slow else {}
     for option in options:
         if (other := others[option.name]) is not None:
-            answers.append(_answer(option.name, option.what, option.source, other, own))
+            answers.append(_answer(option, other, own))
     across = shaken_across(scene)
     return OptionsRecord(answers, own.overturned.size, LEVEL, DIFFERENCE_LEVEL, dict(left_out), across)
 
@@ -123,9 +122,9 @@ def _slipping(other: Scene, values: Mapping[str, Array], scene: Scene, size: int
 def _moved(inputs: Sequence[Uncertain], other: Scene) -> list[Uncertain]:
     """The scene's inputs as an option leaves them: friction has its own median, what is gone is not drawn."""
     relevant = [item for item in inputs if other.pedestal is not None or not item.key.startswith("pedestal.")]
-    return [
-        replace(item, value=other.contact.floor_static) if item.key == "contact.floor" else item for item in relevant
-    ]
+    contact = other.contact
+    medians = {"contact.floor": contact.floor_static, STATIC: contact.floor_static, KINETIC: contact.floor_kinetic}
+    return [replace(item, value=medians.get(item.key, item.value)) for item in relevant]
 
 
 def common(
@@ -152,14 +151,40 @@ def common(
     return result
 
 
-def _answer(name: str, what: str, source: str, other: ModelDraws, own: ModelDraws | None) -> OptionAnswer:
-    fell = other.overturned
+def _answer(option: Option | None, other: ModelDraws, own: ModelDraws | None) -> OptionAnswer:
+    before = None if own is None else Ends(own.overturned, own.decided)
+    median_m, high_m = (float(value) for value in np.quantile(other.peak_slip_m, (0.5, HIGH)))
+    return answer_of(option, Ends(other.overturned, other.decided), before, (median_m, high_m))
+
+
+class Ends(NamedTuple):
+    """Whether each draw (n,) falls, and whether it falls or stands at all."""
+
+    fell: Flags
+    decided: Flags
+
+
+def answer_of(
+    option: Option | None, ends: Ends, before: Ends | None, slips_m: tuple[float | None, float | None]
+) -> OptionAnswer:
+    """What is told of an option (None: the scene as it is), by its draws and the same ones of the scene as it is."""
+    fell = ends.fell
     share = wilson(int(fell.sum()), fell.size, LEVEL)
     if share is None:
         raise ValueError("an option without draws")
-    difference = None if own is None else paired_difference(fell, own.overturned[: fell.size])
-    median, high = (float(value) for value in np.quantile(other.peak_slip_m, (0.5, HIGH)))
-    return OptionAnswer(name, what, source, fell.size, share.value, share.low, share.high, median, high, difference)
+    name, what, source = (AS_IT_IS, "", "") if option is None else (option.name, option.what, option.source)
+    change = None if before is None else difference_of(ends, before)
+    undecided = 1.0 - float(ends.decided.mean())
+    return OptionAnswer(name, what, source, fell.size, share.value, share.low, share.high, *slips_m, change, undecided)
+
+
+def difference_of(ends: Ends, before: Ends) -> Interval:
+    """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
+    size = min(ends.fell.size, before.fell.size)
+    fell, may_fall = ends.fell[:size], (ends.fell | ~ends.decided)[:size]
+    fell_before, might_fall = before.fell[:size], (before.fell | ~before.decided)[:size]
+    low, high = paired_difference(fell, might_fall).low, paired_difference(may_fall, fell_before).high
+    return Interval(float(fell.mean() - fell_before.mean()), low, high, DIFFERENCE_LEVEL)
 
 
 def paired_difference(fell: Flags, before: Flags, level: float = DIFFERENCE_LEVEL) -> Interval:

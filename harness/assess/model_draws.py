@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness.assess.inputs import row
-from harness.assess.variation import file_scale, varied
+from harness.assess.variation import KINETIC, STATIC, file_scale, varied
 from harness.engines import analytic as twoblock
 from harness.model.scene import Scene
 
@@ -28,6 +28,8 @@ SWEPT: Final = {
     "initial.theta_rad": "theta0_rad",
     "initial.theta_rate_rad_s": "theta_rate0_rad_s",
     "contact.restitution": "restitution",
+    STATIC: "floor_static",
+    KINETIC: "floor_kinetic",
 }
 """Keys that the compiled sweep takes as they are."""
 FACTORS: Final = ("scale", "vertical_scale")
@@ -82,6 +84,9 @@ def _swept(scene: Scene, draws: Mapping[str, Array]) -> ModelDraws:
     for key, values in draws.items():
         for name, column in (_sweep_of(scene, key, values) or {}).items():
             sweep[name] = sweep.get(name, 1.0) * column if name in FACTORS else column
+    if sweep.keys() & {"floor_static", "floor_kinetic"}:
+        static = sweep.get("floor_static", scene.contact.floor_static)
+        sweep["floor_kinetic"] = np.minimum(sweep.get("floor_kinetic", scene.contact.floor_kinetic), static)
     options = twoblock.keywords(scene)
     # Whether the statue would slip on its support is told of single runs only.
     options.pop("statue_friction", None)

@@ -24,6 +24,7 @@ BASE_M: Final = 0.05
 """By how much a plate widens the statue's base on each side: what is hardly seen."""
 SAME_FRICTION: Final = 0.1
 """A pair whose static coefficient is this near to the scene's own, as a share of it, is no option."""
+AS_IT_IS: Final = "as it is"
 FLOOR: Final = "on the floor"
 FIXED: Final = "fixed to its pedestal"
 TURNED: Final = "turned by 90°"
@@ -158,9 +159,9 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
         wanted = '[[option]] with name = "..." and set = {"contact.floor_static" = 0.3}'
         mistakes = [Mistake(str(path), ".".join(map(str, item["loc"])), wanted, item["msg"]) for item in error.errors()]
         raise InputError(mistakes) from error
-    names = [table.name for table in tables]
+    names = [AS_IT_IS, *(item.name for item in options_of(scene)[0]), *(table.name for table in tables)]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(Mistake(str(path), "option.name", "a name of its own for each option", f"{twice!r} twice"))
+        raise InputError(Mistake(str(path), "option.name", "a name that no other option has", repr(twice)))
     return [_users(table.name, table.set, path, scene) for table in tables]
 
 

@@ -7,17 +7,16 @@ from typing import Final
 
 import numpy as np
 
-from harness.assess.compared import AS_IT_IS, DIFFERENCE_LEVEL, common, paired_difference
-from harness.assess.in_space import SPACE, Ends, ends_in_space, without_end
+from harness.assess.compared import DIFFERENCE_LEVEL, Ends, answer_of, common
+from harness.assess.in_space import SPACE, ends_in_space, without_end
+from harness.assess.in_space import Ends as Names
 from harness.assess.inputs import draw, uncertain_inputs
-from harness.assess.options import Option
+from harness.assess.options import AS_IT_IS, Option
 from harness.assess.sensitivity import fragility_of
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale
-from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
-from harness.records.assess import FragilityRecord, OptionAnswer, OptionsRecord
-from harness.records.scores import Interval
+from harness.records.assess import FragilityRecord, OptionsRecord
 
 OPTION_DRAWS: Final = 300
 """Draws of each option: a difference of 10 points at a half is then shown where half of what falls is the same in both."""
@@ -45,7 +44,8 @@ def compare_in_space(
     own = ends_in_space(scene, values, OPTION_STEPS)
     if own is None:
         return None
-    answers, unknown = [_answer(AS_IT_IS, "", "", own, None)], dict(left_out)
+    before, unknown = _flags(own), dict(left_out)
+    answers = [answer_of(None, before, None, (None, None))]
     for option in options:
         on_progress(f"options in space: {option.name}")
         if option.user:
@@ -56,26 +56,13 @@ def compare_in_space(
         if ends is None:
             unknown[option.name] = f"{SPACE} does not know its scene (it stands on the floor, without a wall)"
         else:
-            answers.append(_answer(option.name, option.what, option.source, ends, own))
+            answers.append(answer_of(option, _flags(ends), before, (None, None)))
     return OptionsRecord(answers, own.size, LEVEL, DIFFERENCE_LEVEL, unknown, model=SPACE)
 
 
-def _answer(name: str, what: str, source: str, ends: Ends, own: Ends | None) -> OptionAnswer:
-    share = wilson(int((ends == "overturned").sum()), ends.size, LEVEL)
-    if share is None:
-        raise ValueError("an option without draws")
-    difference = None if own is None else difference_of_ends(ends, own)
-    return OptionAnswer(name, what, source, ends.size, share.value, share.low, share.high, None, None, difference)
-
-
-def difference_of_ends(ends: Ends, own: Ends) -> Interval:
-    """The probability of a fall less the one before, of the same draws; where one comes to no end it may be either."""
-    size = min(ends.size, own.size)
-    fell, stood = ends[:size] == "overturned", ends[:size] == "stands"
-    fell_before, stood_before = own[:size] == "overturned", own[:size] == "stands"
-    low = paired_difference(fell, ~stood_before).low
-    high = paired_difference(~stood, fell_before).high
-    return Interval(float(fell.mean() - fell_before.mean()), low, high, DIFFERENCE_LEVEL)
+def _flags(ends: Names) -> Ends:
+    fell = ends == "overturned"
+    return Ends(fell, fell | (ends == "stands"))
 
 
 def fragility_in_space(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> FragilityRecord | None:

@@ -13,6 +13,9 @@ from harness.model.errors import InputError, Mistake
 from harness.model.scene import Scene
 
 AXES: Final = ("x", "y", "z")
+STATIC: Final = "contact.floor_static"
+KINETIC: Final = "contact.floor_kinetic"
+"""The floor's two coefficients drawn apart: where one in motion would be more than the one at rest, it is that."""
 TIME_SCALE: Final = "motion.time_scale"
 """The factor τ on the motion's axis of time, by which its step, its periods and its duration grow, and the run's with it.
 
@@ -30,14 +33,15 @@ def varied(scene: Scene, values: Mapping[str, float]) -> Scene:
     other = {key: value for key, value in values.items() if not _direct(scene, key)}
     if other:
         scene = reread(scene, other, f"{scene.source or 'the scene'}: uncertainty")
-    for key, value in values.items():
+    # What is at rest first: friction in motion is at most that.
+    for key in sorted(values, key=KINETIC.__eq__):
         if key not in other:
-            scene = _changed(scene, key, value)
+            scene = _changed(scene, key, values[key])
     return scene
 
 
 def _direct(scene: Scene, key: str) -> bool:
-    if key in ("contact.floor", "contact.statue", "motion.scale", TIME_SCALE):
+    if key in ("contact.floor", STATIC, KINETIC, "contact.statue", "motion.scale", TIME_SCALE):
         return True
     parts = key.split(".")
     if len(parts) == 3 and parts[0] == "motion" and parts[2] == "frequency_hz":
@@ -50,6 +54,11 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
         factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
         kinetic = scene.contact.floor_kinetic * factor
         return scene.but(contact=replace(scene.contact, floor_static=value, floor_kinetic=kinetic))
+    if key == STATIC:
+        contact = replace(scene.contact, floor_static=value, floor_kinetic=min(scene.contact.floor_kinetic, value))
+        return scene.but(contact=contact)
+    if key == KINETIC:
+        return scene.but(contact=replace(scene.contact, floor_kinetic=min(value, scene.contact.floor_static)))
     if key == "contact.statue":
         return scene.but(contact=replace(scene.contact, statue=value))
     base_excitation = scene.base_excitation

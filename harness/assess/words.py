@@ -141,7 +141,7 @@ def _recommended(record: OptionsRecord, helping: list[OptionAnswer]) -> str:
 
 
 def _nothing(record: OptionsRecord) -> str:
-    if record.as_it_is.high < 0.01 and not record.plane_only:
+    if record.as_it_is.high + record.as_it_is.undecided < 0.01 and not record.plane_only:
         return "Nothing need be done against a fall: none of these options makes it less probable."
     return "Nothing is recommended: none of these options is shown to make a fall less probable."
 

@@ -70,9 +70,16 @@ def uncertain_inputs(model: SceneFile) -> tuple[Uncertain, ...]:
         if other is not None and other not in before:
             wanted = f"correlated_with an earlier key of the table ({', '.join(before) or 'this is the first'})"
             raise Contradiction(f'uncertainty."{key}"', wanted, repr(other))
+        if twice := [name for name in before if _moves(name) & _moves(key)]:
+            raise Contradiction(f'uncertainty."{key}"', f"one key for each number: {twice[0]} moves it too", key)
         item = _uncertain(model, key, spread)
         inputs.append(replace(item, correlated_with=other, rho=spread.rho or 0.0))
     return tuple(inputs)
+
+
+def _moves(key: str) -> set[str]:
+    """The numbers of the file that a key of `[uncertainty]` moves."""
+    return {"contact.floor_static", "contact.floor_kinetic"} if key == "contact.floor" else {key}
 
 
 def _uncertain(model: SceneFile, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:

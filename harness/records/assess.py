@@ -132,7 +132,10 @@ class Index:
 
 @dataclass(frozen=True)
 class OptionAnswer:
-    """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is."""
+    """One option: probability of a fall, the pedestal's slip (median, 95 %; None: not followed), difference to as it is.
+
+    `undecided` is the share of draws that neither fall nor stand; the difference's interval counts them against either claim.
+    """
 
     name: str
     what: str
@@ -144,6 +147,7 @@ class OptionAnswer:
     slip_median_m: float | None
     slip_high_m: float | None
     difference: Interval | None
+    undecided: float = 0.0
 
     @property
     def helps(self) -> bool:

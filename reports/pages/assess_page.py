@@ -145,6 +145,7 @@ def _options(record: OptionsRecord) -> dict[str, object]:
 def _option(item: OptionAnswer) -> list[str]:
     """Cells that do not break: a telephone scrolls a table sideways sooner than it reads a number on two lines."""
     falls, interval = f"{percent(item.probability_overturned)} %", f"{percent(item.low)} to {percent(item.high)} %"
+    falls += f" (no end: {percent(item.undecided)} %)" if item.undecided else ""
     shown, points = "", ""
     if item.difference is not None:
         low, value, high = (

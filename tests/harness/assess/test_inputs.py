@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from harness.assess.inputs import draw, groups, uncertain_inputs
-from harness.assess.variation import varied
+from harness.assess.compared import option_draws
+from harness.assess.inputs import draw, groups, row, uncertain_inputs
+from harness.assess.model_draws import model_draws, sweepable
+from harness.assess.options import options_of
+from harness.assess.variation import KINETIC, STATIC, varied
 from harness.input.scene_file import load_scene
 from harness.model.errors import InputError
 from harness.model.scene import Uncertain
@@ -42,6 +45,9 @@ def test_a_file_says_what_is_uncertain(tmp_path: Path) -> None:
     assert [item.value for item in inputs] == [0.20, 1.0, 707.0]
 
 
+WIDE = '{ kind = "lognormal", cov = 0.4 }'
+
+
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
@@ -53,6 +59,7 @@ def test_a_file_says_what_is_uncertain(tmp_path: Path) -> None:
         ('"motion.scale" = { kind = "normal", sd = 0.1, rho = 0.5 }', "correlated_with and rho together"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "motion.scale", rho = 0.5 }', "earlier key"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "contact.floor", rho = 1.0 }', "less than 1"),
+        (f'"contact.floor" = {WIDE}\n"contact.floor_kinetic" = {WIDE}', "contact.floor moves it too"),
     ],
 )
 def test_what_is_no_distribution_of_a_number_is_refused(tmp_path: Path, line: str, wanted: str) -> None:
@@ -141,3 +148,23 @@ def test_correlated_inputs_keep_their_distributions(tmp_path: Path) -> None:
     assert {key: values[:5].tolist() for key, values in draw(given, 5, 0).items()} == {
         key: values[:5].tolist() for key, values in tied.items()
     }
+
+
+def test_the_floor_s_two_coefficients_drawn_apart_keep_their_order(tmp_path: Path) -> None:
+    """In a sweep, in a scene made for one draw, and under other materials: friction in motion is at most that at rest."""
+    scene = load_scene(
+        stated(tmp_path, f'\n[uncertainty]\n"{KINETIC}" = {WIDE}\n"{STATIC}" = {WIDE}\n'), ["duration_s=2.0"]
+    )
+    inputs = uncertain_inputs(scene)
+    values = draw(inputs, 24, seed=3)
+    assert 0 < (values[KINETIC] > values[STATIC]).sum() < 24
+    each = [varied(scene, row(values, k)) for k in range(24)]
+    for k, one in enumerate(each):
+        assert one.contact.floor_static == values[STATIC][k]
+        assert one.contact.floor_kinetic == min(values[KINETIC][k], values[STATIC][k])
+    assert sweepable(scene, values)
+    alone = [float(model_draws(one, {}).peak_slip_m[0]) for one in each]
+    assert model_draws(scene, values).peak_slip_m == pytest.approx(alone, rel=budget.ROUNDING)
+    smooth = next(item for item in options_of(scene)[0] if "PTFE" in item.name)
+    slips = option_draws(scene, inputs, smooth, values).peak_slip_m
+    assert np.median(slips) > 1.5 * np.median(alone)

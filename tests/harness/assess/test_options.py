@@ -11,7 +11,7 @@ import pytest
 
 from harness.assess import options as made
 from harness.assess.bodies import as_one, sliding, turned_block
-from harness.assess.compared import AS_IT_IS, common, compare, option_draws, paired_difference
+from harness.assess.compared import common, compare, option_draws, paired_difference
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.materials import PAIRS
 from harness.assess.model_draws import model_draws
@@ -127,10 +127,23 @@ def test_what_is_not_shown_is_not_recommended() -> None:
     assert advice(idle) == ["Nothing is recommended: none of these options is shown to make a fall less probable."]
 
 
+def test_an_option_whose_draws_come_to_no_end_is_not_recommended(tmp_path: Path) -> None:
+    """A wall that the statue strikes before it falls: no draw falls any more, none is shown to stand."""
+    scene = load_scene(SCENES / "paestum_block.toml", ["duration_s=3.0", "motion.x.amplitude_g=1.0"])
+    path = tmp_path / "mine.toml"
+    path.write_text('[[option]]\nname = "wall"\nset = {"wall.side" = "right", "wall.distance_m" = 0.001}\n')
+    record = compare(scene, uncertain_inputs(scene), made.read_options(path, scene), {}, draws=60)
+    wall = record.options[-1]
+    assert record.as_it_is.probability_overturned > wall.probability_overturned + 0.4
+    assert wall.undecided > 0.5
+    assert not wall.helps
+    assert not advice(record)[0].startswith("What would help")
+
+
 def test_the_shipped_pedestal_protects_its_statue() -> None:
     record = compared(load_scene(SCENES / "paestum_pedestal.toml"))
     by_name = {item.name: item for item in record.options}
-    assert record.as_it_is.name == AS_IT_IS
+    assert record.as_it_is.name == made.AS_IT_IS
     assert by_name[made.FLOOR].harms
     assert by_name[made.FIXED].helps
     assert by_name[made.TURNED].helps
@@ -168,7 +181,9 @@ def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:
         ('[[option]]\nname = "a"\nset = {"contact.flor" = 0.3}\n', "contact.flor"),
         ('[[option]]\nname = "a"\nset = {"contact.floor_static" = "much"}\n', "values that make a scene"),
         ('[[option]]\nname = "a"\nset = {"title.a" = 1}\n', "a key inside a table"),
-        ('[[option]]\nname = "a"\nset = {duration_s = 1.0}\n' * 2, "a name of its own"),
+        ('[[option]]\nname = "a"\nset = {duration_s = 1.0}\n' * 2, "a name that no other"),
+        (f'[[option]]\nname = "{made.FLOOR}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
+        (f'[[option]]\nname = "{made.AS_IT_IS}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
         ("option = [", "valid TOML"),
     ],
 )

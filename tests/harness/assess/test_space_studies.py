@@ -9,10 +9,11 @@ import pytest
 
 from analytic import Pulse
 from harness.assess.assessment import assess
+from harness.assess.compared import Ends, difference_of
 from harness.assess.in_space import ends_in_space
 from harness.assess.inputs import draw, uncertain_inputs
 from harness.assess.options import TURNED, options_of
-from harness.assess.space_studies import OPTION_STEPS, difference_of_ends
+from harness.assess.space_studies import OPTION_STEPS
 from harness.input.scene_file import load_scene
 from harness.model.scene import BaseExcitation, Scene
 from tests.scenes_for_tests import block, scene
@@ -85,10 +86,11 @@ def test_options_and_fragility_of_a_scene_in_space_are_the_exact_bodys() -> None
 
 
 def test_draws_without_an_end_show_nothing() -> None:
-    falls, stands, open_ = (np.array([end] * 300, dtype=object) for end in ("overturned", "stands", "undecided"))
-    shown = difference_of_ends(stands, falls)
+    none, all_ = np.zeros(300, dtype=bool), np.ones(300, dtype=bool)
+    falls, stands, open_ = Ends(all_, all_), Ends(none, all_), Ends(none, none)
+    shown = difference_of(stands, falls)
     assert shown.high < -0.9
     for ends, own in ((open_, falls), (stands, open_), (open_, open_)):
-        interval = difference_of_ends(ends, own)
+        interval = difference_of(ends, own)
         assert interval.low < 0.0
         assert interval.high >= 0.0
