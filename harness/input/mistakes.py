@@ -35,9 +35,9 @@ UNKNOWN: Final = "extra_forbidden"
 
 
 class Table(BaseModel):
-    """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen."""
+    """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen; built when first read."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Contradiction(ValueError):
