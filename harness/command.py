@@ -55,6 +55,13 @@ class Saying:
             typer.echo(printable_lines(text))
 
 
+def _engine_names() -> list[str]:
+    """For a shell that completes a word."""
+    from harness.engines import REGISTRY
+
+    return list(REGISTRY)
+
+
 @dataclass(frozen=True)
 class Asked:
     """Which engines, and what is changed of the scene."""
@@ -65,6 +72,7 @@ class Asked:
             "--engine",
             "-e",
             help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet; thrown: spatial, pybullet.",
+            autocompletion=_engine_names,
         ),
     ] = None
     overrides: Annotated[

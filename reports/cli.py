@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from io import TextIOWrapper
 from pathlib import Path
@@ -255,6 +256,9 @@ cli_record.add_commands(app)
 
 def main() -> None:
     """Entry point of the command."""
+    gc.set_threshold(
+        100_000
+    )  # what is imported lives to the end: to look through it every 700 objects takes a tenth of a start
     if isinstance(sys.stdout, TextIOWrapper):
         # The name of a file may be no text: what cannot be printed is printed as escapes.
         sys.stdout.reconfigure(errors="backslashreplace")

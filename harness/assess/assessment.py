@@ -39,8 +39,8 @@ from harness.records.assess import (
     NotAssessed,
     ProbabilityDifference,
 )
+from harness.records.base import RunCounts
 from harness.records.scene import SceneRecord
-from harness.records.validation import RunCounts
 
 ASSESS_DRAWS: Final = 20_000
 HALF_WIDTH: Final = 0.05

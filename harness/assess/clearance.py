@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.assess.engine_runs import EngineRuns
 from harness.assess.inputs import Array, row
 from harness.assess.model_draws import SLOW_DRAWS, ModelDraws, sweepable
 from harness.assess.plan import PARTS, directions_deg, reach_m
@@ -16,6 +15,9 @@ from harness.assess.variation import varied
 from harness.engines import analytic as twoblock
 from harness.model.scene import Scene
 from harness.records.assess import ClearanceByModel
+
+if TYPE_CHECKING:  # a run of the model alone has no campaign
+    from harness.assess.engine_runs import EngineRuns
 
 CLEARANCE_DRAWS: Final = 1000
 """Draws run with their histories: the 95 % quantile then rests on 50 of them, the 99 % one on 10."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, get_args
 
@@ -35,9 +35,9 @@ UNKNOWN: Final = "extra_forbidden"
 
 
 class Table(BaseModel):
-    """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen."""
+    """Base of every table that a user writes: strict types, no unknown keys, finite numbers, frozen; built when first read."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Contradiction(ValueError):
@@ -53,17 +53,17 @@ def mistakes_of(
     model: type[BaseModel],
     where: str,
     text: str = "",
-    overridden: Sequence[tuple[str, ...]] = (),
+    overridden: Mapping[tuple[str, ...], str] | None = None,
 ) -> list[Mistake]:
     """All mistakes in a validation error, one for each place, in the order of the file's model.
 
-    `overridden` are the keys that `--set` wrote: a mistake there is not the file's.
+    `overridden` are the keys that were replaced, by what named them: a mistake there is not the file's.
     """
     grouped: dict[tuple[str, ...], list[ErrorDetails]] = {}
     for detail in error.errors(include_url=False):
         path, _ = _resolve(model, detail["loc"], detail["type"] == UNKNOWN)
         grouped.setdefault(path, []).append(detail)
-    return [_mistake(path, details, model, _Source(where, text, overridden)) for path, details in grouped.items()]
+    return [_mistake(path, details, model, _Source(where, text, overridden or {})) for path, details in grouped.items()]
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,12 @@ class _Source:
 
     where: str
     text: str
-    overridden: Sequence[tuple[str, ...]]
+    overridden: Mapping[tuple[str, ...], str]
 
     def place(self, path: tuple[str, ...]) -> str:
-        if any(path[: len(key)] == key for key in self.overridden):
-            return "--set"
+        for key, name in self.overridden.items():
+            if path[: len(key)] == key:
+                return name
         line = _line_of(self.text, path)
         return f"{self.where}:{line}" if line else self.where
 

@@ -12,7 +12,9 @@ from harness.model.errors import InputError, Mistake
 
 Overrides = Sequence[str] | Mapping[str, object]
 """`KEY=VALUE` texts with a dotted key and a TOML value, or values by dotted key; `none` or None removes the key."""
-Replacement = str | tuple[str, object]
+Replacement = str | tuple[str, str, object]
+"""A `KEY=VALUE` text of a command line; or what a program named it by, the dotted key and the value."""
+OPTION: Final = "--set"
 DOT: Final = "__"
 """Stands for a dot where a key is a Python keyword argument: `motion__x__amplitude_g`. No key of a scene holds it."""
 
@@ -20,18 +22,22 @@ DOT: Final = "__"
 def replacements(overrides: Overrides, keywords: Mapping[str, object]) -> list[Replacement]:
     """Both ways of a program to replace keys, in one list."""
     given = [overrides] if isinstance(overrides, str) else overrides
-    items: list[Replacement] = [*given.items()] if isinstance(given, Mapping) else [*given]
-    return [*items, *((key.replace(DOT, "."), value) for key, value in keywords.items())]
+    items: list[Replacement] = []
+    if isinstance(given, Mapping):
+        items += [("overrides", key, value) for key, value in given.items()]
+    else:
+        items += given
+    return [*items, *((f"keyword {key}", key.replace(DOT, "."), value) for key, value in keywords.items())]
 
 
-def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> list[tuple[str, ...]]:
-    """Replace keys of a scene's content; returns their parts. Raises `InputError` with every mistake."""
+def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dict[tuple[str, ...], str]:
+    """Replace keys of a scene's content; returns by their parts what named them. Raises `InputError` with every mistake."""
     mistakes: list[Mistake] = []
-    keys = []
+    keys: dict[tuple[str, ...], str] = {}
     for item in items:
         try:
-            key, value = _parted(item) if isinstance(item, str) else item
-            keys.append(_put(content, key, value))
+            place, key, value = (OPTION, *_parted(item)) if isinstance(item, str) else item
+            keys[_put(content, place, key, value)] = place
         except InputError as error:
             mistakes += error.mistakes
     if mistakes:
@@ -43,29 +49,29 @@ def _parted(item: str) -> tuple[str, object]:
     """Key and value of a `KEY=VALUE`; what is no TOML value is a text."""
     key, equals, value = item.partition("=")
     if not equals:
-        raise InputError(Mistake("--set", item, *_key_wanted(item)))
+        raise InputError(Mistake(OPTION, item, *_key_wanted(item)))
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return key, value.strip()
     except RecursionError as error:
-        raise InputError(Mistake("--set", key, "a TOML value", "one nested too deeply to read")) from error
+        raise InputError(Mistake(OPTION, key, "a TOML value", "one nested too deeply to read")) from error
 
 
 def _key_wanted(got: str) -> tuple[str, str]:
     return "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(got)
 
 
-def _put(content: dict[str, JsonValue], key: str, value: object) -> tuple[str, ...]:
+def _put(content: dict[str, JsonValue], place: str, key: str, value: object) -> tuple[str, ...]:
     """Set one dotted key, or remove it; returns its parts."""
     parts = tuple(part.strip() for part in key.split("."))
     if not all(parts):
-        raise InputError(Mistake("--set", key, *_key_wanted(key)))
+        raise InputError(Mistake(place, key, *_key_wanted(key)))
     table = content
     for part in parts[:-1]:
         inner = table.setdefault(part, {})
         if not isinstance(inner, dict):
-            raise InputError(Mistake("--set", key, f"a key inside a table, but {part} is a value", repr(key)))
+            raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", repr(key)))
         table = inner
     if value is None or value == "none":
         table.pop(parts[-1], None)

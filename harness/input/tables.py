@@ -184,14 +184,14 @@ class SceneFile(Table):
     duration_s: Annotated[float, Field(gt=0.0, le=3600.0)]
     gravity_m_s2: Annotated[float, Field(ge=1e-3, le=1e3)] = GRAVITY_M_S2
     table: Literal["frame", "moving"] = "frame"
-    model: ModelTable = ModelTable()
+    model: ModelTable = Field(default_factory=ModelTable)
     statue: StatueTable
     pedestal: PedestalTable | None = None
-    contact: ContactTable = ContactTable()
-    motion: Motion = Motion()
+    contact: ContactTable = Field(default_factory=ContactTable)
+    motion: Motion = Field(default_factory=Motion)
     wall: WallTable | None = None
-    initial: InitialTable = InitialTable()
-    output: OutputTable = OutputTable()
+    initial: InitialTable = Field(default_factory=InitialTable)
+    output: OutputTable = Field(default_factory=OutputTable)
     uncertainty: dict[str, Distribution] = Field(default_factory=dict)
 
     @model_validator(mode="after")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -171,16 +170,9 @@ class History(Shown):
     def write_csv(self, path: Path) -> None:
         """Write the history with 17 significant digits, so that it reads back bit for bit."""
         columns = self.columns()
-        text = io.StringIO()
-        np.savetxt(
-            text,
-            np.column_stack(list(columns.values())),
-            fmt="%.17g",
-            delimiter=",",
-            header=",".join(columns),
-            comments="",
-        )
-        path.write_text(text.getvalue(), encoding="utf-8")
+        row = ",".join(["%.17g"] * len(columns))
+        rows = np.column_stack(list(columns.values())).tolist()
+        path.write_text("\n".join([",".join(columns), *(row % tuple(each) for each in rows), ""]), encoding="utf-8")
 
 
 def hermite(t_s: Array, knots_s: Array, values: Array, rates: Array) -> Array:

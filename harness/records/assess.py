@@ -9,10 +9,9 @@ from typing import Final, Literal
 
 from harness.model.run import OMITTED
 from harness.model.scene import Uncertain
-from harness.records.base import Record
+from harness.records.base import Record, RunCounts
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval
-from harness.records.validation import RunCounts
 
 MOSTLY: Final = 0.5
 """Where more draws than this come to no end, the share that falls is no headline."""

@@ -58,6 +58,14 @@ class Record:
         return plain(self)
 
 
+@dataclass(frozen=True)
+class RunCounts:
+    """Runs of a call: those that were asked, and those that had to be computed."""
+
+    wanted: int
+    computed: int
+
+
 def plain(record: Any) -> Plain:
     """A record, or a part of one, as plain JSON values in the order of its fields."""
     values: Plain = to_plain(record)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from harness.model.run import OMITTED
-from harness.records.base import Record
+from harness.records.base import Record, RunCounts
 from harness.records.scores import Interval, Scores
 from harness.records.sets import FragilityCurve, OutcomeScores, ReliabilityBin, SetScores
 
@@ -168,14 +168,6 @@ class FitShare:
 
     name: str
     tests: int
-
-
-@dataclass(frozen=True)
-class RunCounts:
-    """Runs of a call: those that were asked, and those that had to be computed."""
-
-    wanted: int
-    computed: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

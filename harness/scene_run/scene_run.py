@@ -225,14 +225,17 @@ def _scores(
     scene: Scene, runs: Mapping[str, Run], horizons: Mapping[str, HorizonRecord], iso: bool
 ) -> dict[str, Scores]:
     """The scores of each pair, up to their horizons."""
-    from harness.comparison.comparator import compare
+    pairs = list(itertools.combinations(answers_of(runs), 2))
+    if not pairs:
+        return {}
+    from harness.comparison.comparator import compare  # not for a single model
 
     until_s = {name: each.intrinsic_s for name, each in horizons.items()}
     return {
         f"{a.engine}_vs_{b.engine}": compare(
             a, b, scene=scene, horizons_s=(until_s.get(a.engine), until_s.get(b.engine)), iso=iso
         )
-        for a, b in itertools.combinations(answers_of(runs), 2)
+        for a, b in pairs
     }
 
 

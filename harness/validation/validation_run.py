@@ -19,14 +19,13 @@ from harness.input.history_file import read_history
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.run import Run
-from harness.records.base import as_file
+from harness.records.base import RunCounts, as_file
 from harness.records.result_folder import listing
 from harness.records.study import CaseRun
 from harness.records.validation import (
     FitShare,
     MeasuredHistory,
     ModelRecord,
-    RunCounts,
     TestRow,
     ValidationRecord,
 )

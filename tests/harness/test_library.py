@@ -109,8 +109,11 @@ def test_keys_are_replaced_as_keywords_as_a_mapping_and_as_texts(root: Path) -> 
         harness.load_scene(file, ["motion.x.amplitude_g=0.4"]),
     )
     assert {way.base_excitation.x.peak_m_s2 for way in ways} == {0.4 * ways[0].gravity_m_s2}
-    with pytest.raises(harness.InputError, match=r"motion.x.amplitud_g.*did you mean amplitude_g"):
+    said = r"^keyword motion__x__amplitud_g: motion.x.amplitud_g: .*did you mean amplitude_g"
+    with pytest.raises(harness.InputError, match=said):
         harness.load_scene(file, motion__x__amplitud_g=0.4)
+    with pytest.raises(harness.InputError, match=r"^overrides: duration_s: wanted a number"):
+        harness.load_scene(file, {"duration_s": "x"})
 
 
 def test_a_run_of_a_changed_scene_is_the_run_of_the_scene_so_loaded(scene: harness.Scene, run: harness.Run) -> None:

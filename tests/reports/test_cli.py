@@ -390,3 +390,11 @@ def test_asking_for_help_imports_no_simulator(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(("words", "known"), [("rockcheck st", "stress"), ("rockcheck run -e py", "pymunk")])
+def test_a_shell_completes_commands_and_engines(words: str, known: str) -> None:
+    asked = {"_ROCKCHECK_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+    command = Path(sys.executable).with_name("rockcheck")
+    done = subprocess.run([command], env={**os.environ, **asked}, capture_output=True, text=True, check=False)
+    assert known in done.stdout.split()

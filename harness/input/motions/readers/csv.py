@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
 from harness.input.motions.orientation import Orientation, parse_orientation
-from harness.input.motions.readers.table import likely_unit
+from harness.input.motions.readers.table import LABEL, likely_unit
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.text import mistake
 from harness.input.text_file import decimal, decimals
@@ -41,9 +41,10 @@ _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?|[+-]?[0-9]+
 
 @dataclass(frozen=True)
 class _Table:
-    """Headers, values (n, k) and the file's line of every row."""
+    """Headers, values (n, k) and the file's line of every row; `words` are the headers of columns without numbers."""
 
     headers: tuple[str, ...]
+    words: frozenset[str]
     values: NDArray[np.float64]
     lines: tuple[int, ...]
 
@@ -72,7 +73,7 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     clock = clock_of(table.values[:, time] * _seconds(table.headers[time]), where, table.lines)
     channels: list[Channel] = []
     units: set[str] = set()
-    others = [header for header in table.headers if _NO_COMPONENT.search(header)]
+    others = [header for header in table.headers if header in table.words or _NO_COMPONENT.search(header)]
     for column, header in enumerate(table.headers):
         if column == time or header in others:
             continue
@@ -89,7 +90,10 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
     if not channels:
         raise mistake(where, "", "a time column and an acceleration column", f"the columns {', '.join(table.headers)}")
-    said = *clock.said, *(f"column {header} is no component of an acceleration: left out" for header in others)
+    reasons = {
+        header: "holds words" if header in table.words else "is no component of an acceleration" for header in others
+    }
+    said = *clock.said, *(f"column {header} {reason}: left out" for header, reason in reasons.items())
     return RecordFile(where, "CSV", True, "/".join(sorted(units)), tuple(channels), {}, warnings=said)
 
 
@@ -116,8 +120,8 @@ def _split(line: str, decimal_comma: bool = False) -> list[str]:
 
 
 def _has_decimal_commas(line: str) -> bool:
-    """Whether the cells of a line between semicolons, tabs or blanks are all numbers with a decimal comma, or whole ones."""
-    cells = [cell for cell in _split(line, True) if cell]
+    """Whether the cells of a line between semicolons, tabs or blanks are words, whole numbers, or ones with a decimal comma."""
+    cells = [cell for cell in _split(line, True) if cell and not LABEL.match(cell)]
     return "," in line and len(cells) > 1 and all(_DECIMAL_COMMA.fullmatch(cell) for cell in cells)
 
 
@@ -143,7 +147,7 @@ def _table(text: str, where: str) -> _Table:
         first = _headers(rows[0][1], len(cells(rows[-1][1])))
     trailing = first[-1] == ""  # every line ends with the separator
     first = first[:-1] if trailing else first
-    headed = not all(map(_numeric, first))
+    headed = not all(map(_numeric, first)) and not _alike(first, cells(rows[min(1, len(rows) - 1)][1]))
     body = rows[1:] if headed else rows
     headers = tuple(first) if headed else _commented(every, rows[0][0], len(first))
     if (
@@ -158,14 +162,16 @@ def _table(text: str, where: str) -> _Table:
     if len(body) < 2:
         raise mistake(where, "", "two samples or more", str(len(body)), "the file holds no motion")
     values = np.empty((len(body), len(headers)))
-    for row, (number, line) in enumerate(body):
-        parts = cells(line)[:-1] if trailing else cells(line)
+    split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
+    words = _of_words(split, len(headers))
+    for row, ((number, line), parts) in enumerate(zip(body, split, strict=True)):
         if not any(map(_numeric, parts)) and _WORD.search(line):
             advice = f"words among numbers: take out line {number}, and what is no number below it"
             raise mistake(where, f"line {number}", "numbers", repr(line.strip()[:60]), advice)
         if len(parts) != len(headers):
             advice = "the file is cut off" if row == len(body) - 1 else "the file is damaged, or has decimal commas"
             raise mistake(where, f"line {number}", f"{len(headers)} columns", str(len(parts)), advice)
+        parts = ["0" if column in words else part for column, part in enumerate(parts)] if words else parts
         try:
             values[row] = decimals(parts)
         except ValueError:
@@ -178,7 +184,25 @@ def _table(text: str, where: str) -> _Table:
         raise mistake(
             where, f"line {body[row][0]}, {headers[column]}", "a finite number", str(values[row, column]), advice
         )
-    return _Table(headers, values, tuple(number for number, _ in body))
+    return _Table(headers, frozenset(headers[column] for column in words), values, tuple(number for number, _ in body))
+
+
+def _alike(first: Sequence[str], second: Sequence[str]) -> bool:
+    """Whether two lines hold words, and numbers too, in the same columns: then the first is no line of headers."""
+    kinds = [
+        ["number" if _numeric(cell) else LABEL.match(cell) and "word" for cell in line] for line in (first, second)
+    ]
+    return kinds[0] == kinds[1] and {"number", "word"} == set(kinds[0])
+
+
+def _of_words(rows: Sequence[Sequence[str]], width: int) -> set[int]:
+    """The columns that hold words or nothing in every row, and words in one: flags, stations, remarks."""
+    return {
+        column
+        for column in range(width)
+        if all(len(row) == width and (not row[column] or LABEL.match(row[column])) for row in rows)
+        and any(row[column] for row in rows)
+    }
 
 
 def _headers(line: str, width: int) -> list[str]:
@@ -215,7 +239,7 @@ def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[st
 
 
 def _time_column(table: _Table, where: str) -> int:
-    named = [i for i, header in enumerate(table.headers) if _TIME.match(header)]
+    named = [i for i, header in enumerate(table.headers) if _TIME.match(header) and header not in table.words]
     if named:
         return named[0]
     if table.headers[0] == "1" and len(table.headers) > 1:

@@ -35,6 +35,9 @@ _PLAUSIBLE_G: Final = (0.005, 3.0)
 _SHORTEST_S, _LONGEST_S = 1e-4, 0.1
 """Between the steps of accelerographs, 1 to 50 ms, and what no text means by a step."""
 _DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}(?:[T_]\d\S*)?|\d{1,2}:\d\d(?::\d\d(?:[.,]\d*)?)?Z?")
+LABEL = re.compile(r"(?!(?:nan|inf|infinity|null|none|na|n/a)$)[^\W\d_]", re.IGNORECASE)
+"""How a word of a column of flags, stations or remarks begins, which is no number that is missing."""
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][-+]?\d+)?")
 _TIME_OF_DAY = re.compile(r"(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)")
 _STEPS: Final = (
     (re.compile(r"\b(?:dt|delta\s*t|step|interval)\b[^0-9.\n]{0,20}(\d*\.\d+(?:[eE][-+]?\d+)?)", re.IGNORECASE), False),
@@ -52,7 +55,8 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         got = "neither" if layout.dt_s is None else "both"
         raise mistake(where, "dt, time_column", "the step, or the column of times", got, "say --dt or --time-column")
     skip = layout.skip_lines or 0
-    rows, places = _rows(text.splitlines(), skip, where, dates=layout.columns not in (None, WHOLE))
+    chosen = layout.columns not in (None, WHOLE)
+    rows, places = _rows(text.splitlines(), skip, where, other=chosen)
     if layout.columns == WHOLE:
         if layout.dt_s is None:
             raise mistake(
@@ -63,14 +67,14 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         table = _even_rows(rows, places, where)
         named = _named(layout, table.shape[1], where)
         if dated := [name for column, name in named.items() if np.isnan(table[:, column]).any()]:
-            raise mistake(where, "columns", "columns of numbers", f"dates or times of day in {', '.join(dated)}")
+            raise mistake(where, "columns", "columns of numbers", f"dates, times of day or words in {', '.join(dated)}")
     if layout.time_column is None:
         dt_s, start_s = float(layout.dt_s or 0.0), 0.0
         said: tuple[str, ...] = ()
     else:
         times = table[:, layout.time_column - 1]
         if np.isnan(times).any():
-            raise mistake(where, "time_column", "times in seconds", "dates or times of day", "say --dt instead")
+            raise mistake(where, "time_column", "times in seconds", "dates, times of day or words", "say --dt instead")
         clock = clock_of(times, where, tuple(places))
         table = np.column_stack([clock.on(table[:, column]) for column in range(table.shape[1])])
         dt_s, start_s, said = clock.dt_s, clock.start_s, clock.said
@@ -88,29 +92,34 @@ def _direction(name: str) -> Orientation:
 def _cells(line: str) -> list[str]:
     """The words of a line, with semicolons, tabs or commas between them; decimal commas where no comma can stand between."""
     plain = line.strip().strip(";,")
-    if ";" in plain or "\t" in plain or all(word.count(",") == 1 for word in plain.split()):
+    if ";" in plain or "\t" in plain or all(map(_DECIMAL_COMMA.fullmatch, plain.split())):
         return re.split(r"[;\s]+", plain.replace(",", "."))
     return re.split(r"\s*,\s*|\s+", plain)
 
 
-def _numbers(line: str, where: str, number: int, *, dates: bool = False) -> Floats:
-    """All numbers of a line; NaN for dates and times of day where `dates` may stand among them; InputError at anything else."""
+def _numbers(line: str, where: str, number: int, *, dates: bool = False, words: bool = False) -> Floats:
+    """All numbers of a line; NaN for dates and times of day, or words, where they may stand; InputError at anything else."""
     cells = _cells(line)
-    dated = [place for place, cell in enumerate(cells) if _DATE.fullmatch(cell)] if dates else []
-    if not dated:
+    other = {
+        place for place, cell in enumerate(cells) if (dates and _DATE.fullmatch(cell)) or (words and LABEL.match(cell))
+    }
+    if not other or len(other) == len(cells):
         return free_format([" ".join(cells)], where=where, first_line=number)
     values = np.full(len(cells), np.nan)
-    for place in set(range(len(cells))) - set(dated):
+    for place in set(range(len(cells))) - other:
         values[place : place + 1] = free_format([cells[place]], where=where, first_line=number)[:1]
     return values
 
 
-def _rows(lines: Sequence[str], skip: int, where: str, *, dates: bool) -> tuple[list[Floats], list[int]]:
-    """The numbers of every line below the first `skip`, and the lines' places; comments and blank lines are left out."""
+def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[list[Floats], list[int]]:
+    """The numbers of every line below the first `skip`, and the lines' places; comments and blank lines are left out.
+
+    Where `other` than numbers may stand in columns that are not asked for, dates, times of day and words are NaN.
+    """
     used = [
         (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
     ]
-    rows = [_numbers(line, where, number, dates=dates) for number, line in used]
+    rows = [_numbers(line, where, number, dates=other, words=other) for number, line in used]
     if sum(row.size for row in rows) < 2:
         raise mistake(where, "skip_lines", "numbers below the lines skipped", f"{len(lines)} lines in all")
     return rows, [number for number, _ in used]
@@ -156,6 +165,8 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
     skip, rows = block
     head = "\n".join(lines[:skip])
     layout, samples = _layout(rows, skip, head)
+    if not samples.size:
+        return ""
     if samples.ndim == 2 and np.isnan(rows[0]).any():
         layout = replace(layout, dt_s=_dated_step([line for line in lines[skip:] if line.strip()][: len(rows)]))
     unit, remark = likely_unit(head, float(np.abs(samples).max()))

@@ -36,6 +36,10 @@ TEXTS = {
         "timestamp,N (gal),E (gal)",
         *(f"2016-10-30T06:40:{18.0 + 0.01 * i:06.3f},{100 * n:.6f},0.1" for i, n in enumerate(NORTH)),
     ],
+    "times of day and one channel": [
+        "timestamp,N (gal)",
+        *(f"2016-10-30T06:40:{18.0 + 0.01 * i:06.3f},{100 * n:.6f}" for i, n in enumerate(NORTH)),
+    ],
     "dates beside times of day": [
         "Date;Time;N [mg];E [mg]",
         *(f"30/10/2016;06:40:{0.01 * i:06.3f};{v / G_M_S2 * 1e3:.6f};1".replace(".", ",") for i, v in enumerate(NORTH)),
@@ -59,6 +63,14 @@ TABLES = {
     "names with blanks, velocity beside": (
         ["A program", "Time [sec]  Acceleration N [g]  Velocity [cm/sec]"],
         [f"  {t:.3f}   {n / G_M_S2:.9E}   0.0" for t, n in zip(TIMES, NORTH, strict=True)],
+    ),
+    "columns of words": (
+        ["station,t_s,flag,a_N_ms2,remark"],
+        [f"ABC1,{t:.3f},OK,{n:.9f},{'no peak' if t else ''}" for t, n in zip(TIMES, NORTH, strict=True)],
+    ),
+    "words, decimal commas": (
+        ["t [s];Bemerkung;N [m/s2]"],
+        [f'{t:.3f};"ok";{n:.9f}'.replace(".", ",") for t, n in zip(TIMES, NORTH, strict=True)],
     ),
     "minutes": (["time_min,a_N_ms2"], [f"{t / 60.0:.9f},{n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]),
 }
@@ -152,10 +164,10 @@ def test_what_is_missing_or_wrong_is_named(tmp_path: Path, layout: Layout, unit:
 @pytest.mark.parametrize(
     ("layout", "said"),
     [
-        (Layout(0.01, 1, "1,2"), r"columns: wanted columns of numbers, got dates or times of day in 1"),
+        (Layout(0.01, 1, "1,2"), r"columns: wanted columns of numbers, got dates, times of day or words in 1"),
         (
             Layout(None, 1, "2", 1),
-            r"time_column: wanted times in seconds, got dates or times of day — say --dt instead",
+            r"time_column: wanted times in seconds, got dates, times of day or words — say --dt instead",
         ),
         (Layout(0.01, 1), r"line 2: wanted numbers, got '2016-10-30T06:40:18.000'"),
     ],
@@ -163,6 +175,18 @@ def test_what_is_missing_or_wrong_is_named(tmp_path: Path, layout: Layout, unit:
 def test_dates_stand_only_in_columns_that_are_not_asked_for(tmp_path: Path, layout: Layout, said: str) -> None:
     with pytest.raises(InputError, match=said):
         read_file(_write(tmp_path / "a.txt", TEXTS["times of day"]), unit="gal", layout=layout)
+
+
+def test_words_stand_beside_the_columns_asked_for_and_in_a_first_line_of_data(tmp_path: Path) -> None:
+    lines = [f"{t:.2f} A {n:.9f}" for t, n in zip(TIMES, NORTH, strict=True)]
+    named = _write(tmp_path / "named.txt", ["seconds quality north", *lines])
+    chosen = read_file(named, unit="m/s2", layout=Layout(skip_lines=1, time_column=1, columns="3:N"))
+    bare = read_file(_write(tmp_path / "bare.txt", lines), unit="m/s2")
+    assert bare.warnings == ("column 2 holds words: left out",)
+    for record in (chosen, bare):
+        np.testing.assert_allclose(record.channels[0].accel_m_s2, NORTH, rtol=0.0, atol=GAL_6)
+    with pytest.raises(InputError, match=r"line 1: wanted numbers, got 'seconds'"):
+        read_file(named, unit="m/s2", layout=Layout(0.01, 0, "3"))
 
 
 def test_nothing_is_proposed_for_a_damaged_table_or_prose(tmp_path: Path) -> None:
