@@ -205,7 +205,7 @@ def summary(result: Result) -> str:
     from harness.records.witness import sentences as witness_sentences
 
     lines = [result.scene.title]
-    lines += [f"  {name}: the statue {item.sentence}" for name, item in result.assessment.items()]
+    lines += [f"  {name}: the statue {item.sentence}; {item.draws} draws" for name, item in result.assessment.items()]
     file = None if result.scene.source is None else str(result.scene.source)
     lines += [f"  {text}" for text in planar_alone(result.assessment, file)]
     answered = [run for run in result.runs.values() if not run.outcome.failed]

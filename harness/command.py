@@ -71,7 +71,8 @@ class Asked:
         typer.Option(
             "--engine",
             "-e",
-            help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet; thrown: spatial, pybullet.",
+            help="An engine to run (repeat for more). Default: analytic, pymunk, pybullet; where the floor moves across the "
+            "plane under a statue without a pedestal, spatial too; thrown: spatial, pybullet.",
             autocompletion=_engine_names,
         ),
     ] = None

@@ -25,7 +25,7 @@ Point = tuple[str, str, float]
 DURATIONS_S: Final = (2.0, 8.0, 32.0)
 VERTICES: Final = (16, 128, 1024)
 RUNS: Final = (100, 1000, 10_000)
-STUDY_RUNS: Final = 64
+STUDY_RUNS: Final = 32
 """Runs of the study whose time is taken with one worker and with all."""
 
 

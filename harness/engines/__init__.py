@@ -46,7 +46,11 @@ def load(name: str) -> Engine:
     """The engine of that name; raises `InputError` with the nearest known name."""
     if name not in REGISTRY:
         wanted = f"one of {', '.join(REGISTRY)}"
-        raise InputError(Mistake("--engine", "", wanted, repr(name), nearest(name, REGISTRY)))
+        raise InputError(
+            Mistake(
+                "--engine", "", wanted, repr(name), "repeat -e for each" if "," in name else nearest(name, REGISTRY)
+            )
+        )
     # Its module brings its simulator along: only who asks for the engine pays for that.
     module, _, attribute = REGISTRY[name].partition(":")
     engine: Engine = getattr(import_module(module), attribute)()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from harness.records.scores import Interval
+from harness.records.sets import ReliabilityBin
 from harness.records.validation import FallScores, ModelRecord, ProbabilityScores, ValidationRecord
 
 SWAPPED = "no run gives what was observed (label swapped?)"
@@ -14,6 +15,8 @@ def summary(record: ValidationRecord) -> str:
     lines = [record.title]
     for name, item in record.models.items():
         lines.append(f"  {name:{width}}  {'; '.join(_of_model(item))}")
+        if bins := item.probability.reliability:
+            lines.append(f"  {'':{width}}  of what it says: {'; '.join(map(_bin, bins))}")
     bare = record.baseline
     lines.append(f"  {'PGV threshold':{width}}  {'; '.join(_scores(bare.outcomes, bare.probability))}")
     if record.unfitted:
@@ -27,6 +30,13 @@ def summary(record: ValidationRecord) -> str:
 def share(item: Interval) -> str:
     """A share in per cent with its interval."""
     return f"{100 * item.value:.0f} % ({100 * item.low:.0f}–{100 * item.high:.0f} %)"
+
+
+def _bin(item: ReliabilityBin) -> str:
+    """`0–20 % fell 1 of 6: 17 % (3–56 %)`, and where that is no true probability's."""
+    fell = round(item.fell.value * item.cases)
+    said = f"{100 * item.low:.0f}–{100 * item.high:.0f} % fell {fell} of {item.cases}: {share(item.fell)}"
+    return said if item.holds else f"{said}, outside the band of true ones"
 
 
 def _of_model(item: ModelRecord) -> list[str]:

@@ -21,11 +21,11 @@ from reports.drawing.shapes import LETTER, Disc, Path, Picture, Shape, Text, are
 WIDE: Final = 1060
 """Width in pixels of a chart that fills the page."""
 KNOWN: Final = frozenset({"scatter", "bar", "heatmap"})
-NARROW_PX: Final = 500.0
-"""A picture narrower than this needs more rows for the names over it."""
 POINTS: Final = 1200
 """Most points of a curve: more than pixels across."""
 MARK_PX: Final = 3.5
+NOTE_LETTER: Final = 6.2
+"""Width of a letter of a note in pixels, on average."""
 HATCH_PX: Final = 6.0
 """Distance of a hatching's lines, which tell patterns apart where colours do not."""
 PARTED: Final = (np.nan, np.nan)
@@ -62,7 +62,8 @@ def picture(figure: Json, width: float = WIDE, points: int = POINTS) -> Picture 
 
 def picture_of(figure: Json, width_px: float, points: int) -> Picture:
     """The figure drawn for print, with room for the names over it. Raises `LookupError` for kinds that have no still."""
-    room = {"top": 100.0 if width_px < NARROW_PX else 56.0}
+    names = [shape.y for shape in _legend(figure, width_px) if isinstance(shape, Text)]
+    room = {"top": max(names, default=0.0) + 22.0}
     drawn = picture({**figure, "layout": figure["layout"] | {"still": room}}, width_px, points)
     if drawn is None:
         raise LookupError("a figure for print holds a kind of chart that has no still picture")
@@ -190,7 +191,7 @@ def _bars(trace: Json, x: Axis, y: Axis, number: int, beside: int) -> list[Shape
     shapes: list[Shape] = []
     for size, place, base, shade, text in zip(sizes, places, bases, colours, texts, strict=True):
         middle = float(across.px(place)[0]) + (number - 0.5 * (beside - 1)) * thick
-        a, b = float(along.px(base)[0]), float(along.px(base + size)[0])
+        a, b = (along.inside(float(along.px(end)[0])) for end in (base, base + size))
         start, length = min(a, b), abs(b - a)
         sides = (start, middle - thick / 2, length, thick) if lying else (middle - thick / 2, start, thick, length)
         shapes.append(box(*sides, shade))
@@ -232,10 +233,10 @@ def _at(value: Any, ref: str, places: Mapping[str, Axis], letter: str) -> float:
     return float(places[axis].px(value)[0])
 
 
-def _within(spec: Json, places: Mapping[str, Axis], y_px: float) -> bool:
-    """Whether a level or note that names a vertical axis lies within its stretch: else it would stand in another row."""
-    axis = places.get(str(spec.get("yref", "y")).partition(" ")[0])
-    return axis is None or min(axis.start_px, axis.end_px) - 1.0 <= y_px <= max(axis.start_px, axis.end_px) + 1.0
+def _within(spec: Json, places: Mapping[str, Axis], at_px: float, letter: str = "y") -> bool:
+    """Whether a level or note that names an axis lies within its stretch: else it would stand in another row or beside."""
+    axis = places.get(str(spec.get(f"{letter}ref", letter)).partition(" ")[0])
+    return axis is None or abs(axis.inside(at_px) - at_px) <= 1.0
 
 
 def _levels(layout: Json, places: Mapping[str, Axis]) -> list[Shape]:
@@ -246,12 +247,14 @@ def _levels(layout: Json, places: Mapping[str, Axis]) -> list[Shape]:
             for letter in "xy"
         )
         style = spec.get("line") or {}
-        if not _within(spec, places, y0):
+        if not _within(spec, places, y0) or (x0 == x1 and not _within(spec, places, x0, "x")):
             continue
         if spec["type"] == "line":
             dash = DASHES.get(str(style.get("dash", "")), "")
             shapes.append(line([(x0, y0), (x1, y1)], style.get("color", INK), float(style.get("width", 1)), dash))
         else:
+            if (axis := places.get(spec.get("xref", "x"))) is not None:
+                x0, x1 = axis.inside(x0), axis.inside(x1)
             sides = min(x0, x1), min(y0, y1), abs(x1 - x0), abs(y1 - y0)
             shapes.append(box(*sides, spec.get("fillcolor", HAIRLINE), float(spec.get("opacity", 1.0))))
     return shapes
@@ -261,12 +264,15 @@ def _notes(layout: Json, places: Mapping[str, Axis]) -> list[Shape]:
     shapes: list[Shape] = []
     for note in layout.get("annotations") or ():
         x, y = (_at(note[letter], note.get(f"{letter}ref", letter), places, letter) for letter in "xy")
-        if not _within(note, places, y):
+        if not (_within(note, places, y) and _within(note, places, x, "x")):
             continue
         anchor = {"left": "start", "right": "end"}.get(note.get("xanchor", ""), "middle")
         drop = {"bottom": -4.0, "top": 13.0}.get(note.get("yanchor", ""), 4.0)
         font = note.get("font") or {}
         size = {"colour": font.get("color", MUTED), "size_px": 11.0}
+        right = max(place.end_px for name, place in places.items() if name.startswith("x"))
+        if anchor == "start" and x + NOTE_LETTER * len(note["text"]) > right:
+            x, anchor = right, "end"
         shapes.append(_text(x, y + drop, note["text"], anchor, **size))
     return shapes
 

@@ -43,6 +43,11 @@ class Axis:
             numbers = np.log10(np.maximum(numbers, 1e-300)) if self.log else numbers
         return np.asarray(self.start_px + (numbers - self.low) / (self.high - self.low) * (self.end_px - self.start_px))
 
+    def inside(self, at_px: float) -> float:
+        """The place nearest to one in pixels that lies on the axis."""
+        low, high = sorted((self.start_px, self.end_px))
+        return min(max(at_px, low), high)
+
     def ticks(self) -> list[tuple[float, str]]:
         """Places in pixels and texts of the ticks."""
         if self.names:

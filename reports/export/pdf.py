@@ -12,6 +12,7 @@ from typing import Final
 
 from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import MARK, check_marked, writing
+from reports.pages.assets import source_text
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 LIMIT_S: Final = 180.0
@@ -38,6 +39,7 @@ def write_pdf(page: Path) -> Path:
     program, target = browser(), page.with_suffix(".pdf")
     check_marked([target])
     text = _PAGE_LINK.sub("", _SCRIPT.sub("", page.read_text(encoding="utf-8")))
+    text = text.replace("</body>", f"<script>{source_text('units.js')}</script></body>")
     with tempfile.TemporaryDirectory() as spare, writing(target) as fresh:
         copy, printed = Path(spare, page.name), Path(spare, target.name)
         copy.write_text(

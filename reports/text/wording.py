@@ -45,7 +45,10 @@ def run_verdict(source: RunSource) -> Verdict:
         return nominal if known else replace(nominal, tone="failed" if over else "differ")
     item = worst(answers)
     given = f"As given, once: {nominal.headline[0].lower()}{nominal.headline[1:]}."
-    each = [f"{name}: {other.sentence}." for name, other in answers.items()] if len(answers) > 1 else []
+    several = len(answers) > 1
+    each = [
+        f"{name}: {other.sentence + '; ' if several else ''}{other.draws} draws." for name, other in answers.items()
+    ]
     beyond = planar_alone(answers, source.scene.file)
     points = [*each, *beyond, given, *nominal.points]
     return Verdict(f"The statue {item.sentence}", worse_tone(answers, nominal.tone), points)

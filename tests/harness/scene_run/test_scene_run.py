@@ -103,6 +103,8 @@ def test_a_target_out_of_range_is_a_mistake(accuracy: float | None, dt: float | 
 def test_an_unknown_engine_names_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean pymunk"):
         simulate(paestum(0.1, 2.0), "pymonk")
+    with pytest.raises(InputError, match="repeat -e for each"):
+        simulate(paestum(0.1, 2.0), "pymunk,spatial")
 
 
 @pytest.mark.parametrize(("off", "again"), [(3e-3, True), (0.5, False), (1e-4, False)])

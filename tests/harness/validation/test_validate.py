@@ -190,7 +190,14 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     record = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
     assert record["unexplained"] == [rows[-1]["test"]]
     assert f"{rows[-1]['test']}: no run gives what was observed (label swapped?)" in answer.output
-    for words in ("nominal run right in", "by P ≥ 1/2 right in", "Brier", "area under the curve", "PGV threshold"):
+    for words in (
+        "nominal run right in",
+        "by P ≥ 1/2 right in",
+        "Brier",
+        "area under the curve",
+        "of what it says: ",
+        "PGV threshold",
+    ):
         assert words in answer.output
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "label swapped?" in page

@@ -12,8 +12,10 @@ import pytest
 
 from reports.charts.histories import histories_figure
 from reports.charts.packed import packed_array
-from reports.charts.static_svg import still
+from reports.charts.static_svg import picture, still
 from reports.charts.static_svg_axes import axes, nice_ticks
+from reports.drawing.shapes import Path as Line
+from reports.drawing.shapes import Text
 from reports.source import run_source
 from tests.budgets_reports import STILL_PX
 from tests.reports.invented_run import write_invented
@@ -168,3 +170,25 @@ def test_low_rows_have_ticks_enough_to_read_a_value(low: float, high: float, mos
     found = nice_ticks(low, high, most)
     assert 2 <= len(found) <= 2 * most + 1
     assert low <= found[0] < found[-1] <= high
+
+
+def test_bars_areas_and_notes_end_with_their_axis() -> None:
+    """What begins before the stretch shown or ends after it is cut there; a note at the end runs back into the chart."""
+    bar = {"type": "bar", "orientation": "h", "x": [9.0], "base": [-4.0], "y": ["a"], "marker": {"color": "#123456"}}
+    layout = {
+        "xaxis": {"range": [0, 10]}, "height": 300,
+        "shapes": [
+            {"type": "rect", "x0": 8, "x1": 40, "yref": "paper", "y0": 0, "y1": 1, "fillcolor": "#abcdef"},
+            {"type": "line", "x0": 12, "x1": 12, "yref": "paper", "y0": 0, "y1": 1, "line": {"color": "#fedcba"}},
+        ],
+        "annotations": [{"x": 9.5, "y": "a", "xanchor": "left", "text": "error bounded until 9.5 s"}],
+    }  # fmt: skip
+    drawing = picture({"data": [bar], "layout": layout}, 500)
+    assert drawing is not None
+    axis = axes({"data": [bar], "layout": layout}, 500, 300)["x"]
+    areas = {each.fill: each.points_px for each in drawing.shapes if isinstance(each, Line) and each.fill}
+    assert (areas["#123456"][:, 0].min(), areas["#123456"][:, 0].max()) == (axis.start_px, axis.px(5.0)[0])
+    assert (areas["#abcdef"][:, 0].min(), areas["#abcdef"][:, 0].max()) == (axis.px(8.0)[0], axis.end_px)
+    assert not any(each.stroke == "#fedcba" for each in drawing.shapes if isinstance(each, Line))
+    note = next(each for each in drawing.shapes if isinstance(each, Text) and each.text.startswith("error"))
+    assert (note.anchor, note.x) == ("end", axis.end_px)

@@ -30,7 +30,7 @@ def read(text: str, where: str) -> RecordFile:
     head = Header(lines[:named], where)
     count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")
     dt_s = head.number(r"^SAMPLING INTERVAL\s*\((?i:sec)\)\s*:(.*)", "'SAMPLING INTERVAL (sec)' and a step")
-    if not head.words(r"PGA VALUES \((gal)\)"):
+    if not head.words(r"PGA VALUES\s*\((gal)\)"):
         raise mistake(where, "header", "'PGA VALUES (gal)', which says the unit", "none", "the header is damaged")
     values = columns(lines[named + 1 :], len(names), where=where, first_line=named + 2)
     if len(values) != count:
