@@ -16,6 +16,7 @@ from harness.engines.contact import frame
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
+from harness.model.history import Outcome
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
 from harness.model.scene import OVERTURN_RAD, Pose, Scene
@@ -190,9 +191,14 @@ def _warnings(certified: Certified) -> Sequence[str]:
     return messages
 
 
-def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunOptions, begin: float) -> Run:
-    from harness.model.history import Outcome
+def outcome_of(solution: Solution, reduced: Outcome) -> Outcome:
+    """The run's outcome; one that was given up, or that found no mode, has none."""
+    if solution.outcome.value == "friction_paradox":
+        return Outcome.FRICTION_PARADOX
+    return Outcome.UNDECIDED if solution.gave_up and not reduced.overturned else reduced
 
+
+def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunOptions, begin: float) -> Run:
     solution = certified.solution
     plain: dict[str, object] = own.as_dict()
     report = Report(
@@ -221,7 +227,7 @@ def _run(scene: Scene, own: SpatialSettings, certified: Certified, options: RunO
     run = reduce_trajectory(scene, trajectory_of(scene, solution), report)
     return replace(
         run,
-        outcome=Outcome.FRICTION_PARADOX if solution.outcome.value == "friction_paradox" else run.outcome,
+        outcome=outcome_of(solution, run.outcome),
         impact_times_s=tuple(event.time_s for event in solution.impacts),
         uplift_times_s=tuple(event.time_s for event in solution.events if event.kind.value == "uplift"),
         numerical_uncertainty_rad=certified.uncertainty_rad,

@@ -12,15 +12,16 @@ from analytic.spatial.kernel.codes import (
     EDGE_SLIDE,
     EDGE_STICK,
     FLAT_REST,
+    FLAT_SLIDE,
     FLIGHT,
     IMPACT,
     NO_MODE,
     SETTLED,
 )
-from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, vertex_velocities
+from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, normal, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.motion import field
-from analytic.spatial.kernel.rates import kinetic_energy, touches_flat
+from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import rests
 from analytic.spatial.kernel.restitution import strike
@@ -42,6 +43,10 @@ from analytic.spatial.kernel.vectors import (
 
 ROUNDED: Final = 4.4e-16
 """Two roundings, relative: of a sum and of its parts."""
+CHOICES: Final = 4
+"""So often a mode is chosen again where its own forces, once the state is in it, pull by more than"""
+PULLED: Final = 1e-6
+"""this share of the weight: above it is no rounding."""
 
 
 @jit
@@ -89,13 +94,40 @@ def find_mode(s: Run, m: Memory, still_m_s: float) -> bool:
 @jit
 def decide(s: Run, m: Memory) -> None:
     """Choose the mode of the vertices that are down, and put the state into it."""
+    for _ in range(CHOICES):
+        if not _choose_slowly(s, m):
+            s.outcome = NO_MODE
+            return
+        enter(s, m)
+        if _presses(s, m):
+            return
+
+
+@jit
+def _choose_slowly(s: Run, m: Memory) -> bool:
+    """Set a mode; False if none is possible, whatever the directions of slow vertices are."""
     # What a slow vertex' direction is lies within the errors of its velocity: where no mode goes with it, others are asked. Last
     # one whose rebound was dropped: where impacts of two vertices by turns come to their end both stand still.
     for slower_m_s in (10.0 * s.still_m_s, s.still_m_s, 100.0 * s.still_m_s, 1000.0 * s.still_m_s, s.settle_m_s):
         if find_mode(s, m, slower_m_s):
-            enter(s, m)
-            return
-    s.outcome = NO_MODE
+            return True
+    return False
+
+
+@jit
+def _presses(s: Run, m: Memory) -> bool:
+    """Whether what slides is pressed down still by the forces at the state that was put into its mode.
+
+    On a base of three vertices nearly in a line what is taken from slow velocities gives them other directions.
+    """
+    if s.mode not in (FLAT_SLIDE, EDGE_SLIDE):
+        return True
+    s.slow = False
+    rows, least = axes(m.y), 0.0
+    contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
+    for k in range(s.touching):
+        least = min(least, normal(m, rows, m.touch[k]))
+    return least >= -PULLED * s.mass_kg * s.gravity_m_s2
 
 
 @jit
