@@ -92,7 +92,7 @@ class Entry:
             return self._call
 
     @property
-    def kept(self) -> bool:
+    def is_stored(self) -> bool:
         """Whether it was compiled before, by this process or another."""
         path = self._path
         return path is not None and path.exists()

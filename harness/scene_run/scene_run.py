@@ -140,7 +140,7 @@ def _why_still(name: str) -> str:
     """What a run in a process of its own is at: what it compiles is not heard from there."""
     from analytic.spatial.solver import run_rows
 
-    compiles = name == engines.EXACT_IN_SPACE and not run_rows.kept
+    compiles = name == engines.EXACT_IN_SPACE and not run_rows.is_stored
     return "compiled first, once after an upgrade" if compiles else "still"
 
 

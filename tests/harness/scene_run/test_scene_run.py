@@ -60,7 +60,7 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "kept", "expected"),
+    ("name", "stored", "expected"),
     [
         pytest.param("pybullet", False, "pybullet, still", marks=needs_pybullet),
         ("spatial", True, "spatial, still"),
@@ -68,7 +68,7 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     ],
 )
 def test_an_engine_that_works_on_beside_the_others_is_told(
-    name: str, kept: bool, expected: str, monkeypatch: pytest.MonkeyPatch
+    name: str, stored: bool, expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     awaited, said = Event(), []
 
@@ -84,7 +84,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(
     scene = paestum(0.3, 2.0, pedestal=False)
     monkeypatch.setattr(run, "_isolated", slow)
     simulate(scene, "analytic")  # the planar model is compiled by now
-    monkeypatch.setattr(Entry, "kept", kept)
+    monkeypatch.setattr(Entry, "is_stored", stored)
     run_scene(scene, ["analytic", name], dt_s=1e-3, apart=True, on_progress=told)
     assert said[:3] == ["analytic", name, expected]
 
