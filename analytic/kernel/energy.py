@@ -19,6 +19,8 @@ from analytic.kernel.records import Task
 
 UNKNOWN: Final = 0
 """Energy alone does not decide here."""
+EXHAUSTED: Final = -1
+"""Nor after all the impacts that are followed."""
 NEAR_TIE: Final = 1e-9
 """Relative distance of the energy to a barrier below which the run is integrated on: far above the rounding of E, far below any
 scatter of a real statue's numbers."""
@@ -26,6 +28,8 @@ SPENT: Final = 1e-14
 """Kinetic energy in m g R below which a statue over its base stands: it lifts the centroid by less than 1e-14 R."""
 MAX_IMPACTS: Final = 2000
 """Impacts followed: a statue that keeps 0.992 of its rate at each has spent its energy by then."""
+NEXT_IMPACTS: Final = 32
+"""Impacts that are integrated before so many are followed again: a round stone loses little on each of its small facets."""
 
 
 @jit
@@ -142,17 +146,19 @@ def _follow(task: Task) -> int:
         xl, _, _ = corner(task, facet, -1)
         if xr < 0.0 < xl and 0.5 * j * omega * omega <= SPENT * m * g * radius:
             return STANDS
-    return UNKNOWN
+    return EXHAUSTED
 
 
 @jit
 def decide(task: Task) -> bool:
     """Set the outcome from the energy if it follows from it; both motions must be over."""
     state = task.state
-    if state.slide != 0:
+    if state.slide != 0 or task.counts.impacts < state.followed:
         return False
     outcome = STANDS if state.pivot < 0 else _follow(task)
-    if outcome == UNKNOWN:
+    if outcome == EXHAUSTED:
+        state.followed = task.counts.impacts + NEXT_IMPACTS
+    if outcome in (EXHAUSTED, UNKNOWN):
         return False
     state.outcome = outcome
     task.counts.energy_endings += 1

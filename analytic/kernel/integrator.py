@@ -183,6 +183,7 @@ def _finish(task: Task) -> None:
     state.outcome = STANDS
     if state.pivot < 0:
         return
+    state.followed = 0  # the last time to ask
     if state.motions_over and decide(task):
         return
     start_series(task)

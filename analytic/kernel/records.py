@@ -153,6 +153,8 @@ class State:
     floor_loaded: bool
     """The floor's coefficients stand about this instant."""
     motions_over: bool
+    followed: int
+    """Impacts before which the energy is not asked for the outcome again."""
     limit_s: float
     """The next break of a motion, or the duration: no step goes beyond."""
     angle_rad: float

@@ -9,7 +9,7 @@ from typing import Final
 from harness.bench import coverage, other_integrators, precision, scaling, sentences, skip_savings, skips
 from harness.bench.standard_scenes import standard_set
 from harness.campaign import parts
-from harness.campaign.parts import Measured, Measurement, Part
+from harness.campaign.parts import Measured, Measurement, Part, Row
 from harness.model.run import machine, versions
 from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, part_sentences
 
@@ -23,9 +23,15 @@ def all_parts(quick: bool) -> list[Part]:
         Part("coverage", coverage.tasks(quick), coverage.compute, coverage.died),
         Part("skips", skips.tasks(quick), skips.compute, skips.died),
         Part("alone", skip_savings.tasks(quick), skip_savings.compute, skip_savings.died),
-        Part("scaling", scaling.tasks(quick), scaling.compute),
-        Part("others", other_integrators.tasks(), partial(other_integrators.compute, quick)),
+        Part("others", other_integrators.tasks("others"), partial(other_integrators.compute, quick), _died),
+        Part("scaling", scaling.tasks(quick), scaling.compute, _died),
+        Part("speeds", other_integrators.tasks("speeds"), partial(other_integrators.compute, quick)),
+        Part("workers", scaling.worker_tasks(quick), scaling.compute),
     ]
+
+
+def _died(task: str) -> list[Row]:
+    raise RuntimeError(f"{task}: its process died")
 
 
 def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command: str) -> BenchRecord:
@@ -44,8 +50,8 @@ def assembled(listed: Sequence[Part], measured: Mapping[str, Measured], command:
     seeded = [coverage.read(row) for row in rows["coverage"]]
     together = skips.together([SkipRow(**row) for row in rows["skips"]])
     alone = [SkipRow(**row) for row in rows["alone"]]
-    grown = [ScalingRow(**row) for row in rows["scaling"]]
-    solvers = other_integrators.collected(rows["others"])
+    grown = [ScalingRow(**row) for row in rows["scaling"] + rows["workers"]]
+    solvers = other_integrators.collected(rows["others"] + rows["speeds"])
     target_rad, counts, spent = precision.TARGET_RAD, coverage.counted(seeded), parts.seconds(measured)
     standard = sentences.choice(timed, target_rad)
     on_seeds = sentences.choice(coverage.choice_rows(seeded), target_rad)

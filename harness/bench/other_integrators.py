@@ -21,6 +21,8 @@ COMPARED: Final = {
     ("analytic, kernel alone", "heyoka"): (1e-10, 1e-12),
 }
 """Solvers that are compared, and at which errors, rad."""
+TASKS: Final = {"others": ("solvers", "startup", "overhead"), "speeds": ("throughput", "scans")}
+"""Ratios of what takes turns, which may share the machine, and speeds that stand by themselves."""
 MEASURED: Final = "tests.measures.other_integrators"
 
 
@@ -29,9 +31,9 @@ def missing() -> str | None:
     return source_tree.missing(MEASURED)
 
 
-def tasks() -> list[str]:
-    """What is measured here; nothing without the source tree."""
-    return [] if missing() else ["solvers", "throughput", "startup", "overhead", "scans"]
+def tasks(part: str) -> list[str]:
+    """What a part measures here; nothing without the source tree."""
+    return [] if missing() else [*TASKS[part]]
 
 
 def compute(quick: bool, task: str) -> list[Row]:

@@ -25,20 +25,23 @@ Point = tuple[str, str, float]
 DURATIONS_S: Final = (2.0, 8.0, 32.0)
 VERTICES: Final = (16, 128, 1024)
 RUNS: Final = (100, 1000, 10_000)
-STUDY_RUNS: Final = 64
+STUDY_RUNS: Final = 32
 """Runs of the study whose time is taken with one worker and with all."""
 
 
 def tasks(quick: bool) -> list[str]:
-    """All points, each named by its engine, quantity and value."""
+    """The points that are timed by processor time, each named by its engine, quantity and value."""
     few = 1 if quick else None
     engines = ("analytic", "pymunk", "pybullet")
     points = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
     points += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
     points += [("analytic", "runs", float(value)) for value in RUNS[:few]]
-    if not quick:
-        points += [("pymunk", "workers", float(value)) for value in sorted({1, os.cpu_count() or 1})]
     return [f"{engine} {quantity} {value:g}" for engine, quantity, value in points]
+
+
+def worker_tasks(quick: bool) -> list[str]:
+    """The points that are timed by the clock: one worker, and all."""
+    return [] if quick else [f"pymunk workers {value}" for value in sorted({1, os.cpu_count() or 1})]
 
 
 def compute(task: str) -> list[Row]:
@@ -137,6 +140,7 @@ def sentences(rows: Sequence[ScalingRow]) -> list[str]:
                 f"{more.value:g} workers are {less.wall_s / more.wall_s:.2g} times as fast as {less.value:g}"
             )
             continue
-        power = math.log(more.wall_s / less.wall_s) / math.log(more.value / less.value)
+        times = [row.wall_s if row.cpu_s is None else row.cpu_s for row in (less, more)]
+        power = math.log(times[1] / times[0]) / math.log(more.value / less.value)
         sentences.append(f"{engine}'s time grows with the power {power:.2f} of {words}")
     return [f"Scaling: {'; '.join(sentences)}."] if sentences else []

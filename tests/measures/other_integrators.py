@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from tests.measures import analytic_model, contact_engines, real_scans, start
 
-THROUGHPUT_REPEATS: Final = 20
+THROUGHPUT_REPEATS: Final = 10
 """Runs of the map of which the least time counts: another process on the machine may take part of it from several in a row."""
 
 

@@ -14,6 +14,7 @@ from harness.model.run import PATTERN_NAMES, write_json
 from harness.records.base import as_file
 from harness.records.kinds import read_result
 from harness.records.run import RunRecord
+from harness.records.stress import StressRecord
 from harness.records.study import StudyRecord
 from reports.charts.palette import look
 from reports.charts.static_svg_axes import MARGIN
@@ -26,7 +27,7 @@ from reports.export.paper import pixels_across
 from reports.pages.study_page import context as study_context
 from reports.source import run_source
 from tests.budgets_reports import DRAWN_SHARE, STILL_PX
-from tests.reports.invented_records import write_validation
+from tests.reports.invented_records import write_stress, write_validation
 from tests.reports.invented_run import write_invented
 from tests.reports.invented_study import write_map_study, write_rose_study, write_table_study
 
@@ -161,3 +162,14 @@ def test_the_gif_of_an_unknown_model_is_refused(folder: Path, tmp_path: Path) ->
     with pytest.raises(InputError, match="--model"):
         write_gif(folder, tmp_path / "x.gif", "nobody")
     assert not (tmp_path / "x.gif").exists()
+
+
+def test_a_stress_run_has_a_map_of_each_engine_with_its_words(tmp_path: Path) -> None:
+    folder = write_stress(tmp_path)
+    record = read_result(folder)
+    assert isinstance(record, StressRecord)
+    paths = {path.stem: path.read_text(encoding="utf-8") for path in write_figures(folder, ("svg",))}
+    assert set(paths) == {f"stability-{cell.engine.replace(':', '-')}" for cell in record.cells}
+    for cell in record.cells:
+        drawn = paths[f"stability-{cell.engine.replace(':', '-')}"]
+        assert all(f">{words}</text>" in drawn for words in (cell.category, cell.setting, cell.difficulty))

@@ -284,8 +284,8 @@ def test_a_bench_with_parts_missing_is_a_record_that_says_so() -> None:
     assert found.seconds == 1.0
     assert any(text.startswith("Not measured yet: coverage") for text in found.sentences)
     assert plain(validated(BenchRecord, json.dumps(plain(found)), Path("result.json"))) == plain(found)
-    assert [part.name for part in listed if not part.died] == ["scaling", "others"], (
-        "what is timed by the clock is alone"
+    assert [part.name for part in listed if not part.died] == ["speeds", "workers"], (
+        "what stands by itself, or is timed by the clock, is alone"
     )
 
 
