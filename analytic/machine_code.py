@@ -83,14 +83,24 @@ class Entry:
     def _loaded(self) -> Callable[..., None]:
         with _LOCK:  # many threads may come first
             if self._call is None:
-                folder = home_of(self._room)
-                path = None if folder is None else folder / f"{self.name}-{_setup()}.o"
+                path = self._path
                 self._call = _kept(path)
                 if self._call is None:
                     with _alone(path):
                         # Another process may have compiled it in the meantime.
                         self._call = _kept(path) or self._compiled(path)
             return self._call
+
+    @property
+    def is_stored(self) -> bool:
+        """Whether it was compiled before, by this process or another."""
+        path = self._path
+        return path is not None and path.exists()
+
+    @property
+    def _path(self) -> Path | None:
+        folder = home_of(self._room)
+        return None if folder is None else folder / f"{self.name}-{_setup()}.o"
 
     @property
     def _room(self) -> Path:

@@ -24,8 +24,6 @@ from reports.text.study_rows import Condition, agreement, conditions, family
 
 WIDTH: Final = 480
 """Width of the charts among the page's pictures."""
-PLAIN: Final = frozenset({"restitution", "amplitude_g", "scale", "frequency_hz", "pedestal", "azimuth_deg"})
-"""Keys of a study that every language has words for; others are told as they stand in the file."""
 CHART: Final[Mapping[str, str]] = {
     "frequency [Hz]": "chart.frequency",
     "top moves by  [m]": "chart.top",
@@ -130,8 +128,10 @@ def _asked(record: StudyRecord, models: Sequence[str], say: Language) -> list[st
 
 
 def _key_words(key: str, say: Language) -> str:
-    last = key.rsplit(".", 1)[-1]
-    return say(f"key.{last}") if last in PLAIN else heading(key).partition(" [")[0]
+    """The key with its table where that has words of its own, the key alone, or that it is some other number."""
+    *table, last = key.split(".")
+    known = (f"key.{name}" for name in ("_".join([*table[-1:], last]), last))
+    return say(next((name for name in known if name in say.strings), "key.other"))
 
 
 def _strength(cases: Sequence[Condition]) -> str | None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
+from analytic.machine_code import Entry
 from harness import engines
 from harness.accuracy.simulation import RunTarget, check_target, simulate
 from harness.campaign import isolate
@@ -58,8 +59,17 @@ def test_what_motion_each_engine_was_given_is_recorded(across: bool) -> None:
     assert ("given unlike motions" in summary(result)) is (across and not result.runs["pybullet"].outcome.failed)
 
 
-@needs_pybullet
-def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("name", "stored", "expected"),
+    [
+        pytest.param("pybullet", False, "pybullet, still", marks=needs_pybullet),
+        ("spatial", True, "spatial, still"),
+        ("spatial", False, "spatial, compiled first, once after an upgrade"),
+    ],
+)
+def test_an_engine_that_works_on_beside_the_others_is_told(
+    name: str, stored: bool, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     awaited, said = Event(), []
 
     def slow(name: str, *given: object) -> Run:
@@ -68,13 +78,15 @@ def test_an_engine_that_works_on_beside_the_others_is_told(monkeypatch: pytest.M
 
     def told(words: str) -> None:
         said.append(words)
-        if words == "pybullet, still":
+        if words == expected:
             awaited.set()
 
     scene = paestum(0.3, 2.0, pedestal=False)
     monkeypatch.setattr(run, "_isolated", slow)
-    run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True, on_progress=told)
-    assert said[:3] == ["analytic", "pybullet", "pybullet, still"]
+    simulate(scene, "analytic")  # the planar model is compiled by now
+    monkeypatch.setattr(Entry, "is_stored", stored)
+    run_scene(scene, ["analytic", name], dt_s=1e-3, apart=True, on_progress=told)
+    assert said[:3] == ["analytic", name, expected]
 
 
 def test_an_engine_that_is_not_here_is_an_outcome(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

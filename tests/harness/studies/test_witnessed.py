@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ def ran(folder: Path, text: str = CONTACT, **more: Any) -> StudyRecord:
 
 
 def stored(folder: Path) -> Counter[str]:
-    with sqlite3.connect(folder / "out" / "store.sqlite") as store:
+    with closing(sqlite3.connect(folder / "out" / "store.sqlite")) as store:
         return Counter(kind for (kind,) in store.execute("SELECT kind FROM result"))
 
 
