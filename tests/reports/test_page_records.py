@@ -137,7 +137,7 @@ def test_models_that_are_right_equally_often_are_all_named(tmp_path: Path) -> No
 
     tied = validation_verdict(with_accuracies(0.8, 0.8))
     assert tied.headline.startswith("All models are right equally often, in 80 % of the tests that they decide")
-    assert "no model can be told from a bare threshold on PGV (85 % (75–92 %))" in tied.headline
+    assert "no model can be told from a bare threshold on PGV, right in 85 % (75–92 %)" in tied.headline
     assert tied.tone == "differ"
     assert validation_verdict(with_accuracies(0.8, 0.81)).headline.startswith(
         f"{names[1]} is right most often, in 81 %"

@@ -32,8 +32,12 @@ def halves(scene: Scene) -> bool:
 
 
 def other_heading(scene: Scene, settings: BulletSettings) -> float:
-    """Heading beside that of `settings`, rad: none other where the scene mirrors itself, as it slides along one line."""
-    return settings.turn_rad if asymmetry(scene) is None else TURN_RAD - settings.turn_rad
+    """Heading beside that of `settings`, rad: none other where what slides does so along one line, as the scene mirrors itself or
+    its pedestal is shaken in the plane alone.
+    """
+    # There friction is Coulomb's under the scene's own heading, and not under another one, which would tell of itself alone.
+    along = scene.pedestal is not None and scene.base_excitation.y.peak_m_s2 == 0.0
+    return settings.turn_rad if along or asymmetry(scene) is None else TURN_RAD - settings.turn_rad
 
 
 def halved(feet_m: Array) -> Array:

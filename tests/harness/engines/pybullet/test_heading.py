@@ -113,3 +113,7 @@ def test_a_scene_that_slides_along_one_line_has_one_heading() -> None:
     settings = engine.settings_for_dt(on, 1e-3)
     assert engine.sensitivity_settings(on, settings) == settings
     assert engine.sensitivity_settings(shaken_across(on), settings) != settings
+    tensor = on.statue.inertia_tensor_kg_m2 + 10.0 * (1.0 - np.eye(3))
+    unsymmetric = replace(on.statue, inertia_tensor_kg_m2=tensor)
+    assert engine.sensitivity_settings(on.but(statue=unsymmetric), settings) == settings
+    assert engine.sensitivity_settings(on.but(statue=unsymmetric, pedestal=None), settings) != settings
