@@ -28,11 +28,6 @@ PILOT: Final = 10
 LEVEL: Final = 0.90
 """Level of every interval: what decides about a statue is asked to ± 0.05 at 90 %."""
 
-DRAWN: Final = 0.75
-"""Runs added to those that fell, and to those that stood, where a spread is judged. One makes intervals of three strata too wide
-(pybullet on the shipped pedestal scene: 96 of 100 cover), a half lets one stratum at 5 % cover in 71 of 100; with this, as
-with one, in 85 to 93 of 100 from 5 to 40 %."""
-
 Runs = Callable[[Sequence[int]], Sequence[bool | None]]
 """From numbers of draws to whether the engine's statue overturned in each; None where the run failed."""
 
@@ -104,8 +99,8 @@ class _Tally:
         return h if gains[h] > 0.0 else None
 
     def _spread(self, h: int) -> float:
-        """p (1 − p) of a stratum, p drawn towards a half (Agresti and Coull): never nothing, however few the runs."""
-        p = (self.fell[h] + DRAWN) / (self.decided[h] + 2.0 * DRAWN)
+        """p (1 − p) of a stratum, p drawn towards a half by two runs (Agresti and Coull): never nothing, however few the runs."""
+        p = (self.fell[h] + 1.0) / (self.decided[h] + 2.0)
         return p * (1.0 - p)
 
     @property

@@ -46,7 +46,8 @@ def test_a_hundred_estimates_cover_the_thousand_runs_as_often_as_they_say(name: 
         covered += answer.low <= fell.mean() <= answer.high
         runs.append(answer.runs)
         values.append(answer.probability)
-    assert budget.LEAST_OF_HUNDRED <= covered <= budget.MOST_OF_HUNDRED
+    assert covered >= budget.LEAST_OF_HUNDRED
+    assert (covered <= budget.MOST_OF_HUNDRED) == (name not in budget.WIDER)
     assert abs(np.mean(values) - fell.mean()) <= 4.0 * np.std(values) / np.sqrt(budget.ESTIMATES), (
         "the estimate is biased"
     )
