@@ -53,7 +53,9 @@ def test_the_page_s_diagram_lies_within_its_band_in_every_bin(root: Path) -> Non
         [cell.strip() for cell in line.strip("|").split("|")] for line in part.splitlines() if line.startswith("| 0.")
     ]
     assert len(rows) == 5
-    assert sum(int(row[1]) for row in rows) == 300
+    decided, _, scenes = part.partition("which decided ")[2].partition(":")[0].partition(" of ")
+    assert sum(int(row[1]) for row in rows) == int(decided) >= 0.95 * int(scenes)
+    assert int(scenes) == 300
     for row in rows:
         low, _, high = row[4].partition(" to ")
         assert float(low) <= float(row[3]) <= float(high)

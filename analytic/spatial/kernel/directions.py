@@ -7,7 +7,7 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
-from analytic.spatial.kernel.contact import Rows, along_across, clear, columns, respond, response, solve_columns
+from analytic.spatial.kernel.contact import Rows, along_across, clear, columns, normal, respond, response, solve_columns
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, times, to_table
@@ -20,6 +20,8 @@ NEWTON: Final = 30
 HALVINGS: Final = 60
 CONVERGED: Final = 1e-13
 """Of angles and of relative velocities: rounding of a handful of operations."""
+ROOT: Final = 1e3
+"""A root's response across, over what counts as zero: its slope times the angle's rounding is far below, a pole's far above."""
 TWO_PI: Final = 2.0 * math.pi
 
 
@@ -46,6 +48,15 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
     elif not solve_columns(s, m, columns(m, rows, mode, a, b, 0.0)):
         return math.nan
     return off_direction(m, rows, i)[0]
+
+
+@jit
+def _pushed(s: Run, m: Memory, rows: Rows, mode: int) -> bool:
+    """Whether the forces in memory push: a root at which they pull must not hide the next."""
+    least = 0.0
+    for k in range(s.touching):
+        least = min(least, normal(m, rows, m.touch[k]))
+    return mode == FLAT_SLIDE or least >= 0.0
 
 
 @jit
@@ -77,7 +88,9 @@ def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
                 else:
                     high = mid
             _across_at(s, m, rows, mode, a, b, i, high)
-            if off_direction(m, rows, i)[1] >= -zero:
+            across, along = off_direction(m, rows, i)
+            # Where the equations have no solution the sign changes too, from one infinity to the other.
+            if along >= -zero and abs(across) <= ROOT * zero and _pushed(s, m, rows, mode):
                 return True
         before = after
     return False

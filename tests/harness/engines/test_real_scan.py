@@ -17,6 +17,7 @@ from harness.input.scene_file import load_scene
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from tests import budgets_spatial_reference as budget
+from tests.measures.seeded_scenes import space_scene
 
 FIRST_IMPACTS_S = 8.2
 """Two impacts after 7.5 s of rest; later flight and sliding tell pybullet's friction from Coulomb's."""
@@ -77,3 +78,14 @@ def test_a_run_that_is_given_up_has_no_outcome() -> None:
         assert outcome_of(replace(solved, gave_up=gave_up), reduced) is told
     paradox = replace(solved, outcome=spatial.Outcome.FRICTION_PARADOX)
     assert outcome_of(paradox, Outcome.STANDS) is Outcome.FRICTION_PARADOX
+
+
+@pytest.mark.parametrize("seed", [770058, 770101, 770190])
+def test_a_pole_is_no_direction_of_sliding(seed: int) -> None:
+    """Where the equations of a sliding vertex have no solution the sign of its response changes too: taken for a root it hid the true
+    one, and the run ended as a paradox.
+    """
+    scene, engine = space_scene(seed), engines.load("spatial")
+    run = engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions())
+    assert run.outcome is not Outcome.FRICTION_PARADOX
+    assert run.end_s == scene.duration_s or run.outcome.overturned
