@@ -82,7 +82,7 @@ def test_a_run_that_is_given_up_has_no_outcome() -> None:
 
 @pytest.mark.parametrize("seed", [770058, 770101, 770190])
 def test_a_pole_is_no_direction_of_sliding(seed: int) -> None:
-    """Where the equations of a sliding vertex have no solution the sign of its response changes too: taken for a root it hid the true
+    """Where a sliding vertex' equations have no solution the sign of its response changes too: taken for a root it hid the true
     one, and the run ended as a paradox.
     """
     scene, engine = space_scene(seed), engines.load("spatial")
