@@ -17,6 +17,7 @@ from harness.assess.plan import reach_m
 from harness.assess.stratified import LEVEL
 from harness.assess.variation import file_scale, varied
 from harness.comparison.statistics.distributions import wilson
+from harness.engines import stands_alone
 from harness.model.scene import Scene
 from harness.records.assess import Assessment, ClearanceByModel
 
@@ -83,8 +84,7 @@ def ends_in_space(
     from analytic import AnalyticInputError
 
     changed = change(scene)
-    beyond = changed.pedestal, changed.wall, changed.contact.restitution, changed.initial.pose
-    if any(item is not None for item in beyond) or changed.table == "moving":
+    if not stands_alone(changed) or changed.initial.pose is not None:
         return None
     size, left, runs = len(next(iter(values.values()))), most_steps, 0
     ends: list[Ends] = []

@@ -38,8 +38,13 @@ def default_engines(scene: Scene) -> tuple[str, ...]:
 
 def _known_in_space(scene: Scene) -> bool:
     """Whether the floor moves across the plane under one body that stands on it, with no impact prescribed."""
-    alone = scene.pedestal is None and scene.wall is None and scene.contact.restitution is None
-    return alone and scene.table != "moving" and scene.base_excitation.y.peak_m_s2 > 0.0
+    return stands_alone(scene) and scene.base_excitation.y.peak_m_s2 > 0.0
+
+
+def stands_alone(scene: Scene) -> bool:
+    """Whether one body stands on a floor that moves with its frame, nothing beside it and no impact prescribed."""
+    beside = scene.pedestal, scene.wall, scene.contact.restitution
+    return all(item is None for item in beside) and scene.table != "moving"
 
 
 def load(name: str) -> Engine:

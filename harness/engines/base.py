@@ -116,6 +116,10 @@ class Engine(ABC):
         """
         return settings
 
+    def awaited(self) -> str:
+        """What a run in a process of its own, from which nothing is heard, is at."""
+        return "still"
+
     @abstractmethod
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when the engine cannot finish."""

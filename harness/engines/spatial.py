@@ -72,6 +72,12 @@ class Spatial(Engine):
         own = own_settings(self.name, SpatialSettings, settings)
         return (replace(own, tolerance=max(0.01 * own.tolerance, 1e-15)), replace(own, dt_s=VERIFICATION_STEP_S))
 
+    def awaited(self) -> str:
+        """What a run in a process of its own is at: its kernel is compiled there first where it is not kept."""
+        from analytic.spatial.solver import run_rows
+
+        return "still" if run_rows.is_stored else "compiled first, once after an upgrade"
+
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene and certify the numbers; raises EngineFailure for what the model does not have."""
         from analytic import AnalyticInputError, spatial

@@ -117,10 +117,11 @@ def run_scene(
             on_progress(engine.name)
             if engine.name not in waiting and engine.name not in runs:
                 runs[engine.name] = simulate_with(engine, scene, target)
-        for name, future in waiting.items():
-            if not future.done():
-                on_progress(f"{name}, {_why_still(name)}")
-            runs[name] = future.result()
+        for engine in loaded:
+            if (future := waiting.get(engine.name)) is not None:
+                if not future.done():
+                    on_progress(f"{engine.name}, {engine.awaited()}")
+                runs[engine.name] = future.result()
     runs = {item.name: runs[item.name] for item in loaded}
     horizons = _horizons(scene, answers_of(runs), on_progress, every=horizon)
     scores = _scores(scene, runs, horizons, iso)
@@ -134,14 +135,6 @@ def run_scene(
     assessment = _assessed(scene, on_progress) if assess else {}
     scene = scene.but(notes=(*scene.notes, *_notes(scene, runs, finer, target), *reasons(scene, runs, scores)))
     return Result(scene, runs, scores, steps, time.perf_counter() - start, horizons, assessment, witness_answers)
-
-
-def _why_still(name: str) -> str:
-    """What a run in a process of its own is at: what it compiles is not heard from there."""
-    from analytic.spatial.solver import run_rows
-
-    compiles = name == engines.EXACT_IN_SPACE and not run_rows.is_stored
-    return "compiled first, once after an upgrade" if compiles else "still"
 
 
 def answers_of(runs: Mapping[str, Run]) -> list[Run]:

@@ -21,11 +21,12 @@ from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
 from harness.engines.pybullet import course, shapes
 from harness.engines.pybullet.columns import trajectory
+from harness.engines.pybullet.heading import reader
 from harness.engines.pybullet.loop import Watch, integrate
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import StepLog, Stepper, reader
+from harness.engines.pybullet.stepper import StepLog, Stepper
 from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions

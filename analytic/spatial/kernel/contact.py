@@ -194,6 +194,15 @@ def normal(m: Memory, rows: Rows, i: int) -> float:
     return dot(rows[2], row3(m.force, i))
 
 
+@jit
+def least_normal(s: Run, m: Memory, rows: Rows) -> float:
+    """Least of the normal forces in memory, none above 0: negative where one pulls."""
+    least = 0.0
+    for k in range(s.touching):
+        least = min(least, normal(m, rows, m.touch[k]))
+    return least
+
+
 @inlined
 def tangent(m: Memory, rows: Rows, i: int) -> float:
     """|T| of vertex i."""

@@ -7,7 +7,16 @@ from typing import Final
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
-from analytic.spatial.kernel.contact import Rows, along_across, clear, columns, normal, respond, response, solve_columns
+from analytic.spatial.kernel.contact import (
+    Rows,
+    along_across,
+    clear,
+    columns,
+    least_normal,
+    respond,
+    response,
+    solve_columns,
+)
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, times, to_table
@@ -51,15 +60,6 @@ def _across_at(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
 
 
 @jit
-def _pushed(s: Run, m: Memory, rows: Rows, mode: int) -> bool:
-    """Whether the forces in memory push: a root at which they pull must not hide the next."""
-    least = 0.0
-    for k in range(s.touching):
-        least = min(least, normal(m, rows, m.touch[k]))
-    return mode == FLAT_SLIDE or least >= 0.0
-
-
-@jit
 def one_direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int, zero: float) -> bool:
     """Find the direction of vertex i, the others' being given; True with the solution in memory.
 
@@ -89,8 +89,10 @@ def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
                     high = mid
             _across_at(s, m, rows, mode, a, b, i, high)
             across, along = off_direction(m, rows, i)
-            # Where the equations have no solution the sign changes too, from one infinity to the other.
-            if along >= -zero and abs(across) <= ROOT * zero and _pushed(s, m, rows, mode):
+            # Where the equations have no solution the sign changes too, from one infinity to the other; a root at which a force
+            # pulls must not hide the next.
+            pushes = mode == FLAT_SLIDE or least_normal(s, m, rows) >= 0.0
+            if along >= -zero and abs(across) <= ROOT * zero and pushes:
                 return True
         before = after
     return False

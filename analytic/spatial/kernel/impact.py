@@ -18,7 +18,7 @@ from analytic.spatial.kernel.codes import (
     NO_MODE,
     SETTLED,
 )
-from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, normal, vertex_velocities
+from analytic.spatial.kernel.contact import UNLIMITED, free_accelerations, least_normal, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.motion import field
 from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
@@ -123,11 +123,9 @@ def _presses(s: Run, m: Memory) -> bool:
     if s.mode not in (FLAT_SLIDE, EDGE_SLIDE):
         return True
     s.slow = False
-    rows, least = axes(m.y), 0.0
+    rows = axes(m.y)
     contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
-    for k in range(s.touching):
-        least = min(least, normal(m, rows, m.touch[k]))
-    return least >= -PULLED * s.mass_kg * s.gravity_m_s2
+    return least_normal(s, m, rows) >= -PULLED * s.mass_kg * s.gravity_m_s2
 
 
 @jit

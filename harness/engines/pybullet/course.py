@@ -13,12 +13,13 @@ from harness.engines.contact.frame import greatest_pull_m_s2, step_count
 from harness.engines.pybullet import feet, loop, mirror, pose
 from harness.engines.pybullet.edge import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
+from harness.engines.pybullet.heading import reader
 from harness.engines.pybullet.loop import MOST_FREE, Watch
 from harness.engines.pybullet.rest_spell import RestSpells
 from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import Row, StepLog, Stepper, reader
+from harness.engines.pybullet.stepper import Row, StepLog, Stepper
 from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
 from harness.model.options import RunOptions

@@ -73,3 +73,27 @@ def puller(world: World) -> Callable[[float, float, float, int], None]:
         return set_gravity
     turned = world.heading.vector
     return lambda x, y, z, client: set_gravity(*turned((x, y, z)), client)
+
+
+def reader(world: World) -> Callable[[], Row]:
+    """What reads the state of both bodies as one row."""
+    pose, speed, client = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity, world.client
+    statue, pedestal = world.statue, world.pedestal
+
+    def both() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        below, level = pose(pedestal, client)
+        slip, tip = speed(pedestal, client)
+        return (*place, *turn, *velocity, *rate, *below, *level, *slip, *tip)
+
+    def alone() -> Row:
+        place, turn = pose(statue, client)
+        velocity, rate = speed(statue, client)
+        return (*place, *turn, *velocity, *rate)
+
+    read = alone if pedestal is None else both
+    if world.heading is None:
+        return read
+    back = world.heading.back
+    return lambda: back.row(read())

@@ -162,9 +162,9 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     import pybullet
 
     from harness.engines.pybullet.course import build
-    from harness.engines.pybullet.heading import puller
+    from harness.engines.pybullet.heading import puller, reader
     from harness.engines.pybullet.schedule import Schedule
-    from harness.engines.pybullet.stepper import StepLog, reader
+    from harness.engines.pybullet.stepper import StepLog
     from harness.engines.pybullet.world import World
 
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from harness.engines.contact.coulomb import SLIP_ONSET
 from harness.engines.event_stepping.interventions import Ledger
 from harness.engines.pybullet.gyroscopic import Gyroscope
-from harness.engines.pybullet.heading import puller
+from harness.engines.pybullet.heading import puller, reader
 from harness.engines.pybullet.schedule import Schedule, Vector
 from harness.engines.pybullet.world import World
 from harness.engines.pybullet.writing import ALONE, RowWriter
@@ -93,30 +93,6 @@ class StepLog:
     def last(self) -> Row:
         """The last row."""
         return self.row(-1)
-
-
-def reader(world: World) -> Callable[[], Row]:
-    """What reads the state of both bodies as one row."""
-    pose, speed, client = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity, world.client
-    statue, pedestal = world.statue, world.pedestal
-
-    def both() -> Row:
-        place, turn = pose(statue, client)
-        velocity, rate = speed(statue, client)
-        below, level = pose(pedestal, client)
-        slip, tip = speed(pedestal, client)
-        return (*place, *turn, *velocity, *rate, *below, *level, *slip, *tip)
-
-    def alone() -> Row:
-        place, turn = pose(statue, client)
-        velocity, rate = speed(statue, client)
-        return (*place, *turn, *velocity, *rate)
-
-    read = alone if pedestal is None else both
-    if world.heading is None:
-        return read
-    back = world.heading.back
-    return lambda: back.row(read())
 
 
 def _advancer(world: World, read: Callable[[], Row], gyroscope: Gyroscope) -> Callable[[Vector], Row]:
