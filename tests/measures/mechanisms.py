@@ -59,6 +59,7 @@ def _loose(own: Any) -> Any:
 
 
 _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
+_E: Final = "harness.engines.event_stepping."
 MUNK: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "events located at all": {_M + "drive:RunState.aligned": lambda _: property(lambda _: False)},
@@ -78,25 +79,25 @@ MUNK: Final[Mapping[str, Change]] = {
 BULLET: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
     "events located at all": {_B + "course:touch_of": _always(None)},
-    "micro-rocking": {_B + "micro_rocking:after_impact": _always(None)},
-    "stick onset located": {_B + "loop:_stick_onset": _always(16)},
-    "uniform acceleration to contact": {_B + "contact_time:ContactTimeEstimate._gathers": _always(0.0)},
+    "micro-rocking": {_E + "micro_rocking:after_impact": _always(None)},
+    "stick onset located": {_E + "loop:_stick_onset": _always(16)},
+    "uniform acceleration to contact": {_E + "contact_time:ContactTimeEstimate._gathers": _always(0.0)},
     "velocities of the instant at contact": {
-        _B + "contact_time:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
+        _E + "contact_time:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
     },
-    "velocities turned on": {_B + "step_state:StepState.turn": _always(None)},
-    "anchors let go where friction nears its limit": {_B + "stepper:Stepper._look_at_grip": _always(None)},
-    "lowered before a short step": {_B + "step_state:StepState.lower": _always(None)},
+    "velocities turned on": {_E + "step_state:StepState.turn": _always(None)},
+    "anchors let go where friction nears its limit": {_B + "backend:BulletBackend._look_at_grip": _always(None)},
+    "lowered before a short step": {_E + "step_state:StepState.lower": _always(None)},
     "slip onset at its share of the step": {
-        _B + "slip_onset:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
+        _E + "slip_onset:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
     },
     "reach of contacts follows the turning": {
-        _B + "stepper:NARROWER": _number(1e9),
-        _B + "stepper:STEPS_OFF": _number(0.0),
+        _B + "backend:NARROWER": _number(1e9),
+        _B + "backend:STEPS_OFF": _number(0.0),
     },
     "tighter equations at events": {_B + "settings:BulletSettings.__init__": _loose},
     "half of a symmetric scene": {_B + "mirror:halves": _always(False)},
-    "the step after a reversal solved again": {_B + "stepper:Stepper._reversed": _always(False)},
+    "the step after a reversal solved again": {_E + "stepper:Stepper._reversed": _always(False)},
 }
 MECHANISMS: Final[Mapping[str, Mapping[str, Change]]] = {"pymunk": MUNK, "pybullet": BULLET}
 

@@ -19,14 +19,16 @@ from numpy.typing import NDArray
 
 from harness.engines import load
 from harness.engines.contact.trajectory import Trajectory
+from harness.engines.event_stepping.columns import trajectory
+from harness.engines.event_stepping.loop import Watch, integrate
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.pybullet import course, shapes
-from harness.engines.pybullet.columns import trajectory
+from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.heading import reader
-from harness.engines.pybullet.loop import Watch, integrate
-from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import StepLog, Stepper
 from harness.engines.pybullet.world import World
 from harness.model.history import History
 from harness.model.options import RunOptions
@@ -101,7 +103,8 @@ def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: 
     with World(level, mirrored=half) as world:
         build(world, scene, setup)
         start = time.process_time()
-        state = StepState(Stepper(world, scene, schedule), reader(world)(), 0, 0.0, even=True)
+        backend = BulletBackend(world, level.dt_s, scene.contact.statue)
+        state = StepState(Stepper(backend, scene, schedule), backend.read(), 0, 0.0, even=True)
         record = integrate(scene, schedule, watch, state)
         spent = time.process_time() - start
     return record, 1e6 * spent / (len(record.t_s) - 1)

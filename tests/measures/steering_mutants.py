@@ -156,6 +156,7 @@ def _bullet_static(own: Any) -> Any:
 
 
 _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
+_E: Final = "harness.engines.event_stepping."
 MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = {
     "pymunk": {
         **_turns(_M + "writing:BodyWriter.write", Columns(3, 4, 5)),
@@ -164,15 +165,15 @@ MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = {
         "release as static": {_M + "loop:_switch": _munk_static, _M + "drive:step_with_friction": _munk_static_part},
     },
     "pybullet": {
-        **_turns(_B + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
+        **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
         "turned the other way": {
-            _B + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)
+            _E + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)
         },
-        "limits of friction × 1.1": {_B + "stepper:Stepper.__init__": _bullet_limits},
-        "limit × 1.1 in the test alone": {_B + "stepper:SATURATED": lambda own: LIMIT * own},
+        "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _bullet_limits},
+        "limit × 1.1 in the test alone": {_E + "stepper:SATURATED": lambda own: LIMIT * own},
         "release as static": {
-            _B + "stepper:Stepper._slip_onset": _bullet_static,
-            _B + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.read(),
+            _E + "stepper:Stepper._slip_onset": _bullet_static,
+            _E + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.backend.read(),
         },
     },
 }

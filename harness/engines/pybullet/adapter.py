@@ -112,8 +112,8 @@ class Bullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` when pybullet cannot finish it."""
+        from harness.engines.event_stepping.columns import trajectory
         from harness.engines.pybullet import course
-        from harness.engines.pybullet.columns import trajectory
 
         level = own_settings(self.name, BulletSettings, settings)
         if scene.initial.pose is not None and scene.contact.restitution is not None:

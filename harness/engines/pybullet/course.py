@@ -10,17 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
-from harness.engines.pybullet import feet, loop, mirror, pose
+from harness.engines.event_stepping import loop
+from harness.engines.event_stepping.loop import MOST_FREE, Watch
+from harness.engines.event_stepping.rest_spell import RestSpells
+from harness.engines.event_stepping.rows import Body, Row
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.stepper import Stepper
+from harness.engines.event_stepping.touch import ContactGaps
+from harness.engines.pybullet import feet, mirror, pose
+from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.edge import Crossing, EdgeWatch
 from harness.engines.pybullet.full import FullShape, full_shape
-from harness.engines.pybullet.heading import reader
-from harness.engines.pybullet.loop import MOST_FREE, Watch
-from harness.engines.pybullet.rest_spell import RestSpells
-from harness.engines.pybullet.schedule import Schedule
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import Row, StepLog, Stepper
-from harness.engines.pybullet.touch import ContactGaps
 from harness.engines.pybullet.world import STILL, UPRIGHT, World
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
@@ -43,7 +46,7 @@ class Setup:
     feet_m: Array
     hull_m: Array
     rest: feet.Rest
-    start: pose.Body
+    start: Body
     mirrored: bool = False
     in_plane: bool = False
 
@@ -180,11 +183,12 @@ def _part(
     """One world: from the scene's start, or from where another one has come to."""
     with World(level, mirrored=setup.mirrored, in_plane=setup.in_plane) as world:
         build(world, scene, setup, full, crossing)
-        stepper = Stepper(world, scene, schedule)
+        backend = BulletBackend(world, level.dt_s, scene.contact.statue)
+        stepper = Stepper(backend, scene, schedule)
         if done is None:
-            state = StepState(stepper, reader(world)(), schedule.first, schedule.first * level.dt_s, even=True)
+            state = StepState(stepper, backend.read(), schedule.first, schedule.first * level.dt_s, even=True)
         else:
-            stepper.writer.restore(done.last)
+            backend.place(done.last)
             stepper.writer.ledger = done.ledger
             state = StepState(stepper, done.last, round(done.t_s[-1] / level.dt_s), done.kick_s[-1], even=False)
         return loop.integrate(scene, schedule, watch, state)

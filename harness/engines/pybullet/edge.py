@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.contact.spatial import matrices
+from harness.engines.event_stepping.touch import past_edge_m
 
 Array = NDArray[np.float64]
 
@@ -25,14 +25,6 @@ DEPTH_M: Final = 1e-4
 
 FLUSH_M: Final = 1e-6
 """A foot no further past an edge than this stands over the top: bases are as wide as pedestals."""
-
-
-def past_edge_m(points_m: Array, row: tuple[float, ...], across_m: tuple[float, float]) -> Array:
-    """How far points (k, 3) of the statue lie past the edges of the top, m, (k,); `across_m` are its half width and depth."""
-    top, statue = matrices(np.array([row[16:20], row[3:7]]))
-    there = (np.array(row[0:3]) - np.array(row[13:16]) + points_m @ statue.T) @ top[:, :2]
-    past: Array = (np.abs(there) - np.array(across_m)).max(axis=1)
-    return past
 
 
 @dataclass(frozen=True, eq=False)

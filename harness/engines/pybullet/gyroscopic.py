@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from harness.engines.event_stepping.rows import Row, Vector
 from harness.engines.pybullet import writing
 
 if TYPE_CHECKING:
     from harness.engines.event_stepping.interventions import Ledger
     from harness.engines.pybullet.world import World
 
-Row = tuple[float, ...]
-Vector = tuple[float, float, float]
 
 KIND: Final = "gyroscopic"
 """Kind of this intervention."""

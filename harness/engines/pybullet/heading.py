@@ -14,13 +14,10 @@ from typing import TYPE_CHECKING
 
 import pybullet
 
-from harness.engines.pybullet.pose import Body
+from harness.engines.event_stepping.rows import Body, Row, Vector
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.world import World
-
-Vector = tuple[float, float, float]
-Row = tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -29,9 +29,9 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
+    from harness.engines.event_stepping.step_log import StepLog
     from harness.engines.pybullet.course import Setup
     from harness.engines.pybullet.full import FullShape
-    from harness.engines.pybullet.stepper import StepLog
     from harness.engines.pybullet.world import World
 
 LEVELS: Final = (
@@ -94,8 +94,8 @@ class PlainBullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
+        from harness.engines.event_stepping.columns import trajectory
         from harness.engines.pybullet import course
-        from harness.engines.pybullet.columns import trajectory
 
         own = own_settings(self.name, BulletSettings, settings)
         refuse_steering(scene, self.name)
@@ -131,9 +131,9 @@ def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
+    from harness.engines.event_stepping.rows import axis_of
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
-    from harness.engines.pybullet.stepper import axis_of
 
     axis = (float(setup.axes[2, 0]), float(setup.axes[2, 1]), float(setup.axes[2, 2]))
 
@@ -161,10 +161,10 @@ def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullSha
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
     import pybullet
 
+    from harness.engines.event_stepping.schedule import Schedule
+    from harness.engines.event_stepping.step_log import StepLog
     from harness.engines.pybullet.course import build
     from harness.engines.pybullet.heading import puller, reader
-    from harness.engines.pybullet.schedule import Schedule
-    from harness.engines.pybullet.stepper import StepLog
     from harness.engines.pybullet.world import World
 
     count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s

@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet.feet import Rest
 from harness.model.scene import Scene, Statue
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """State of one body: place (3,) of its centroid, quaternion (4,) of its principal frame, velocities (3,), world axes."""
-
-    place_m: tuple[float, float, float]
-    turn: tuple[float, float, float, float]
-    velocity_m_s: tuple[float, float, float]
-    rate_rad_s: tuple[float, float, float]
 
 
 def principal(statue: Statue) -> tuple[Array, Array]:
@@ -94,24 +84,3 @@ def quaternion(rotation: Array) -> tuple[float, float, float, float]:
         quaternion[3] = skew[k] / (2.0 * size)
         quaternion = quaternion if quaternion[3] >= 0.0 else -quaternion
     return float(quaternion[0]), float(quaternion[1]), float(quaternion[2]), float(quaternion[3])
-
-
-def advanced(row: tuple[float, ...], seconds: float) -> tuple[float, ...]:
-    """The row of one or two bodies (place, quaternion, velocity, rate of each) after so many seconds at those velocities."""
-    moved = _carried(row[0:13], seconds)
-    return moved if len(row) == 13 else moved + _carried(row[13:26], seconds)
-
-
-def _carried(body: tuple[float, ...], seconds: float) -> tuple[float, ...]:
-    px, py, pz, x, y, z, w, u, v, q, a, b, c = body
-    rate = math.sqrt(a * a + b * b + c * c)
-    half = 0.5 * rate * seconds
-    share = math.sin(half) / rate if rate > 0.0 else 0.0
-    i, j, k, r = a * share, b * share, c * share, math.cos(half)
-    turn = (
-        r * x + i * w + j * z - k * y,
-        r * y - i * z + j * w + k * x,
-        r * z + i * y - j * x + k * w,
-        r * w - i * x - j * y - k * z,
-    )
-    return px + u * seconds, py + v * seconds, pz + q * seconds, *turn, u, v, q, a, b, c

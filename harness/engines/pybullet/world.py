@@ -10,15 +10,14 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from harness.engines.event_stepping.rows import Body, Vector
 from harness.engines.pybullet import client, mirror, shapes, writing
 from harness.engines.pybullet.heading import Heading
-from harness.engines.pybullet.pose import Body
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.solver import Solver
 from harness.model.scene import Contact, Pedestal, Wall
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float, float]
 
 STILL: Final = (0.0, 0.0, 0.0)
 ALOFT_M: Final = 1e3

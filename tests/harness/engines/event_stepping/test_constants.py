@@ -19,9 +19,10 @@ from tests.scenes_for_tests import paestum
 
 STEP_S = 1e-3
 FIFTH = 0.2
+LAYER = ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch")
 MODULES = {
     "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "support_vertex", "uplift"),
-    "pybullet": ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch"),
+    "pybullet": (*(f"..event_stepping.{room}" for room in LAYER), "backend"),
     "mujoco": ("adapter", "model"),
 }
 BOUNDS = {"MOST_AHEAD": 3.0, "APPROACH": 1.0, "SHORT": 1.0, "SATURATED": 1.0, "MOST_FRICTION": 1.0}
@@ -71,7 +72,7 @@ def test_a_fifth_more_or_less_moves_no_result_by_its_error(
     if reason is not None:
         pytest.skip(reason)
     path = f"harness.engines.{name}"
-    module = import_module(path if room == "__init__" else f"{path}.{room}")
+    module = import_module(path if room == "__init__" else f".{room}" if room[0] != "." else room, path)
     own = histories(name)
     limits = [engine.settings_for_dt(scene, STEP_S).expected_error_rad for scene in SCENES.values()]
     for constant in constants(module):

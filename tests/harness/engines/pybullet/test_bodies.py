@@ -14,6 +14,7 @@ from analytic.closed_form import rolling_cylinder
 from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.contact.spatial import matrices
+from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet import course, feet, pose, shapes
 from harness.engines.pybullet.edge import EdgeWatch
 from harness.input.mesh_statue import statue_of
@@ -125,7 +126,7 @@ def test_rolling_on_the_rim() -> None:
     turned = pose.about_y(tilt)
     lowest = float(np.min((setup.feet_m @ setup.axes.T @ turned.T)[:, 2]))
     spin = turned @ np.array([-closed.precession_rad_s * math.sin(tilt), 0.0, closed.axial_rad_s])
-    start = pose.Body(
+    start = Body(
         (0.0, 0.0, -lowest),
         pose.quaternion(turned @ setup.axes),
         (0.0, 0.0, 0.0),

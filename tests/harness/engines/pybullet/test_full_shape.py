@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic
 from harness.engines import load
+from harness.engines.event_stepping.rows import Body
 from harness.engines.pybullet import course, feet, pose, writing
 from harness.engines.pybullet.edge import DEPTH_M, Crossing
 from harness.engines.pybullet.full import HULL_VERTICES, full_shape
@@ -92,7 +93,7 @@ def touching_from(case: Scene, kind: str) -> float:
             turn = pose.about_y(middle)
             x, y, z = corner + turn @ arm
             still = (0.0, 0.0, 0.0)
-            state = pose.Body((x, y, z), pose.quaternion(turn @ setup.axes), still, still)
+            state = Body((x, y, z), pose.quaternion(turn @ setup.axes), still, still)
             writing.place(world.statue, state, world.client)
             pybullet.performCollisionDetection(world.client)
             found = pybullet.getContactPoints(world.statue, other, physicsClientId=world.client)

@@ -13,9 +13,10 @@ import pytest
 from analytic.excitation import Harmonic
 from harness.bench.standard_scenes import standard_set
 from harness.engines import load
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.stepper import Stepper
 from harness.engines.pybullet import course
-from harness.engines.pybullet.schedule import Schedule
-from harness.engines.pybullet.stepper import Stepper
+from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
 from harness.model.options import RunOptions
 from harness.model.scene import BaseExcitation, Scene
@@ -153,8 +154,9 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
             setup = course.prepare(on)
             whole = (on.statue.mass_kg, setup.moments, setup.feet_m, None, setup.start)
             world.build(on.contact, (on.pedestal, on.statue.base_centre_m), None, whole, None)
-            stepper = Stepper(world, on, Schedule(on, step_s, 0, 10))
-            row = stepper.read()
+            backend = BulletBackend(world, step_s, on.contact.statue)
+            stepper = Stepper(backend, on, Schedule(on, step_s, 0, 10))
+            row = backend.read()
             before, after = (
                 (*row[:7], rate, 0.0, 0.0, *row[10:20], rate, 0.0, 0.0, *row[23:]) for rate in (before_m_s, after_m_s)
             )

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.contact.frame import greatest_pull_m_s2
-from harness.engines.pybullet.edge import past_edge_m
+from harness.engines.contact.spatial import matrices
+from harness.engines.event_stepping.rows import Row
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
-Row = tuple[float, ...]
 Four = tuple[float, float, float, float]
 
 LEAST_RATE: Final = 8e-4
@@ -214,3 +214,11 @@ class ContactGaps:
         ha, hb, hc = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz, nx * cx + ny * cy + nz * cz
         va, vb, vc = sx * ax + sy * ay + sz * az, sx * bx + sy * by + sz * bz, sx * cx + sy * cy + sz * cz
         return (ha, hb, hc, place), (va, vb, vc, rate)
+
+
+def past_edge_m(points_m: Array, row: tuple[float, ...], across_m: tuple[float, float]) -> Array:
+    """How far points (k, 3) of the statue lie past the edges of the top, m, (k,); `across_m` are its half width and depth."""
+    top, statue = matrices(np.array([row[16:20], row[3:7]]))
+    there = (np.array(row[0:3]) - np.array(row[13:16]) + points_m @ statue.T) @ top[:, :2]
+    past: Array = (np.abs(there) - np.array(across_m)).max(axis=1)
+    return past

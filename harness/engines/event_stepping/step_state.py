@@ -1,8 +1,8 @@
 """One step after another: whole ones, and shorter ones around an event. Places and velocities keep clocks of their own.
 
-Bullet changes velocities first and places after. A step is therefore two numbers: how far the places go, and up to when the
+A step changes velocities first and places after. It is therefore two numbers: how far the places go, and up to when the
 velocities are taken (`kick_s`, the middle of a whole step). For an impact the velocities are brought to its instant, the places
-to the contact, and the impact takes no time: Bullet solves a step in which nothing pulls, of which only the velocities are kept.
+to the contact, and the impact takes no time: the engine solves a step in which nothing pulls, and only its velocities are kept.
 """
 
 from __future__ import annotations
@@ -11,14 +11,13 @@ import math
 from array import array
 from typing import TYPE_CHECKING, Final
 
-from harness.engines.pybullet import slip_onset
-from harness.engines.pybullet.pose import advanced
-from harness.engines.pybullet.schedule import Vector
-from harness.engines.pybullet.stepper import Row, StepLog, Stepper
-from harness.engines.pybullet.writing import ALONE
+from harness.engines.event_stepping import slip_onset
+from harness.engines.event_stepping.rows import ALONE, Row, Vector, advanced
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.stepper import Stepper
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.micro_rocking import HalfCycle
+    from harness.engines.event_stepping.micro_rocking import HalfCycle
 
 NO_PULL: Final = (0.0, 0.0, 0.0)
 SHORTEST: Final = 2e-3
@@ -46,7 +45,7 @@ class StepState:
         self.step_s, self.number = stepper.schedule.step_s, start
         self.t_s, self.kick_s = start * self.step_s, kick_s
         self.length_s, self.even = self.step_s, even
-        self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row))
+        self.record = StepLog(len(row), [self.t_s], [kick_s], array("d", row), stepper.writer.ledger)
         self.jolted, self.jolted_s, self.jolts, self.look_from = False, -math.inf, 0, start
         self.half_cycle: HalfCycle | None = None
 
@@ -65,7 +64,7 @@ class StepState:
         length = t_s - self.t_s
         self._set(length)
         gravity = self.schedule.between(self.kick_s, kick_s, length)
-        self._foresee(kick_s, length)
+        self.stepper.backend.foresee(self, kick_s, length)
         self.row = self.stepper.step(gravity, self.t_s, length, self.row)
         self.t_s, self.kick_s, self.even, self.jolted = t_s, kick_s, False, False
         self.record.keep(t_s, kick_s, self.row)
@@ -75,12 +74,12 @@ class StepState:
         """Velocities to `kick_s` by a step of the places over `length_s` that is no sample: their clock goes on by `length_s`."""
         self._set(length_s)
         gravity = self.schedule.between(self.kick_s, kick_s, length_s)
-        self._foresee(kick_s, length_s)
+        self.stepper.backend.foresee(self, kick_s, length_s)
         self.row = self.stepper.step(gravity, self.t_s, length_s, self.row)
         self.t_s, self.kick_s, self.even = self.t_s + length_s, kick_s, False
 
     def coast(self, seconds: float) -> None:
-        """Places go on, or back, with the present velocities, by no step of Bullet's."""
+        """Places go on, or back, with the present velocities, by no step of the engine's."""
         self._write("part_of_step", advanced(self.row, seconds))
         self.t_s += seconds
 
@@ -99,7 +98,7 @@ class StepState:
         """An impact here and now: everything that touches meets at once, and nothing else moves."""
         length = TOGETHER * self.step_s
         self._set(length)
-        self._foresee(self.kick_s, length)
+        self.stepper.backend.foresee(self, self.kick_s, length)
         after = self.stepper.step(NO_PULL, self.t_s, length, self.row)
         before = self.row
         # Only the velocities are kept.
@@ -134,13 +133,13 @@ class StepState:
         self.jolted, self.jolts = False, 0
         stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
         numbers = range(self.number + 1, self.number + len(pulls) + 1)
-        if stepper.plain:
+        if stepper.runs:
             self.row = stepper.run(pulls, record)
             record.t_s.extend([number * step_s for number in numbers])
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         else:
             for number, gravity in zip(numbers, pulls, strict=True):
-                self._foresee((number - 0.5) * step_s, step_s)
+                stepper.backend.foresee(self, (number - 0.5) * step_s, step_s)
                 row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
                 if stepper.just_slipped:
                     row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
@@ -153,7 +152,7 @@ class StepState:
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
     def rest(self, count: int) -> None:
-        """So many whole steps in which nothing can move: samples as they are, without velocities, and no step of Bullet's."""
+        """So many whole steps in which nothing can move: samples as they are, without velocities, and no step of the engine's."""
         row, record = self.row, self.record
         self.row = (*row[:7], *NO_PULL, *NO_PULL, *row[13:20], *(0.0 for _ in row[20:]))
         record.flat.frombytes(count * record.pack(*self.row))
@@ -164,21 +163,6 @@ class StepState:
         self.number += count
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         self.jolted, self.jolts, self.half_cycle = False, 0, None
-
-    def _foresee(self, kick_s: float, length_s: float) -> None:
-        """What Bullet's gyroscopic torque misses in a step that takes the velocities to `kick_s`; after an impact their change
-        is not known yet.
-        """
-        stepper, record = self.stepper, self.record
-        if stepper.gyroscope.moments is None:
-            return
-        change = NO_PULL
-        if not self.jolted and len(record.t_s) > 1:
-            before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
-            if last_s > SHORTEST * self.step_s:
-                x, y, z = before
-                change = ((self.row[10] - x) / last_s, (self.row[11] - y) / last_s, (self.row[12] - z) / last_s)
-        stepper.gyroscope.foresee(self.row, change, kick_s - self.kick_s, length_s, stepper.writer.ledger)
 
     def stick_onset(self, stick_onset_s: float) -> None:
         """Velocities to the instant at which the pedestal sticks."""
@@ -202,5 +186,5 @@ class StepState:
 
     def _set(self, length_s: float) -> None:
         if length_s != self.length_s:
-            self.stepper.world.solver.set_length(length_s)
+            self.stepper.backend.set_length(length_s)
             self.length_s = length_s

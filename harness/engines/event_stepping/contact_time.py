@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import Row
-from harness.engines.pybullet.touch import ContactGaps
+from harness.engines.event_stepping.rows import Row
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.touch import ContactGaps
 
 LEAST_TURNING_SHARE: Final = 0.25
 """A foot that closes at less than this share of the base's width times the rate of turning comes down from another cause (a

@@ -1,6 +1,6 @@
-"""Impulses of the table's motion, step by step, for Bullet's own integrator read as a leapfrog.
+"""Impulses of the table's motion, step by step, for an engine's own integrator read as a leapfrog.
 
-Bullet changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
+A step changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
 places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
 step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
 """
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.contact import frame
+from harness.engines.event_stepping.rows import Vector
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from harness.engines.pybullet.stepper import StepLog, Stepper
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.stepper import Stepper
 
 WHOLE: Final = 0.5
 """Share of a step from which on a step tells the force that holds the pedestal."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.engines.contact import frame
 from harness.engines.contact.spatial import matrices, planar, statue_columns
 from harness.engines.contact.trajectory import Trajectory
-from harness.engines.pybullet.stepper import StepLog
+from harness.engines.event_stepping.step_log import StepLog
 from harness.model.scene import Scene
 
 Array = NDArray[np.float64]

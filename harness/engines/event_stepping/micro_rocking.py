@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from harness.engines.pybullet.contact_time import ContactTimeEstimate
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.touch import ContactGaps
+from harness.engines.event_stepping.contact_time import ContactTimeEstimate
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.touch import ContactGaps
 
 SHORT_STEPS: Final = 8.0
 """A half-cycle expected to be shorter than so many steps is followed in parts of its own."""

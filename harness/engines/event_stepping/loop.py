@@ -9,15 +9,15 @@ from typing import Final
 
 from harness.engines.contact.frame import greatest_pull_m_s2
 from harness.engines.contact.spatial import fallen
-from harness.engines.pybullet import imposing, micro_rocking
-from harness.engines.pybullet.contact_time import ContactTimeEstimate
-from harness.engines.pybullet.locating import locate_event
-from harness.engines.pybullet.rest_spell import STILL_M_S, RestSpells
-from harness.engines.pybullet.schedule import Schedule, Vector
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import Row, StepLog, axis_of
-from harness.engines.pybullet.touch import ContactGaps
-from harness.engines.pybullet.writing import ALONE
+from harness.engines.event_stepping import imposing, micro_rocking
+from harness.engines.event_stepping.contact_time import ContactTimeEstimate
+from harness.engines.event_stepping.locating import locate_event
+from harness.engines.event_stepping.rest_spell import STILL_M_S, RestSpells
+from harness.engines.event_stepping.rows import ALONE, Row, Vector, axis_of
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.touch import ContactGaps
 from harness.model.scene import Scene
 
 AHEAD: Final = 1.5
@@ -119,7 +119,6 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
             state.wholes(schedule.coarse[begin : begin + free])
         else:
             state.to_next()
-    record.ledger = state.stepper.writer.ledger
     return record
 
 

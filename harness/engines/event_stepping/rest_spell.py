@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 
 from harness.engines.contact.spatial import matrices
-from harness.engines.pybullet.schedule import Vector
-from harness.engines.pybullet.step_state import StepState
-from harness.engines.pybullet.stepper import axis_of
+from harness.engines.event_stepping.rows import Vector, axis_of
+from harness.engines.event_stepping.step_state import StepState
 from harness.statics.rest import LimitsOfRest
 
 STILL_M_S: Final = 1e-5

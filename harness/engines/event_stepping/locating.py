@@ -1,13 +1,13 @@
-"""An event inside a step, met at its instant: velocities are brought there by Bullet, places by their velocities."""
+"""An event inside a step, met at its instant: velocities are brought there by the engine, places by their velocities."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Final
 
-from harness.engines.pybullet.pose import advanced
-from harness.engines.pybullet.step_state import SHORTEST, TOGETHER, StepState
-from harness.engines.pybullet.touch import ContactGaps
+from harness.engines.event_stepping.rows import advanced
+from harness.engines.event_stepping.step_state import SHORTEST, TOGETHER, StepState
+from harness.engines.event_stepping.touch import ContactGaps
 
 FAR: Final = 0.06
 """An event further ahead than this, in steps, is approached by steps with the velocity of their middle."""
@@ -19,7 +19,7 @@ ASIDE: Final = 0.1
 ROOM: Final = 0.03
 """Time, in steps, that the places are left before the contact while the velocities are brought to its instant."""
 SHORT: Final = 0.9
-"""Share of that time that Bullet's step takes: a contact within a step is felt before it is reached."""
+"""Share of that time that the engine's step takes: a contact within a step is felt before it is reached."""
 
 
 def locate_event(

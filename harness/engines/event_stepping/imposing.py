@@ -1,12 +1,12 @@
-"""The model's impact in place of Bullet's own, for a scene that prescribes a ratio."""
+"""The model's impact in place of the engine's own, for a scene that prescribes a ratio."""
 
 from __future__ import annotations
 
 import math
 
 from harness.engines.contact.impact import impact
-from harness.engines.pybullet.stepper import Row, Stepper
-from harness.engines.pybullet.writing import bodies
+from harness.engines.event_stepping.rows import Row, bodies
+from harness.engines.event_stepping.stepper import Stepper
 from harness.model.scene import Scene
 
 
@@ -23,15 +23,16 @@ def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     old, new = side * statue.corner_m(side), -side * statue.corner_m(-side)
     shift = old * math.cos(lean_rad) - statue.centroid_height_m * math.sin(lean_rad) - old
     top = 0.0
-    if pedestal is not None and scene.pedestal is not None and stepper.world.pedestal is not None:
+    if pedestal is not None and scene.pedestal is not None:
         top = pedestal.place_m[2] + 0.5 * scene.pedestal.height_m
         stepper.let_slide(jump.slip_rate_m_s != 0.0)
         row = (*row[:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
-    place = (body.place_m[0] + shift, body.place_m[1], top + statue.centroid_height_m)
+    height = top - stepper.backend.depth_m + statue.centroid_height_m
+    place = (body.place_m[0] + shift, body.place_m[1], height)
     velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)
     upright = (*place, *_level(body.turn, lean_rad), *velocity, 0.0, rate, 0.0)
     stepper.writer.write("imposed_impact", was, upright + row[len(upright) :])
-    return stepper.read()
+    return stepper.backend.read()
 
 
 def _level(turn: tuple[float, float, float, float], lean_rad: float) -> tuple[float, float, float, float]:

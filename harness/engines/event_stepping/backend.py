@@ -1,0 +1,54 @@
+"""What an engine offers so that events can be located in it: its own step, its bodies' state, and three things it is told.
+
+The layer reads a step as velocities first, places after: what touches is found at the places at which the step begins, velocities
+are solved there, and the places go on with these. An engine that moves places first is read one move later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from harness.engines.event_stepping.rows import Row, Vector
+
+if TYPE_CHECKING:
+    from harness.engines.event_stepping.step_log import StepLog
+    from harness.engines.event_stepping.step_state import StepState
+
+
+class Backend(Protocol):
+    """One world of an engine with the scene's bodies in it."""
+
+    depth_m: float
+    """Depth at which what stands is kept in contact."""
+
+    @property
+    def runs(self) -> bool:
+        """Whether whole steps in which nothing is asked may be made by `run`."""
+
+    def read(self) -> Row:
+        """The bodies' state."""
+
+    def place(self, row: Row) -> None:
+        """Put the bodies into a state."""
+
+    def set_length(self, length_s: float) -> None:
+        """Length of the steps that follow, s."""
+
+    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+        """Be told of the next step: it begins at `state`, is so long, s, and takes velocities to `kick_s`."""
+
+    def advance(self, gravity: Vector) -> Row:
+        """One step under a gravity, m/s²; the row after it."""
+
+    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
+        """Whole steps one after the other, one for each gravity; rows are recorded, the last is returned."""
+
+    def set_floor_friction(self, friction: float) -> None:
+        """Coefficient of the pedestal on the floor from now on."""
+
+    def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
+        """Put floor and wall to where a moving table is at the beginning of a step, with its mean velocity in it."""
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row, table_m_s: Vector) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""

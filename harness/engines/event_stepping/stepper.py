@@ -1,0 +1,137 @@
+"""One step of an engine with the scene's two coefficients of friction, and with a table that moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from harness.engines.contact.coulomb import SLIP_ONSET
+from harness.engines.event_stepping.backend import Backend
+from harness.engines.event_stepping.rows import Row, Vector
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.writing import RowWriter
+from harness.model.scene import Scene
+
+SATURATED: Final = 0.998
+"""Friction counts as at its limit from this share of it: the solver's iterations end before the last digits."""
+REVERSAL: Final = "friction_reversal"
+"""Kind of what is written where the pedestal's velocity passed zero, and static friction may hold."""
+STICKS_BELOW: Final = 0.3
+"""Share of a step's loss of velocity that may be left of it when the pedestal counts as stuck."""
+
+
+class Stepper:
+    """One step at a time: gravity or table, friction's two numbers; keeps the sliding state between steps."""
+
+    def __init__(self, backend: Backend, scene: Scene, schedule: Schedule) -> None:
+        self.backend, self.schedule = backend, schedule
+        self.writer = RowWriter(backend, scene)
+        contact, pedestal = scene.contact, scene.pedestal
+        self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
+        self.switches = pedestal is not None and self.static != self.kinetic
+        self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        self.stuck = True
+        self.just_slipped = False
+        self.table_place: Vector = (0.0, 0.0, 0.0)
+        self.table_rate: Vector = (0.0, 0.0, 0.0)
+        self.table_before = self.table_rate
+
+    @property
+    def runs(self) -> bool:
+        """Whether whole steps ask for nothing between them."""
+        return self.backend.runs and not (self.schedule.moving or self.switches)
+
+    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
+        """Whole steps one after the other: rows are recorded, the last is returned."""
+        return self.backend.run(pulls, record)
+
+    def step(self, gravity: Vector, t_s: float, step_s: float, before: Row) -> Row:
+        """Advance the world from `before` at `t_s` by `step_s`."""
+        if self.schedule.moving:
+            self.table_before = self.table_rate
+            self.table_place, self.table_rate = self.schedule.table(t_s, step_s)
+            self.backend.move_table(self.table_place, self.table_rate)
+        self.just_slipped = False
+        row = self.backend.advance(gravity)
+        if not self.switches:
+            return row
+        pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
+        if self.stuck:
+            row = self._slip_onset(gravity, pull, before, row)
+            self.just_slipped = not self.stuck
+            return row
+        if not self._saturated(self.kinetic, pull, before, row) and self._sticks(before, row):
+            self._hold(self.static)
+        elif self._reversed(before, row):
+            # The velocity passed zero: the step again with the static limit, which may hold.
+            self._hold(self.static)
+            self._again(before, REVERSAL)
+            row = self._slip_onset(gravity, pull, before, self.backend.advance(gravity))
+        return row
+
+    def _slip_onset(self, gravity: Vector, pull: Vector, before: Row, row: Row) -> Row:
+        """A step computed with the static limit, or, where it reached the limit, once more with kinetic friction.
+
+        One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
+        """
+        gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
+        stopped = not gaining and (self._sticks(before, row) or self._reversed(before, row))
+        if stopped or not self._saturated(self.static, pull, before, row):
+            return row
+        self._hold(self.kinetic)
+        self._again(before)
+        return self.backend.advance(gravity)
+
+    def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
+        """Back to where the step began, which is to be solved again."""
+        self.backend.place(before)
+        self.writer.ledger.of(kind).steps_again += 1
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """After whole steps under `pulls`: what the bodies' contacts need next."""
+        self.backend.look(pulls, before, after, self.table_rate)
+
+    def let_loose(self, friction: float, gravity: Vector, before: Row) -> Row:
+        """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
+        self._again(before)
+        self.backend.set_floor_friction(friction)
+        row = self.backend.advance(gravity)
+        self._hold(self.static if friction == self.static else self.kinetic)
+        return row
+
+    def let_slide(self, sliding: bool) -> None:
+        """The pedestal slides, or is held, from now on, as an impact that is not the engine's left it."""
+        if self.switches:
+            self._hold(self.kinetic if sliding else self.static)
+
+    def _hold(self, friction: float) -> None:
+        self.backend.set_floor_friction(friction)
+        self.stuck = friction == self.static
+
+    def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
+        """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
+        x, y, normal = self.friction(pull, before, row)
+        return math.hypot(x, y) >= SATURATED * friction * normal
+
+    def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
+        """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
+        statue, pedestal = self.masses
+        x, y, z = (
+            statue * (row[7 + k] - before[7 + k] - pull[k]) + pedestal * (row[20 + k] - before[20 + k] - pull[k])
+            for k in range(3)
+        )
+        return x, y, z
+
+    def _speed(self, row: Row, table: Vector) -> float:
+        return math.hypot(row[20] - table[0], row[21] - table[1])
+
+    def _sticks(self, before: Row, row: Row) -> bool:
+        """Whether friction took nearly all of the velocity that it could take in this step: solver iterations leave a little."""
+        here, there = self._speed(row, self.table_rate), self._speed(before, self.table_before)
+        return here <= STICKS_BELOW * max(there - here, 0.0)
+
+    def _reversed(self, before: Row, row: Row) -> bool:
+        x, y = self.table_rate[0], self.table_rate[1]
+        return (before[20] - x) * (row[20] - x) + (before[21] - y) * (row[21] - y) < 0.0

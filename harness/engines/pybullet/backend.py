@@ -1,0 +1,116 @@
+"""Bullet behind the layer that locates events: its own step, rows read and written, and what its contacts need next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import pybullet
+
+from harness.engines.event_stepping.rows import ALONE, Row, Vector, bodies
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.step_state import SHORTEST, StepState
+from harness.engines.pybullet.gyroscopic import Gyroscope
+from harness.engines.pybullet.heading import puller, reader
+from harness.engines.pybullet.world import World
+
+GRIP: Final = 0.5
+"""Share of the statue's friction limit from which on its feet are not taken to stand, and"""
+GRIP_AGAIN: Final = 0.35
+"""below which they are again."""
+STEPS_OFF: Final = 2.0
+"""A body's reach over the square of its turning in a step, at least: half of that is what a step takes a foot off its support."""
+WIDER: Final = 4.0
+"""How many times as wide it is made as that, when it is too narrow, and"""
+NARROWER: Final = 256.0
+"""how many times too wide it may be."""
+RESTING_M_S: Final = 1e-3
+"""Velocity, m/s and rad/s, below which statue and pedestal rest: one that rocks is slower for a hundredth of a half-cycle."""
+
+
+class BulletBackend:
+    """One of Bullet's worlds (`harness.engines.event_stepping.backend.Backend`); `step_s` is the length of its whole steps."""
+
+    depth_m = 0.0
+
+    def __init__(self, world: World, step_s: float, grip_limit: float) -> None:
+        self.world, self.step_s, self.grip_limit = world, step_s, grip_limit
+        self.read, self.pull = reader(world), puller(world)
+        self.gyroscope = Gyroscope(world)
+        self.set_length, self.set_floor_friction = world.solver.set_length, world.set_floor_friction
+        self.move_table = world.move_table
+        self.least_reach, self.grips = world.reach, False
+        self._anchor(held=world.feet_over)
+
+    @property
+    def runs(self) -> bool:
+        """Whether no step needs a gyroscopic torque."""
+        return not self.gyroscope.moments
+
+    def place(self, row: Row) -> None:
+        """Put both bodies into the state of a row."""
+        statue, pedestal = bodies(row)
+        self.world.place(self.world.statue, statue)
+        if pedestal is not None and self.world.pedestal is not None:
+            self.world.place(self.world.pedestal, pedestal)
+
+    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+        """What Bullet's gyroscopic torque misses in the next step; after an impact the change of velocities is not known yet."""
+        if self.gyroscope.moments is None:
+            return
+        record, change = state.record, (0.0, 0.0, 0.0)
+        if not state.jolted and len(record.t_s) > 1:
+            before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
+            if last_s > SHORTEST * self.step_s:
+                x, y, z = before
+                change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
+        self.gyroscope.foresee(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
+
+    def advance(self, gravity: Vector) -> Row:
+        """Bullet's own step under a gravity, and the row after it."""
+        self.pull(*gravity, self.world.client)
+        self.gyroscope.act()
+        pybullet.stepSimulation(self.world.client)
+        return self.read()
+
+    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
+        """Several steps of a body that needs no gyroscopic torque: rows are recorded, the last is returned."""
+        set_gravity, step, read, client = self.pull, pybullet.stepSimulation, self.read, self.world.client
+        row: Row = ()
+        keep, pack = record.flat.frombytes, record.pack
+        for gravity in pulls:
+            set_gravity(*gravity, client)
+            step(client)
+            row = read()
+            keep(pack(*row))
+        return row
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row, table_m_s: Vector) -> None:
+        """After whole steps under `pulls`: reach, grip and iterations that the bodies' contacts need next."""
+        world, turning = self.world, after[10] * after[10] + after[11] * after[11]
+        if len(after) > ALONE:
+            table = (*table_m_s, 0.0, 0.0, 0.0)
+            moving = (abs(v - w) for k in (7, 20) for v, w in zip(after[k : k + 6], table, strict=True))
+            world.solver.rest(not world.in_plane and max(moving) < RESTING_M_S)
+            turning = max(turning, after[23] * after[23] + after[24] * after[24])
+        needed = STEPS_OFF * turning * self.step_s**2
+        if needed > world.reach or needed * NARROWER < world.reach > self.least_reach:
+            world.set_reach(max(WIDER * needed, self.least_reach))
+        if world.feet_over:
+            self._look_at_grip(pulls, before, after)
+
+    def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+        """Let the statue's feet keep their places only while its friction is far from its limit."""
+        first, last, half_s = pulls[0], pulls[-1], 0.5 * len(pulls) * self.step_s
+        x = after[7] - before[7] - half_s * (first[0] + last[0])
+        y = after[8] - before[8] - half_s * (first[1] + last[1])
+        z = after[9] - before[9] - half_s * (first[2] + last[2])
+        share = GRIP if self.grips else GRIP_AGAIN
+        if (math.hypot(x, y) < share * self.grip_limit * z) != self.grips:
+            self._anchor(held=not self.grips)
+
+    def _anchor(self, *, held: bool) -> None:
+        self.grips = held
+        if self.world.feet_over:
+            self.world.anchor(held=held)
