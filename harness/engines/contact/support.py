@@ -59,7 +59,7 @@ def gap_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
     Near upright on a flat base the lowest point is a corner; leaning further, or on an uneven base, any point of the silhouette.
     """
     lowest = np.minimum(at.right_z, at.left_z)
-    far = np.abs(trajectory.theta_rad) > CORNERS_ONLY_RAD if _flat(scene) else np.ones(lowest.size, dtype=bool)
+    far = np.abs(trajectory.theta_rad) > CORNERS_ONLY_RAD if flat_base(scene) else np.ones(lowest.size, dtype=bool)
     if far.any():
         theta, height = trajectory.theta_rad[far], trajectory.statue_xz_m[far, 1]
         cos, sin = np.cos(theta), np.sin(theta)
@@ -74,7 +74,7 @@ def gap_m(scene: Scene, trajectory: Trajectory, at: Corners) -> Array:
     return gap
 
 
-def _flat(scene: Scene) -> bool:
+def flat_base(scene: Scene) -> bool:
     """Whether the silhouette has both corners at z = 0 and nothing below."""
     statue = scene.statue
     corners = np.array([[-statue.corner_left_m, 0.0], [statue.corner_right_m, 0.0]])

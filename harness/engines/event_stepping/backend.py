@@ -22,9 +22,10 @@ class Backend(Protocol):
     depth_m: float
     """Depth at which what stands is kept in contact."""
 
-    @property
-    def runs(self) -> bool:
-        """Whether whole steps in which nothing is asked may be made by `run`."""
+    owed_m_s: tuple[float, float]
+    """What was taken from the statue's velocity along x and z before the last step was solved."""
+    runs: bool
+    """Whether whole steps in which nothing is asked may be made by `run`."""
 
     def read(self) -> Row:
         """The bodies' state."""

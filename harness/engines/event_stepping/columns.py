@@ -1,4 +1,4 @@
-"""From the loop's rows to the trajectory and the columns that only three dimensions have."""
+"""From the loop's rows to the trajectory, with the columns that only three dimensions have."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ Array = NDArray[np.float64]
 
 JUMP_IN_G: Final = 10.0
 """An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
+PLANAR: Final = ("pedestal_tilt_rad",)
+"""What a planar engine has of these columns."""
 
 
-def trajectory(scene: Scene, record: StepLog, axes: Array, step_s: float) -> Trajectory:
-    """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns."""
+def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float) -> Trajectory:
+    """The trajectory in the table's frame; `axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
     t_s, rows = _whole_steps(record, step_s, scene)
     place, table_rate = _table(scene, t_s)
-    turn = matrices(rows[:, 3:7]) @ axes.T
+    turn = matrices(rows[:, 3:7]) @ (np.eye(3) if axes is None else axes.T)
     spin = rows[:, 10:13]
     centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate
     theta, theta_rate = planar(turn[:, :, 2], spin)
-    extra = statue_columns(scene.statue, turn, centroid)
+    extra = {} if axes is None else statue_columns(scene.statue, turn, centroid)
     slip = slip_rate = np.zeros_like(t_s)
     pedestal = pedestal_rate = None
     if scene.pedestal is not None:
@@ -35,7 +37,8 @@ def trajectory(scene: Scene, record: StepLog, axes: Array, step_s: float) -> Tra
         moving = rows[:, 20:23] - table_rate
         slip, slip_rate = below[:, 0] - below[0, 0], moving[:, 0]
         pedestal, pedestal_rate = below[:, [0, 2]], moving[:, [0, 2]]
-        extra |= _pedestal_columns(matrices(rows[:, 16:20]), below)
+        columns = _pedestal_columns(matrices(rows[:, 16:20]), below)
+        extra |= {name: columns[name] for name in (PLANAR if axes is None else columns)}
     return Trajectory(
         t_s=t_s,
         theta_rad=theta,

@@ -46,6 +46,19 @@ class Account:
         else:
             self.taken_j -= change_j
 
+    def explain(self, rate_rad_s: float, arm_m: float, step_s: float) -> None:
+        """Count what a step explains of one change of velocity of a body that turns on a point `arm_m` from its centroid."""
+        rate = abs(rate_rad_s)
+        self.explained_m_s += rate * arm_m * (rate * step_s + REMAINDER)
+
+    def compare(self, owed_m_s: float, left_m_s: float) -> None:
+        """Count the change of speed of a point that stands, up to the instant corrected for, without the correction and with it.
+
+        A change: what it moves at before, a solver's remainder, is none of the correction's.
+        """
+        self.owed_m_s += owed_m_s
+        self.left_m_s += left_m_s
+
 
 class Ledger:
     """The accounts of a run by kind."""
@@ -59,20 +72,6 @@ class Ledger:
         if account is None:
             account = self.kinds[kind] = Account()
         return account
-
-    def explain(self, kind: str, rate_rad_s: float, arm_m: float, step_s: float) -> None:
-        """Count what a step explains of one change of velocity of a body that turns on a point `arm_m` from its centroid."""
-        rate = abs(rate_rad_s)
-        self.of(kind).explained_m_s += rate * arm_m * (rate * step_s + REMAINDER)
-
-    def compare(self, kind: str, owed_m_s: float, left_m_s: float) -> None:
-        """Count the change of speed of a point that stands, up to the instant corrected for, without the correction and with it.
-
-        A change: what it moves at before, a solver's remainder, is none of the correction's.
-        """
-        account = self.of(kind)
-        account.owed_m_s += owed_m_s
-        account.left_m_s += left_m_s
 
     def record(self) -> Mapping[str, Intervention]:
         """What was written by kind. Raises `EngineFailure` where the steps do not explain it."""

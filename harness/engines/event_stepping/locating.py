@@ -63,7 +63,7 @@ def locate_event(
         state.turn(room)
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
         owed, left = touch.foot_speeds_m_s(before, at_contact, floor.table_place[2], floor.table_rate[2])
-        floor.writer.ledger.compare("turn_on", owed, left)
+        floor.writer.ledger.of("turn_on").compare(owed, left)
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.

@@ -60,7 +60,8 @@ class Watch:
     `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
     run is not ended at rest). `leave` is asked every `MOST_FREE` steps whether the statue may touch what this world leaves out,
     `stop` now and then, with time and rotation, whether the run may end. `touch` finds impacts; None leaves them to whole steps,
-    as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest.
+    as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen`
+    ends a run whose statue has overturned.
     """
 
     axis: Vector
@@ -72,13 +73,14 @@ class Watch:
     touch: ContactGaps | None = None
     spells: RestSpells | None = None
     edges: Callable[[Row], bool] | None = None
+    ends_fallen: bool = True
 
 
 def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) -> StepLog:
     """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record, falls = Still(watch), state.record, scene.initial.pose is None
+    still, record, falls = Still(watch), state.record, watch.ends_fallen and scene.initial.pose is None
     look, leave_look, beside = state.number, state.number, False
     while state.number < schedule.count:
         row = state.row

@@ -91,7 +91,7 @@ class StepState:
         a, b, c = (seconds * rate for rate in row[10:13])
         turned = (row[7] + b * w - c * v, row[8] + c * u - a * w, row[9] + a * v - b * u)
         arm_m = math.dist(row[7:10], base) / max(math.hypot(*row[10:13]), LEAST_RAD_S)
-        self.stepper.writer.ledger.explain("turn_on", math.hypot(*row[10:13]), arm_m, self.step_s)
+        self.stepper.writer.ledger.of("turn_on").explain(math.hypot(*row[10:13]), arm_m, self.step_s)
         self._write("turn_on", (*row[:7], *turned, *row[10:]))
 
     def impact(self) -> None:
@@ -134,6 +134,7 @@ class StepState:
         stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
         numbers = range(self.number + 1, self.number + len(pulls) + 1)
         if stepper.runs:
+            stepper.backend.foresee(self, (self.number + 0.5) * step_s, step_s)
             self.row = stepper.run(pulls, record)
             record.t_s.extend([number * step_s for number in numbers])
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
@@ -143,8 +144,8 @@ class StepState:
                 row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
                 if stepper.just_slipped:
                     row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
-                self.row, self.kick_s = row, (number - 0.5) * step_s
-                record.keep(number * step_s, self.kick_s, row)
+                self.row, self.t_s, self.kick_s = row, number * step_s, (number - 0.5) * step_s
+                record.keep(self.t_s, self.kick_s, row)
         self.number += len(pulls)
         if self.number >= self.look_from:
             self.look_from = self.number + LOOK_STEPS

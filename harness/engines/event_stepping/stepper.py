@@ -32,16 +32,13 @@ class Stepper:
         self.static, self.kinetic = contact.floor_static, contact.floor_kinetic
         self.switches = pedestal is not None and self.static != self.kinetic
         self.masses = (scene.statue.mass_kg, 0.0 if pedestal is None else pedestal.mass_kg)
+        # Whole steps that ask for nothing between them are made at once.
+        self.runs = backend.runs and not (schedule.moving or self.switches)
         self.stuck = True
         self.just_slipped = False
         self.table_place: Vector = (0.0, 0.0, 0.0)
         self.table_rate: Vector = (0.0, 0.0, 0.0)
         self.table_before = self.table_rate
-
-    @property
-    def runs(self) -> bool:
-        """Whether whole steps ask for nothing between them."""
-        return self.backend.runs and not (self.schedule.moving or self.switches)
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
         """Whole steps one after the other: rows are recorded, the last is returned."""
@@ -62,7 +59,7 @@ class Stepper:
             row = self._slip_onset(gravity, pull, before, row)
             self.just_slipped = not self.stuck
             return row
-        if not self._saturated(self.kinetic, pull, before, row) and self._sticks(before, row):
+        if self._sticks(before, row) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)
         elif self._reversed(before, row):
             # The velocity passed zero: the step again with the static limit, which may hold.
@@ -76,9 +73,10 @@ class Stepper:
 
         One that brings the pedestal to rest, from a slip or a blow, reaches the limit too: static friction has it then.
         """
+        if not self._saturated(self.static, pull, before, row):
+            return row
         gaining = self._speed(row, self.table_rate) > self._speed(before, self.table_before)
-        stopped = not gaining and (self._sticks(before, row) or self._reversed(before, row))
-        if stopped or not self._saturated(self.static, pull, before, row):
+        if not gaining and (self._sticks(before, row) or self._reversed(before, row)):
             return row
         self._hold(self.kinetic)
         self._again(before)
@@ -113,16 +111,18 @@ class Stepper:
     def _saturated(self, friction: float, pull: Vector, before: Row, row: Row) -> bool:
         """Whether the floor's friction in this step, from the balance of momentum, reached its limit."""
         x, y, normal = self.friction(pull, before, row)
+        owed_x, owed_z = self.backend.owed_m_s
+        x, normal = x + self.masses[0] * owed_x, normal + self.masses[0] * owed_z
         return math.hypot(x, y) >= SATURATED * friction * normal
 
     def friction(self, pull: Vector, before: Row, row: Row) -> Vector:
         """The floor's impulse on the pedestal in a step, N s, from the balance of momentum, less what `pull` gives."""
-        statue, pedestal = self.masses
-        x, y, z = (
-            statue * (row[7 + k] - before[7 + k] - pull[k]) + pedestal * (row[20 + k] - before[20 + k] - pull[k])
-            for k in range(3)
+        (statue, pedestal), (x, y, z) = self.masses, pull
+        return (
+            statue * (row[7] - before[7] - x) + pedestal * (row[20] - before[20] - x),
+            statue * (row[8] - before[8] - y) + pedestal * (row[21] - before[21] - y),
+            statue * (row[9] - before[9] - z) + pedestal * (row[22] - before[22] - z),
         )
-        return x, y, z
 
     def _speed(self, row: Row, table: Vector) -> float:
         return math.hypot(row[20] - table[0], row[21] - table[1])

@@ -30,23 +30,23 @@ RESTING_M_S: Final = 1e-3
 
 
 class BulletBackend:
-    """One of Bullet's worlds (`harness.engines.event_stepping.backend.Backend`); `step_s` is the length of its whole steps."""
+    """One of Bullet's worlds (`harness.engines.event_stepping.backend.Backend`); `step_s` is the length of its whole steps,
+    `grip_limit` the statue's coefficient of friction, None where its feet are never told to keep their places.
+    """
 
     depth_m = 0.0
+    owed_m_s = (0.0, 0.0)
 
-    def __init__(self, world: World, step_s: float, grip_limit: float) -> None:
+    def __init__(self, world: World, step_s: float, grip_limit: float | None = None) -> None:
         self.world, self.step_s, self.grip_limit = world, step_s, grip_limit
         self.read, self.pull = reader(world), puller(world)
         self.gyroscope = Gyroscope(world)
+        self.runs = not self.gyroscope.moments
         self.set_length, self.set_floor_friction = world.solver.set_length, world.set_floor_friction
         self.move_table = world.move_table
         self.least_reach, self.grips = world.reach, False
-        self._anchor(held=world.feet_over)
-
-    @property
-    def runs(self) -> bool:
-        """Whether no step needs a gyroscopic torque."""
-        return not self.gyroscope.moments
+        if grip_limit is not None:
+            self._anchor(held=world.feet_over)
 
     def place(self, row: Row) -> None:
         """Put both bodies into the state of a row."""
@@ -97,17 +97,17 @@ class BulletBackend:
         needed = STEPS_OFF * turning * self.step_s**2
         if needed > world.reach or needed * NARROWER < world.reach > self.least_reach:
             world.set_reach(max(WIDER * needed, self.least_reach))
-        if world.feet_over:
-            self._look_at_grip(pulls, before, after)
+        if world.feet_over and self.grip_limit is not None:
+            self._look_at_grip(self.grip_limit, pulls, before, after)
 
-    def _look_at_grip(self, pulls: Sequence[Vector], before: Row, after: Row) -> None:
+    def _look_at_grip(self, limit: float, pulls: Sequence[Vector], before: Row, after: Row) -> None:
         """Let the statue's feet keep their places only while its friction is far from its limit."""
         first, last, half_s = pulls[0], pulls[-1], 0.5 * len(pulls) * self.step_s
         x = after[7] - before[7] - half_s * (first[0] + last[0])
         y = after[8] - before[8] - half_s * (first[1] + last[1])
         z = after[9] - before[9] - half_s * (first[2] + last[2])
         share = GRIP if self.grips else GRIP_AGAIN
-        if (math.hypot(x, y) < share * self.grip_limit * z) != self.grips:
+        if (math.hypot(x, y) < share * limit * z) != self.grips:
             self._anchor(held=not self.grips)
 
     def _anchor(self, *, held: bool) -> None:

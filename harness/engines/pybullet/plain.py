@@ -11,17 +11,22 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 
 from harness.engines.base import FINER, Engine, Settings, near, own_settings
 from harness.engines.contact.frame import greatest_pull_m_s2, step_count
-from harness.engines.contact.friction import FloorFriction, floor_friction, followed
+from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.spatial import fallen
 from harness.engines.contact.steering import refuse_steering
+from harness.engines.event_stepping.columns import trajectory
+from harness.engines.event_stepping.plain_steps import LOOK_STEPS, plain_steps
+from harness.engines.event_stepping.rows import Row, axis_of
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
 from harness.engines.pybullet.adapter import REST_BAND_RAD, Bullet3D
 from harness.engines.pybullet.settings import BulletSettings
 from harness.model.options import Capabilities, RunOptions
@@ -29,7 +34,6 @@ from harness.model.run import Run
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.event_stepping.step_log import StepLog
     from harness.engines.pybullet.course import Setup
     from harness.engines.pybullet.full import FullShape
     from harness.engines.pybullet.world import World
@@ -46,22 +50,8 @@ LEVELS: Final = (
 not measured over random scenes."""
 TURNING_RAD_S: Final = 3.0
 """Rate up to which a turning body's feet are still contacts at the end of a step: statues rock at up to some 2 rad/s."""
-LOOK_STEPS: Final = 64
-"""Steps between two looks at whether the run can end, or the pedestal's edge be met."""
-
-
 BOUNCES_ABOVE_M_S: Final = 0.02
 """Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Course:
-    """What a run needs besides its world: when it may end, what it looks at, how friction follows."""
-
-    friction: FloorFriction
-    switches: bool
-    ended: Callable[[float, tuple[float, ...]], bool]
-    edge: Callable[[tuple[float, ...]], bool] | None
 
 
 @final
@@ -94,7 +84,6 @@ class PlainBullet3D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where pybullet refuses it, or where it would have to be steered."""
-        from harness.engines.event_stepping.columns import trajectory
         from harness.engines.pybullet import course
 
         own = own_settings(self.name, BulletSettings, settings)
@@ -131,66 +120,45 @@ def _settings(scene: Scene, dt_s: float, error_rad: float) -> BulletSettings:
 
 def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
-    from harness.engines.event_stepping.rows import axis_of
     from harness.engines.pybullet.edge import EdgeWatch
     from harness.engines.pybullet.full import full_shape
 
     axis = (float(setup.axes[2, 0]), float(setup.axes[2, 1]), float(setup.axes[2, 2]))
 
-    def ended(t_s: float, row: tuple[float, ...]) -> bool:
+    def ended(t_s: float, row: Row) -> bool:
         x, y, z = axis_of(row, axis)
         if options.allows("stop_at_overturn") and scene.initial.pose is None and fallen(x, y, z):
             return True
         return options.stop is not None and options.stop(t_s, math.atan2(x, z))
 
-    friction, p = floor_friction(scene, settings.dt_s), scene.pedestal
+    p = scene.pedestal
     if p is None:
-        return _stepped(scene, settings, setup, None, _Course(friction, False, ended, None)), None
+        return _stepped(scene, settings, setup, None, ended), None
     half = (0.5 * p.width_m, 0.5 * p.depth_m, 0.5 * p.height_m)
     if options.allows("base_only"):
         edge = EdgeWatch(setup.hull_m, half, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
-        record = _stepped(scene, settings, setup, None, _Course(friction, friction.switches, ended, edge))
+        record = _stepped(scene, settings, setup, None, lambda t_s, row: ended(t_s, row) or edge(row))
         if not edge(record.last):
             return record, None
     # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
     full = full_shape(scene, settings.full_shape)
-    return _stepped(scene, settings, setup, full, _Course(friction, friction.switches, ended, None)), full.note
+    return _stepped(scene, settings, setup, full, ended), full.note
 
 
-def _stepped(scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, course: _Course) -> StepLog:
+def _stepped(
+    scene: Scene, settings: BulletSettings, setup: Setup, full: FullShape | None, ended: Callable[[float, Row], bool]
+) -> StepLog:
     """One world from the scene's start to its end, to overturning, or to where the pedestal's edge can be met."""
-    import pybullet
-
-    from harness.engines.event_stepping.schedule import Schedule
-    from harness.engines.event_stepping.step_log import StepLog
+    from harness.engines.pybullet.backend import BulletBackend
     from harness.engines.pybullet.course import build
-    from harness.engines.pybullet.heading import puller, reader
     from harness.engines.pybullet.world import World
 
-    count, dt = step_count(scene.duration_s, settings.dt_s), settings.dt_s
+    schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
     with World(settings) as world:
         build(world, scene, setup, full)
         if scene.contact.restitution is not None:
             _bounce(world, scene.contact.restitution)
-        read, pull, client, acting = reader(world), puller(world), world.client, course.friction.static
-        row = read()
-        record = StepLog(len(row))
-        record.keep(0.0, 0.0, row)
-        for step, gravity in enumerate(Schedule(scene, dt, 0, count).coarse, 1):
-            pull(*gravity, client)
-            pybullet.stepSimulation(client)
-            row = read()
-            record.keep(step * dt, (step - 0.5) * dt, row)
-            if course.switches:
-                wanted = followed(course.friction, math.hypot(row[20], row[21]))
-                if wanted != acting:
-                    world.set_floor_friction(wanted)
-                    acting = wanted
-            if step % LOOK_STEPS == 0 and (
-                course.ended(step * dt, row) or (course.edge is not None and course.edge(row))
-            ):
-                break
-    return record
+        return plain_steps(BulletBackend(world, settings.dt_s), schedule, ended)
 
 
 def _bounce(world: World, restitution: float) -> None:

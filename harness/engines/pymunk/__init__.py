@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final
@@ -9,9 +10,18 @@ from typing import ClassVar, Final, final
 import numpy as np
 
 from harness.engines.base import FINER, Engine, EngineFailure, Settings, near, own_settings
+from harness.engines.contact.frame import step_count
+from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.impact import IMPOSED_LABEL
 from harness.engines.contact.reduce import Report, reduce_trajectory
-from harness.engines.pymunk.samples import trajectory
+from harness.engines.contact.support import flat_base
+from harness.engines.event_stepping.loop import Watch, integrate
+from harness.engines.event_stepping.rest_spell import STILL_M_S
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.event_stepping.step_state import StepState
+from harness.engines.event_stepping.stepper import Stepper
+from harness.engines.event_stepping.touch import ContactGaps
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -40,11 +50,11 @@ TURNING_LEAST: Final = 24
 """Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
 IMPACT_ITERATIONS: Final = 400
 """Least iterations of a step in which all contacts meet an impact or a stick onset: it starts from impulses of another state."""
-DEPTH_RAD_S: Final = 0.002
-"""Depth of contact over the base's width and the step, so that contacts exist from the first step on: impacts slower
-than twice this are left to the engine's own steps."""
-SLOP_DEPTHS: Final = 50.0
-"""Penetration that Chipmunk leaves alone, in such depths: its correction of deeper ones adds energy."""
+DEPTH_RAD_S: Final = 1e-5
+"""Depth at which a vertex is held over the base's width and the step: what comes down is felt at its depth, and must not be so
+before its impact is met."""
+SLOP_RAD_S: Final = 0.1
+"""Penetration that Chipmunk leaves alone, over the same: its correction of deeper ones adds energy."""
 SETTLE_STEPS: Final = 500
 """Whole steps computed before the first instant at which anything can move: the contact's penetration must have settled as it
 would have by then, or an outcome far on may be another (with 64 of them two of six under real records were)."""
@@ -106,42 +116,77 @@ class Munk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
-        from harness.engines.pymunk import drive as driving
-        from harness.engines.pymunk import loop, world
-        from harness.engines.pymunk.support_vertex import SupportVertex
+        from harness.engines.event_stepping.columns import trajectory
 
         own = own_settings(self.name, MunkSettings, settings)
         begin = time.perf_counter()
         try:
-            built = world.build(scene, own)
-            grid = loop.grid_of(scene, own.dt_s)
-            first, skipped = _first_step(scene, own, options, len(grid.gravity))
-            drive = driving.start(scene, own, built, first * own.dt_s)
-            support = SupportVertex(drive)
-            rested = loop.run(drive, support, grid, first, options)
+            record, first = _integrated(scene, own, options)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
-        states, t_s = np.concatenate(drive.states), np.array(drive.times_s)
-        path = trajectory(scene, built, states, t_s, np.array(drive.lags_s))
-        if rested:
-            skipped = (*skipped, f"from {drive.t_s:.4g} s on the statue is at rest and the floor is still")
+        skipped = []
+        if first > 0:
+            skipped.append(f"nothing moves before {first * own.dt_s:.4g} s: not integrated")
+        if record.rested:
+            skipped.append(f"from {record.t_s[-1]:.4g} s on the statue is at rest and the floor is still")
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
-            steps=drive.work["engine_steps"],
+            steps=len(record.t_s) - 1,
             wall_s=0.0,
-            resolution_rad=loop.resolution_rad(scene, own),
-            stuck_below_m_s=max(10.0 * drive.friction.stuck_below_m_s, loop.STILL_M_S),
-            rested=rested,
+            resolution_rad=resolution_rad(scene, own),
+            stuck_below_m_s=max(10.0 * floor_friction(scene, own.dt_s).stuck_below_m_s, STILL_M_S),
+            rested=record.rested,
             with_history=options.history or not options.allows("no_history"),
-            validity={} if drive.aligned else _plain_throughout(drive.times_s),
-            work=drive.work,
-            interventions=drive.ledger.record(),
-            skipped=skipped,
-            warnings=_warnings(scene, drive),
+            validity={} if _located(scene) else _plain_throughout(record.t_s),
+            interventions=record.ledger.record(),
+            skipped=tuple(skipped),
+            warnings=_warnings(scene),
             labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
         )
+        path = trajectory(scene, record, None, own.dt_s)
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
+
+
+def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[StepLog, int]:
+    """Samples of a run, and the number of its first step."""
+    from harness.engines.pymunk import world
+    from harness.engines.pymunk.backend import ChipmunkBackend
+    from harness.engines.pymunk.support import base_vertices
+
+    count = step_count(scene.duration_s, own.dt_s)
+    first = _first_step(scene, own, options, count)
+    schedule = Schedule(scene, own.dt_s, first, count)
+    backend = ChipmunkBackend(world.build(scene, own), own, scene)
+    state = StepState(Stepper(backend, scene, schedule), backend.read(), first, first * own.dt_s, even=True)
+    end_s, upright = scene.base_excitation.end_s, (0.0, 0.0, 1.0)
+    touch = None
+    if _located(scene):
+        x, z = base_vertices(scene).T
+        # A vertex is felt at its depth: there its gap is none.
+        feet_m = np.column_stack([x, np.zeros(x.size), z + own.depth_m])
+        half_m = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
+        touch = ContactGaps(scene, feet_m, half_m, own.dt_s)
+    watch = Watch(
+        axis=upright,
+        rest=upright,
+        quiet_from=math.ceil(end_s / own.dt_s) if options.allows("quiet_end") and end_s < scene.duration_s else None,
+        impose=scene.contact.restitution is not None,
+        stop=options.stop,
+        touch=touch,
+        ends_fallen=options.allows("stop_at_overturn"),
+    )
+    return integrate(scene, schedule, watch, state), first
+
+
+def _located(scene: Scene) -> bool:
+    """Whether impacts are met inside steps; a prescribed ratio is imposed on a flat base only."""
+    return scene.contact.restitution is None or flat_base(scene)
+
+
+def resolution_rad(scene: Scene, settings: MunkSettings) -> float:
+    """Rotation that the contact's slop can leave at rest."""
+    return 2.0 * settings.slop_m / (scene.statue.corner_left_m + scene.statue.corner_right_m)
 
 
 def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: float) -> MunkSettings:
@@ -152,26 +197,23 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
         iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
     depth = DEPTH_RAD_S * base * dt_s
     many = max(IMPACT_ITERATIONS, 2 * iterations)
-    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, SLOP_DEPTHS * depth, many)
+    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, SLOP_RAD_S * base * dt_s, many)
 
 
 def _turning(iterations: int) -> int:
     return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
 
 
-def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total: int) -> tuple[int, tuple[str, ...]]:
+def _first_step(scene: Scene, settings: MunkSettings, options: RunOptions, total: int) -> int:
     quiet = first_motion_s(scene) if options.allows("quiet_start") else 0.0
-    first = min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
-    if first == 0:
-        return 0, ()
-    return first, (f"nothing moves before {first * settings.dt_s:.4g} s: not integrated",)
+    return min(max(int(quiet / settings.dt_s) - SETTLE_STEPS, 0), total - 1)
 
 
 def _plain_throughout(times_s: list[float]) -> dict[str, object]:
     return {"plain_from_s": times_s[0], "plain_for_s": times_s[-1] - times_s[0], "plain_because": ["asked for"]}
 
 
-def _warnings(scene: Scene, drive: object) -> tuple[str, ...]:
+def _warnings(scene: Scene) -> tuple[str, ...]:
     ignored = []
     if scene.form.friction_normal == "static":
         ignored.append("model.friction_normal = static is ignored: friction acts with the contact's own normal force")

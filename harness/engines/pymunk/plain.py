@@ -7,19 +7,22 @@ thing that Chipmunk does not know: the floor's follows the pedestal's own veloci
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final
 
-import numpy as np
-
 from harness.engines.base import FINER, Engine, EngineFailure, Settings, near, own_settings
-from harness.engines.contact.friction import floor_friction, followed
+from harness.engines.contact.frame import step_count
+from harness.engines.contact.friction import floor_friction
 from harness.engines.contact.reduce import Report, reduce_trajectory
 from harness.engines.contact.steering import refuse_steering
-from harness.engines.contact.trajectory import Trajectory
-from harness.engines.pymunk import DEPTH_RAD_S, SLOP_DEPTHS, Munk2D
-from harness.engines.pymunk.samples import trajectory
+from harness.engines.event_stepping.columns import trajectory
+from harness.engines.event_stepping.plain_steps import plain_steps
+from harness.engines.event_stepping.rows import Row
+from harness.engines.event_stepping.schedule import Schedule
+from harness.engines.event_stepping.step_log import StepLog
+from harness.engines.pymunk import SLOP_RAD_S, Munk2D, resolution_rad
 from harness.engines.pymunk.settings import MunkSettings
 from harness.model.options import Capabilities, RunOptions
 from harness.model.run import Run
@@ -37,8 +40,10 @@ LEVELS: Final = (
 """(step in s, iterations, error in rad). With 40 iterations a stuck pedestal slides (0.1 rad off); these are past the number at
 which the paper's cases with a pedestal stop changing. The error is
 assumed: first order, some ten times what the paper's cases with one coefficient show; not measured over random scenes."""
-BLOCK_STEPS: Final = 64
-"""Steps between two looks at whether the run can end."""
+
+
+DEPTH_RAD_S: Final = 0.002
+"""Depth at which the statue is placed at first over the base's width and the step, so that contacts exist from then on."""
 
 
 @final
@@ -81,19 +86,20 @@ class PlainMunk2D(Engine):
         refuse_steering(scene, self.name)
         begin = time.perf_counter()
         try:
-            path, steps, resolution = _integrate(scene, own, options)
+            record = _integrate(scene, own, options)
         except (AssertionError, ValueError, MemoryError) as error:
             raise EngineFailure(f"pymunk refused the scene: {error}") from error
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
-            steps=steps,
+            steps=len(record.t_s) - 1,
             wall_s=0.0,
-            resolution_rad=resolution,
+            resolution_rad=resolution_rad(scene, own),
             stuck_below_m_s=floor_friction(scene, own.dt_s).stuck_below_m_s,
             with_history=options.history or not options.allows("no_history"),
             repeats=False,
         )
+        path = trajectory(scene, record, None, own.dt_s)
         return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
 
@@ -102,42 +108,21 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     depth = DEPTH_RAD_S * base * dt_s
     return MunkSettings(
-        dt_s, error_rad, iterations, iterations, depth, SLOP_DEPTHS * depth, impact_iterations=iterations, align=False
+        dt_s, error_rad, iterations, iterations, depth, SLOP_RAD_S * base * dt_s, impact_iterations=iterations
     )
 
 
-def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> tuple[Trajectory, int, float]:
-    """Trajectory, number of steps, and the rotation that the contact's slop can leave at rest."""
-    from harness.engines.pymunk import loop, native, world
+def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> StepLog:
+    """Samples of a run."""
+    from harness.engines.pymunk import world
+    from harness.engines.pymunk.backend import ChipmunkBackend
 
-    built = world.build(scene, settings)
-    space, recorder, dt = native.space_of(built.space), built.recorder, settings.dt_s
-    floor, each = native.shape_of(built.floor_shape), native.each_body
-    grid = loop.grid_of(scene, dt)
-    friction = floor_friction(scene, dt)
-    switches, column = built.pedestal is not None and friction.switches, built.pedestal_column + 3
-    acting, steps, states = friction.static, 0, []
-    statue = native.body_of(built.statue)
-    each(space, recorder.each, recorder.target)
-    for gravity in grid.gravity:
-        native.set_gravity(space, gravity)
-        native.step(space, dt)
-        each(space, recorder.each, recorder.target)
-        steps += 1
-        if switches:
-            wanted = followed(friction, recorder.last()[column])
-            if wanted != acting:
-                native.set_friction(floor, wanted)
-                acting = wanted
-        # Looked at once in a block: a statue that has fallen stays down, and each look is a call into the library.
-        if steps % BLOCK_STEPS == 0:
-            states.append(recorder.take())
-            angle = native.get_angle(statue)
-            if options.allows("stop_at_overturn") and abs(angle) > OVERTURN_RAD:
-                break
-            if options.stop is not None and options.stop(steps * dt, -angle):
-                break
-    states.append(recorder.take())
-    rows = np.concatenate(states)
-    t_s = grid.edges_s[: len(rows)]
-    return trajectory(scene, built, rows, t_s, np.full(t_s.size, 0.5 * dt)), steps, loop.resolution_rad(scene, settings)
+    schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
+
+    def ended(t_s: float, row: Row) -> bool:
+        theta = 2.0 * math.atan2(row[4], row[6])
+        if options.allows("stop_at_overturn") and abs(theta) > OVERTURN_RAD:
+            return True
+        return options.stop is not None and options.stop(t_s, theta)
+
+    return plain_steps(ChipmunkBackend(world.build(scene, settings), settings), schedule, ended)

@@ -15,7 +15,7 @@ class MunkSettings(Settings):
     `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
     from step to step, `impact_iterations` in a step that is an impact, a stick onset at rest or a change of sliding;
     `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
-    which bodies are added (results depend on it); `align` ends steps at impacts and stick onsets.
+    which bodies are added (results depend on it).
     """
 
     iterations: int
@@ -24,7 +24,6 @@ class MunkSettings(Settings):
     slop_m: float
     impact_iterations: int = 400
     pedestal_first: bool = True
-    align: bool = True
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain values: all of them are."""

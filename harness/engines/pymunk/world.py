@@ -24,27 +24,20 @@ FLAT_M: Final = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Handles of one run. `columns` gives where statue and pedestal stand in a recorded row; `support_m` the support's height."""
+    """Handles of one run; `backwards` says that the bodies were added the pedestal first."""
 
     space: pymunk.Space
     statue: pymunk.Body
     pedestal: pymunk.Body | None
     floor: pymunk.Body
     floor_shape: pymunk.Shape
-    recorder: native.Recorder
-    statue_column: int
-    pedestal_column: int
-    flat_base: bool
+    reader: native.Reader
+    backwards: bool
 
-    @property
-    def statue_slice(self) -> slice:
-        """The statue's numbers in a recorded row."""
-        return slice(self.statue_column, self.statue_column + native.WIDTH)
-
-    @property
-    def pedestal_slice(self) -> slice:
-        """The pedestal's; nothing of use without one."""
-        return slice(self.pedestal_column, self.pedestal_column + native.WIDTH)
+    def states(self) -> list[native.State]:
+        """States of the statue, and of the pedestal if there is one."""
+        states = self.reader.states()
+        return states[::-1] if self.backwards else states
 
     @property
     def movers(self) -> tuple[Any, ...]:
@@ -54,7 +47,7 @@ class World:
 
 
 def build(scene: Scene, settings: MunkSettings) -> World:
-    """A fresh space with everything in its place half a step before t = 0 (docs/pymunk.md: positions lag by half a step)."""
+    """A fresh space with everything in its place."""
     space = pymunk.Space()
     space.iterations = settings.iterations
     space.collision_slop = settings.slop_m
@@ -69,31 +62,12 @@ def build(scene: Scene, settings: MunkSettings) -> World:
         dynamic.reverse()
     for body in dynamic:
         space.add(body, *body.shapes)
-    # The floor last: bodies are recorded in the order in which they are added.
+    # The floor last: bodies are read in the order in which they are added.
     if floor is not space.static_body:
         space.add(floor)
     floor_shape = _floor(scene, space, floor)
-    recorder = native.Recorder(space)
-    return World(
-        space,
-        statue,
-        pedestal,
-        floor,
-        floor_shape,
-        recorder,
-        native.WIDTH * dynamic.index(statue),
-        native.WIDTH * dynamic.index(pedestal) if pedestal is not None else -1,
-        flat_base(scene),
-    )
-
-
-def flat_base(scene: Scene) -> bool:
-    """Whether the silhouette stands on exactly its two corners at one height, so that its impacts come at θ = 0."""
-    section = scene.statue.section_m
-    low = section[section[:, 1] <= np.min(section[:, 1]) + FLAT_M]
-    ends = np.array([np.min(low[:, 0]), np.max(low[:, 0])])
-    corners = np.array([-scene.statue.corner_left_m, scene.statue.corner_right_m])
-    return bool(np.all(np.abs(ends - corners) <= FLAT_M) and abs(np.min(section[:, 1])) <= FLAT_M)
+    reader = native.Reader(space, len(dynamic))
+    return World(space, statue, pedestal, floor, floor_shape, reader, settings.pedestal_first)
 
 
 def _floor(scene: Scene, space: pymunk.Space, floor: pymunk.Body) -> pymunk.Shape:
@@ -137,13 +111,10 @@ def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
     turned = rotated(section, theta)
     lowest = np.flatnonzero(turned[:, 1] <= np.min(turned[:, 1]) + FLAT_M)
     pivot = int(lowest[np.argmax(side * section[lowest, 0])])
-    half = 0.5 * settings.dt_s
-    # Half a step earlier, turning about that vertex, with the velocity of its circle there.
-    earlier = rotated(section, theta - rate * half)[pivot]
-    velocity = rate * np.array([-earlier[1], earlier[0]])
-    start = np.array([section[pivot, 0], top - settings.depth_m]) - earlier
-    body.angle = -(theta - rate * half)
-    body.angular_velocity = -rate
+    arm = turned[pivot]
+    velocity = rate * np.array([-arm[1], arm[0]])
+    start = np.array([section[pivot, 0], top - settings.depth_m]) - arm
+    body.angle, body.angular_velocity = -theta, -rate
     body.position = (float(start[0]), float(start[1]))
     body.velocity = (float(velocity[0]), float(velocity[1]))
     return body

@@ -69,7 +69,7 @@ def test_slow_impacts_are_met_too() -> None:
     # Rocking of tenths of a milliradian, at a hundredth of a radian a second.
     on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=0.12)
     exact = MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
-    assert run(on, 5e-4).work["impacts_split"] == len(exact.impact_times_s) > 3
+    assert run(on, 5e-4).interventions["impact"].count == len(exact.impact_times_s) > 3
     assert error(on, 5e-4) <= budget.SLOW_IMPACTS_RAD
 
 
@@ -118,7 +118,7 @@ def test_a_vertex_that_an_approach_has_stopped_is_taken_nowhere(data_dir: Path) 
     found, exact = run(on, 1e-3), MODEL.simulate(on, MODEL.refinement_levels(on)[1], RunOptions())
     assert found.history is not None
     assert exact.history is not None
-    assert found.work["impacts_split"] > 20
+    assert found.interventions["impact"].count > 20
     assert error(on, 1e-3) <= budget.STICK_ONSET_RAD
     times = np.linspace(0.0, on.duration_s, 500)
     slips = [np.interp(times, history.t_s, history.slip_m) for history in (found.history, exact.history)]

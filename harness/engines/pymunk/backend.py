@@ -1,0 +1,187 @@
+"""Chipmunk behind the layer that locates events.
+
+Chipmunk moves bodies with the velocities that they have, finds what touches there, and then solves velocities: it is read one
+move later. Its step size never changes, as that would corrupt the impulses that it starts from: for a step of another length
+gravity is scaled and the bodies are placed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from pymunk._chipmunk_cffi import lib
+
+from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.event_stepping.rows import ALONE, Row, Vector
+from harness.engines.pymunk import native
+from harness.engines.pymunk.native import State
+from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk.support import SupportVertex
+from harness.engines.pymunk.world import World
+from harness.model.scene import Scene
+
+if TYPE_CHECKING:
+    from harness.engines.event_stepping.step_log import StepLog
+    from harness.engines.event_stepping.step_state import StepState
+
+Pair = tuple[float, float]
+
+set_place: Final = lib.cpBodySetPosition
+set_angle: Final = lib.cpBodySetAngle
+set_velocity: Final = lib.cpBodySetVelocity
+set_spin: Final = lib.cpBodySetAngularVelocity
+
+ONE_STEP: Final = 1e-9
+"""Share of a step by which its length may differ and be a whole step's."""
+
+
+class ChipmunkBackend:
+    """One of Chipmunk's spaces (`harness.engines.event_stepping.backend.Backend`); with `scene` the statue is kept in contact."""
+
+    def __init__(self, world: World, settings: MunkSettings, scene: Scene | None = None) -> None:
+        self.world, self.settings, self.step_s = world, settings, settings.dt_s
+        self.space, self.bodies = native.space_of(world.space), world.movers
+        self.support = None if scene is None else SupportVertex(scene, settings)
+        self.floor: State | None = None
+        self.floor_m_s = (0.0, 0.0)
+        # What a step must be told of the one before is known here.
+        self.runs, self.depth_m = True, settings.depth_m
+        self.length_s = self.step_s
+        self.states: list[State] = world.states()
+        # Whether Chipmunk's places are one move before those of `states`.
+        self.lagging = False
+        self.solved_s: float | None = None
+        self.since_s, self.lags_s, self.gained = 0.0, (0.0, 0.0), 0.0
+        self.holds = False
+        self.turns, self.iterations, self.owed_m_s = False, -1, (0.0, 0.0)
+        self.ledger = Ledger()
+
+    def read(self) -> Row:
+        """The bodies' state."""
+        return row_of(self.states)
+
+    def place(self, row: Row) -> None:
+        """Let the next step begin in the state of a row."""
+        self.states, self.lagging, self.gained, self.turns = states_of(row), False, 0.0, False
+
+    def set_length(self, length_s: float) -> None:
+        """Length of the steps that follow, s."""
+        self.length_s = length_s
+
+    def set_floor_friction(self, friction: float) -> None:
+        """Coefficient of the pedestal on the floor from now on."""
+        native.set_friction(native.shape_of(self.world.floor_shape), friction)
+
+    def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
+        """Put the floor to where it is after Chipmunk's move."""
+        floor, (x, _, z), (u, _, w) = native.body_of(self.world.floor), place_m, velocity_m_s
+        # Until it is solved the statue has the velocity of the step before.
+        self.floor, self.floor_m_s = (x, z, 0.0, *self.floor_m_s, 0.0), (u, w)
+        set_velocity(floor, (u, w))
+        set_place(floor, (x - u * self.step_s, z - w * self.step_s))
+
+    def foresee(self, state: StepState, kick_s: float, length_s: float) -> None:
+        """What the next step's velocities lag behind, and will."""
+        solved_s = state.t_s if self.solved_s is None else self.solved_s
+        self.since_s = state.t_s - solved_s
+        self.lags_s = (state.kick_s - solved_s, kick_s - state.t_s)
+        self.solved_s, self.ledger = state.t_s, state.record.ledger
+        # At an impact the layer has brought velocities and places to its instant.
+        self.holds = self.support is not None and kick_s > state.kick_s
+
+    def advance(self, gravity: Vector) -> Row:
+        """One step under a gravity; the row after it."""
+        share = self.length_s / self.step_s
+        if abs(share - 1.0) < ONE_STEP:
+            return self._whole(gravity)
+        self._solve(self._held(), (gravity[0] * share, gravity[2] * share), self.settings.impact_iterations)
+        self.lagging, self.gained, self.turns = False, 0.0, False
+        return row_of(self.states)
+
+    def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
+        """Whole steps one after the other; rows are recorded, the last is returned."""
+        keep, pack, step_s, row = record.flat.frombytes, record.pack, self.step_s, self.read()
+        self.solved_s = (self.solved_s or 0.0) + (len(pulls) - 1) * step_s
+        for gravity in pulls:
+            row = self._whole(gravity)
+            keep(pack(*row))
+            self.since_s, self.lags_s = step_s, (0.5 * step_s, 0.5 * step_s)
+        return row
+
+    def _whole(self, gravity: Vector) -> Row:
+        states, pull = self._held(), (gravity[0], gravity[2])
+        own = self.settings
+        # Impulses of another state, or none, are no guess for the next ones.
+        fresh = own.iterations if self.lagging else own.impact_iterations
+        self._solve(states, pull, own.turning_iterations if self.turns else fresh)
+        before, after = states[0], self.states[0]
+        self.gained, self.lagging = after[5] - before[5], True
+        self.turns = self.support is not None and self.support.turns(before, after, pull)
+        return row_of(self.states)
+
+    def _solve(self, states: list[State], pull: Pair, iterations: int) -> None:
+        """Chipmunk's own step from these states, places going on by its length afterwards."""
+        if not self.lagging:
+            self._write(states)
+        elif states is not self.states:
+            x, z, angle, u, w, spin = states[0]
+            set_velocity(self.bodies[0], (u, w))
+            set_place(self.bodies[0], (x - u * self.step_s, z - w * self.step_s))
+            if angle != self.states[0][2]:
+                set_angle(self.bodies[0], angle - spin * self.step_s)
+        if iterations != self.iterations:
+            native.set_iterations(self.space, iterations)
+            self.iterations = iterations
+        native.set_gravity(self.space, pull)
+        native.step(self.space, self.step_s)
+        # Chipmunk's places are now those at which contacts were found.
+        self.states = [_moved(state, self.length_s) for state in self.world.states()]
+
+    def look(self, pulls: Sequence[Vector], before: Row, after: Row, table_m_s: Vector) -> None:
+        """Nothing: contacts need no other settings."""
+
+    def _held(self) -> list[State]:
+        if not self.holds or self.support is None:
+            self.owed_m_s = (0.0, 0.0)
+            return self.states
+        below = self.states[1] if len(self.states) > 1 else self.floor
+        before = self.states[0]
+        state = self.support.held(before, below, self.since_s, self.lags_s, self.gained, self.ledger)
+        self.owed_m_s = (before[3] - state[3], before[4] - state[4])
+        return self.states if state is before else [state, *self.states[1:]]
+
+    def _write(self, states: list[State]) -> None:
+        """Bodies one move before these states."""
+        step_s, parts = self.step_s, None if self.lagging else self.ledger.of("part_of_step")
+        for body, now, (x, z, angle, u, w, spin) in zip(self.bodies, self.world.states(), states, strict=True):
+            if parts is not None:
+                old_x, old_z, old_angle, *_ = now
+                parts.count += 1
+                parts.moved_m += math.hypot(x - u * step_s - old_x, z - w * step_s - old_z)
+                parts.turned_rad += abs(angle - spin * step_s - old_angle)
+            set_place(body, (x - u * step_s, z - w * step_s))
+            set_angle(body, angle - spin * step_s)
+            set_velocity(body, (u, w))
+            set_spin(body, spin)
+
+
+def _moved(state: Sequence[float], seconds: float) -> State:
+    x, z, angle, u, w, spin = state
+    return x + u * seconds, z + w * seconds, angle + spin * seconds, u, w, spin
+
+
+def row_of(states: Sequence[State]) -> Row:
+    """The layer's row of planar states: a rotation about y, clockwise as the model counts."""
+    x, z, angle, u, w, spin = states[0]
+    row = (x, 0.0, z, 0.0, -math.sin(0.5 * angle), 0.0, math.cos(0.5 * angle), u, 0.0, w, 0.0, -spin, 0.0)
+    return row if len(states) == 1 else row + row_of(states[1:])
+
+
+def states_of(row: Row) -> list[State]:
+    """Planar states of a row."""
+    return [
+        (row[k], row[k + 2], -2.0 * math.atan2(row[k + 4], row[k + 6]), row[k + 7], row[k + 9], -row[k + 11])
+        for k in range(0, len(row), ALONE)
+    ]

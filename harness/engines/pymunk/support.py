@@ -1,0 +1,189 @@
+"""How a statue that turns on a vertex of its base is kept in contact: Chipmunk knows a contact by its penetration alone.
+
+A step moves a turning body along the tangent of its vertex's circle, ω² h dt²/2 off the support. A contact that is lost so for
+one step lets the statue fall freely and comes back as a blow: an impact met in such a step has the wrong ratio, by up to a tenth.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.pymunk.native import State
+from harness.engines.pymunk.settings import MunkSettings
+from harness.model.scene import Scene
+from meshes.footprint import lower_chain
+
+Array = NDArray[np.float64]
+Pair = tuple[float, float]
+
+STEEPEST_RAD: Final = 1.0
+"""Facets of the silhouette that are steeper belong to its flanks: a statue that lies on them has fallen."""
+LEVEL_RAD: Final = 1e-6
+"""Nearer than this to a facet's rotation either of its ends may stand, as around an impact: the one that does not rise."""
+TIPPED_RAD: Final = 1e-3
+"""On a pedestal tilted by more the statue is left to the engine."""
+RISES: Final = 4.0
+"""A vertex that goes this many times as far as its circle takes it, and"""
+LIFTED: Final = 0.1
+"""this share of what falls freely in a step, lifts off: it is left alone."""
+HELD_SHARE: Final = 1e-3
+"""Share of its rate about the centroid below which a vertex is held by its support: the solver leaves 1e-9 of it."""
+REST_SHARE: Final = 0.03
+"""Share of a step's fall by which a statue at rest does not turn, and"""
+RISE_SHARE: Final = 0.02
+"""Share of that rate from which on it begins to rise."""
+REST_STEPS: Final = 1e-3
+"""rotation over the step, rad/s, by which it does not lean."""
+CLEAR_STEPS: Final = 0.02
+"""Rotation over the step, rad/s, beyond which the vertex left behind is off the support: ten times its depth of contact."""
+LEAST_BORNE: Final = 0.02
+"""Share of its weight below which a statue counts as flying: it may land in the coming step."""
+MOST_FRICTION: Final = 0.9
+"""Share of its friction's limit above which a vertex counts as sliding: at a high coefficient the solver is slow there."""
+
+
+def base_vertices(scene: Scene) -> Array:
+    """Vertices (k, 2) of the silhouette that a level support can touch while the statue stands, from right to left, m from the
+    centroid.
+    """
+    chain = lower_chain(scene.statue.section_m)
+    steps = np.diff(chain, axis=0)
+    base = np.flatnonzero(np.abs(np.arctan2(steps[:, 1], steps[:, 0])) < STEEPEST_RAD)
+    facets = chain[base[0] : base[-1] + 2]
+    from_centroid: Array = facets[::-1] - np.array([0.0, scene.statue.centroid_height_m])
+    return from_centroid
+
+
+def fall_rad_s2(scene: Scene) -> float:
+    """Greatest acceleration of a statue that stands on one corner of its base, under its weight."""
+    statue = scene.statue
+    # The lever of the weight about a corner is longest upright: a lean onto that corner shortens it.
+    arms = ((statue.corner_m(side), scene.pivot_inertia_kg_m2[side]) for side in (-1, 1))
+    return max(statue.mass_kg * scene.gravity_m_s2 * arm / inertia for arm, inertia in arms)
+
+
+class SupportVertex:
+    """The base as vertices from right to left, (x, z) from the centroid; `level_rad` are the rotations (ascending) at which the
+    facets between them lie on a level support: turned beyond the first i of them the statue stands on vertex i.
+    """
+
+    def __init__(self, scene: Scene, settings: MunkSettings) -> None:
+        points = base_vertices(scene)
+        self.points = [(float(x), float(z)) for x, z in points]
+        self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in points[:-1] - points[1:]]
+        self.length_m = [float(math.hypot(dx, dz)) for dx, dz in points[:-1] - points[1:]]
+        self.rest_rad_s = REST_SHARE * fall_rad_s2(scene) * settings.dt_s
+        self.height_m, self.depth_m, self.slop_m = scene.statue.centroid_height_m, settings.depth_m, settings.slop_m
+        self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
+        self.lifted_m = LIFTED * scene.gravity_m_s2 * settings.dt_s**2
+        self.mass_kg, self.gravity_m_s2 = scene.statue.mass_kg, scene.gravity_m_s2
+        self.on_pedestal, self.walled = scene.pedestal is not None, scene.wall is not None
+        # Whether the vertices beside the standing one are off the support.
+        self.clear_rad, self.clear = CLEAR_STEPS * settings.dt_s, False
+        self.step_s, self.most_friction = settings.dt_s, MOST_FRICTION * scene.contact.statue
+
+    def held(
+        self, state: State, below: State | None, since_s: float, lags_s: Pair, gained: float, ledger: Ledger
+    ) -> State:
+        """The state with the standing vertex at its depth, over a support at rest or in the state `below`.
+
+        `since_s`: time since velocities were solved; `lags_s`: by how much these lag their instant, and will after the step;
+        `gained`: what the spin gained in the last whole step, rad/s.
+        """
+        x, z, angle, rate_x, rate_z, spin = state
+        lean, top, base_x, rising, leaning = angle, 0.0, 0.0, rate_z, spin
+        if below is not None:
+            lean, base_x, rising, leaning = angle - below[2], below[3], rate_z - below[4], spin - below[5]
+        level = self.level_rad
+        vertex = lower = bisect_left(level, lean)
+        # The facet nearest to the support, and by how much it is turned off it.
+        facet = (
+            vertex - 1
+            if vertex == len(level) or (vertex > 0 and 2.0 * lean < level[vertex] + level[vertex - 1])
+            else vertex
+        )
+        apart = abs(lean - level[facet])
+        self.clear = apart >= self.clear_rad
+        if not -STEEPEST_RAD < lean < STEEPEST_RAD:
+            return state
+        near = apart < REST_STEPS * self.step_s
+        resting = near and -self.rest_rad_s < leaning < self.rest_rad_s
+        if near:
+            vertex = min(facet, facet + 1, key=lambda end: abs(rising + leaning * self.points[end][0]))
+        px, pz = self.points[vertex]
+        turned = angle
+        if resting and math.copysign(leaning, (lean - level[facet]) * leaning) < RISE_SHARE * self.rest_rad_s:
+            # It is down but for what a step cannot tell; one that begins to rise is not laid down again.
+            turned, apart = angle - lean + level[facet], 0.0
+        cos, sin = math.cos(turned), math.sin(turned)
+        arm_x, arm_z = px * cos - pz * sin, px * sin + pz * cos
+        if below is not None:
+            if not -TIPPED_RAD <= below[2] <= TIPPED_RAD:
+                return state
+            top = below[1] + self.half_m
+            if self.on_pedestal:
+                top += (x + arm_x - below[0]) * below[2]
+        turn = spin * since_s
+        excess = z + arm_z - top + self.depth_m
+        if resting:
+            # Both ends of the facet are to be in contact, so the higher one.
+            excess += apart * self.length_m[facet] if vertex == lower else 0.0
+            if (turned == angle and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
+                return state
+            account = ledger.of("settle")
+            account.count += 1
+            account.moved_m += abs(excess)
+            account.turned_rad += abs(turned - angle)
+            account.energy(-self.mass_kg * self.gravity_m_s2 * excess)
+            return x, z - excess, turned, rate_x, rate_z, spin
+        if not -self.slop_m < excess < RISES * self.height_m * turn * turn + self.lifted_m:
+            return state
+        owed_x, owed_z = velocity_owed(spin, gained, turn, lags_s, arm_x, arm_z)
+        ahead = 0.0
+        if abs(rate_x - spin * (arm_z - turn * arm_x) - base_x) <= HELD_SHARE * abs(spin) * self.height_m:
+            # Along the support, too, the arc from the tangent: else the statue would walk over it.
+            ahead = 0.5 * turn * turn * arm_x
+        else:
+            # A vertex that slides along its support is tied to it in height alone.
+            owed_x = 0.0
+        account = ledger.of("hold")
+        account.count += 1
+        account.moved_m += math.hypot(ahead, excess)
+        account.velocity_m_s += math.hypot(owed_x, owed_z)
+        lost = owed_x * (rate_x - 0.5 * owed_x) + owed_z * (rate_z - 0.5 * owed_z)
+        account.energy(-self.mass_kg * (self.gravity_m_s2 * excess + lost))
+        account.explain(abs(spin) + abs(gained), self.height_m, self.step_s)
+        return x + ahead, z - excess, angle, rate_x - owed_x, rate_z - owed_z, spin
+
+    def turns(self, before: State, state: State, pull_m_s2: Pair) -> bool:
+        """Whether the statue turns on one vertex that held it in a step from `before` to `state` under a gravity: its forces
+        change little.
+        """
+        if self.walled or not self.clear:
+            return False
+        falls = self.step_s * pull_m_s2[1]
+        borne = state[4] - before[4] - falls
+        pushed = state[3] - before[3] - self.step_s * pull_m_s2[0]
+        return borne > -LEAST_BORNE * falls and abs(pushed) < self.most_friction * borne
+
+
+def velocity_owed(spin: float, gained: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:
+    """What to take from the centroid's velocity before a step so that support and spin have their own at its end, m/s.
+
+    `spin`, rad/s, and what it `gained` in the last whole step; `turn`, rad; `arm` from the centroid to the vertex, m.
+
+    A velocity is the tangent of the circle where its contact was solved, a lag behind its instant: it lacks lag ω² arm. A
+    pedestal that slides shares that momentum, and it and the spin are off by it at first order. What the lack changes by in
+    a turn, with arm' for ω × arm over ω, is ω² ((lag₁ − lag₀) arm + lag₀ turn arm') + 2 ω Δω lag₁ arm. Its part across the
+    arm is also what the spin would lose: a solution keeps of a velocity only what lies along the new tangent.
+    """
+    lag_s, after_s = lags_s
+    along = spin * (spin * (after_s - lag_s) + 2.0 * gained * after_s)
+    across = spin * spin * lag_s * turn
+    return along * arm_x - across * arm_z, along * arm_z + across * arm_x
