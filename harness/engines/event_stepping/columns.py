@@ -75,16 +75,18 @@ def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, A
 
 
 def _synchronous(values: Array, t_s: Array, kick_s: Array, jump: float) -> Array:
-    """Velocities (n, 3) at the samples' own times from those of `kick_s`, at most half a step before; the last stays as it is.
+    """Velocities (n, 3) at the samples' own times from those of `kick_s`, at most half a step before.
 
-    Between two samples the value is interpolated, except where the acceleration is an impact's: there the one before holds.
+    Between two samples the value is interpolated, except where the acceleration is an impact's: there the one before holds. The
+    last goes on as it did before.
     """
     result = values.copy()
     between = np.diff(kick_s)
     # An impact's step takes no time for velocities.
     accel = np.diff(values, axis=0) / np.where(between > 0.0, between, 1.0)[:, None]
     smooth = (between > 0.0) & (np.max(np.abs(accel), axis=1) < jump)
-    result[:-1] += np.where(smooth[:, None], accel * (t_s - kick_s)[:-1, None], 0.0)
+    slope = np.where(smooth[:, None], accel, 0.0)
+    result += np.vstack([slope, slope[-1:]]) * (t_s - kick_s)[:, None]
     return result
 
 

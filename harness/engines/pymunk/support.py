@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -22,10 +23,9 @@ from meshes.footprint import lower_chain
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
+STILL: Final[State] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 STEEPEST_RAD: Final = 1.0
 """Facets of the silhouette that are steeper belong to its flanks: a statue that lies on them has fallen."""
-LEVEL_RAD: Final = 1e-6
-"""Nearer than this to a facet's rotation either of its ends may stand, as around an impact: the one that does not rise."""
 TIPPED_RAD: Final = 1e-3
 """On a pedestal tilted by more the statue is left to the engine."""
 RISES: Final = 4.0
@@ -77,13 +77,13 @@ class SupportVertex:
         points = base_vertices(scene)
         self.points = [(float(x), float(z)) for x, z in points]
         self.level_rad = [float(-math.atan2(dz, dx)) for dx, dz in points[:-1] - points[1:]]
-        self.length_m = [float(math.hypot(dx, dz)) for dx, dz in points[:-1] - points[1:]]
+        self.between_rad = [0.5 * (low + high) for low, high in pairwise(self.level_rad)]
         self.rest_rad_s = REST_SHARE * fall_rad_s2(scene) * settings.dt_s
         self.height_m, self.depth_m, self.slop_m = scene.statue.centroid_height_m, settings.depth_m, settings.slop_m
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.lifted_m = LIFTED * scene.gravity_m_s2 * settings.dt_s**2
         self.mass_kg, self.gravity_m_s2 = scene.statue.mass_kg, scene.gravity_m_s2
-        self.on_pedestal, self.walled = scene.pedestal is not None, scene.wall is not None
+        self.near_rad, self.walled = REST_STEPS * settings.dt_s, scene.wall is not None
         # Whether the vertices beside the standing one are off the support.
         self.clear_rad, self.clear = CLEAR_STEPS * settings.dt_s, False
         self.step_s, self.most_friction = settings.dt_s, MOST_FRICTION * scene.contact.statue
@@ -96,57 +96,52 @@ class SupportVertex:
         `since_s`: time since velocities were solved; `lags_s`: by how much these lag their instant, and will after the step;
         `gained`: what the spin gained in the last whole step, rad/s.
         """
-        x, z, angle, rate_x, rate_z, spin = state
-        lean, top, base_x, rising, leaning = angle, 0.0, 0.0, rate_z, spin
-        if below is not None:
-            lean, base_x, rising, leaning = angle - below[2], below[3], rate_z - below[4], spin - below[5]
-        level = self.level_rad
-        vertex = lower = bisect_left(level, lean)
-        # The facet nearest to the support, and by how much it is turned off it.
-        facet = (
-            vertex - 1
-            if vertex == len(level) or (vertex > 0 and 2.0 * lean < level[vertex] + level[vertex - 1])
-            else vertex
-        )
-        apart = abs(lean - level[facet])
-        self.clear = apart >= self.clear_rad
-        if not -STEEPEST_RAD < lean < STEEPEST_RAD:
+        under = STILL if below is None else below
+        lean, leaning = state[2] - under[2], state[5] - under[5]
+        if not (-STEEPEST_RAD < lean < STEEPEST_RAD and -TIPPED_RAD <= under[2] <= TIPPED_RAD):
+            self.clear = False
             return state
-        near = apart < REST_STEPS * self.step_s
-        resting = near and -self.rest_rad_s < leaning < self.rest_rad_s
-        if near:
-            vertex = min(facet, facet + 1, key=lambda end: abs(rising + leaning * self.points[end][0]))
-        px, pz = self.points[vertex]
-        turned = angle
-        if resting and math.copysign(leaning, (lean - level[facet]) * leaning) < RISE_SHARE * self.rest_rad_s:
-            # It is down but for what a step cannot tell; one that begins to rise is not laid down again.
-            turned, apart = angle - lean + level[facet], 0.0
-        cos, sin = math.cos(turned), math.sin(turned)
-        arm_x, arm_z = px * cos - pz * sin, px * sin + pz * cos
-        if below is not None:
-            if not -TIPPED_RAD <= below[2] <= TIPPED_RAD:
-                return state
-            top = below[1] + self.half_m
-            if self.on_pedestal:
-                top += (x + arm_x - below[0]) * below[2]
+        facet = bisect_left(self.between_rad, lean)
+        off = lean - self.level_rad[facet]
+        self.clear = abs(off) >= self.clear_rad
+        if abs(off) >= self.near_rad:
+            return self._on_circle(state, under, facet + (off > 0.0), since_s, lags_s, gained, ledger)
+        if -self.rest_rad_s < leaning < self.rest_rad_s:
+            # One that begins to rise is not laid down again.
+            down = math.copysign(leaning, off * leaning) < RISE_SHARE * self.rest_rad_s
+            return self._at_rest(state, under, facet, off, ledger, down=down)
+        # Around an impact either end may be the lower: it stands on the one that does not rise.
+        rising = state[4] - under[4]
+        vertex = min(facet, facet + 1, key=lambda end: abs(rising + leaning * self.points[end][0]))
+        return self._on_circle(state, under, vertex, since_s, lags_s, gained, ledger)
+
+    def _at_rest(self, state: State, under: State, facet: int, off: float, ledger: Ledger, *, down: bool) -> State:
+        """Both ends of a facet in contact; one that is `down` but for what a step cannot tell is laid flat."""
+        x, z, angle, rate_x, rate_z, spin = state
+        turned = angle - off if down else angle
+        # Flat, either end is as high; else the higher one must be down.
+        _, _, excess = self._over(x, z, turned, under, facet + (not down and off <= 0.0))
+        if (not down and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
+            return state
+        account = ledger.of("settle")
+        account.count += 1
+        account.moved_m += abs(excess)
+        account.turned_rad += abs(turned - angle)
+        account.energy(-self.mass_kg * self.gravity_m_s2 * excess)
+        return x, z - excess, turned, rate_x, rate_z, spin
+
+    def _on_circle(
+        self, state: State, under: State, vertex: int, since_s: float, lags_s: Pair, gained: float, ledger: Ledger
+    ) -> State:
+        """The statue where its standing vertex keeps its place, with the velocity that this takes."""
+        x, z, angle, rate_x, rate_z, spin = state
+        arm_x, arm_z, excess = self._over(x, z, angle, under, vertex)
         turn = spin * since_s
-        excess = z + arm_z - top + self.depth_m
-        if resting:
-            # Both ends of the facet are to be in contact, so the higher one.
-            excess += apart * self.length_m[facet] if vertex == lower else 0.0
-            if (turned == angle and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
-                return state
-            account = ledger.of("settle")
-            account.count += 1
-            account.moved_m += abs(excess)
-            account.turned_rad += abs(turned - angle)
-            account.energy(-self.mass_kg * self.gravity_m_s2 * excess)
-            return x, z - excess, turned, rate_x, rate_z, spin
         if not -self.slop_m < excess < RISES * self.height_m * turn * turn + self.lifted_m:
             return state
         owed_x, owed_z = velocity_owed(spin, gained, turn, lags_s, arm_x, arm_z)
         ahead = 0.0
-        if abs(rate_x - spin * (arm_z - turn * arm_x) - base_x) <= HELD_SHARE * abs(spin) * self.height_m:
+        if abs(rate_x - spin * (arm_z - turn * arm_x) - under[3]) <= HELD_SHARE * abs(spin) * self.height_m:
             # Along the support, too, the arc from the tangent: else the statue would walk over it.
             ahead = 0.5 * turn * turn * arm_x
         else:
@@ -160,6 +155,14 @@ class SupportVertex:
         account.energy(-self.mass_kg * (self.gravity_m_s2 * excess + lost))
         account.explain(abs(spin) + abs(gained), self.height_m, self.step_s)
         return x + ahead, z - excess, angle, rate_x - owed_x, rate_z - owed_z, spin
+
+    def _over(self, x: float, z: float, angle: float, under: State, vertex: int) -> tuple[float, float, float]:
+        """Where a vertex is from the centroid of a statue turned so, and its height over its depth, m."""
+        px, pz = self.points[vertex]
+        cos, sin = math.cos(angle), math.sin(angle)
+        arm_x, arm_z = px * cos - pz * sin, px * sin + pz * cos
+        top = under[1] + self.half_m + (x + arm_x - under[0]) * under[2]
+        return arm_x, arm_z, z + arm_z - top + self.depth_m
 
     def turns(self, before: State, state: State, pull_m_s2: Pair) -> bool:
         """Whether the statue turns on one vertex that held it in a step from `before` to `state` under a gravity: its forces
