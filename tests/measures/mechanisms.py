@@ -60,25 +60,8 @@ def _loose(own: Any) -> Any:
 
 _M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
 _E: Final = "harness.engines.event_stepping."
-MUNK: Final[Mapping[str, Change]] = {
+LAYER: Final[Mapping[str, Change]] = {
     "nothing (noise of the measurement)": {},
-    "events located at all": {_M + "drive:RunState.aligned": lambda _: property(lambda _: False)},
-    "micro-rocking": {_M + "micro_rocking:is_short": _always(False)},
-    "stick onset located": {_M + "drive:slid": _always(False)},
-    "uplift corrected": {_M + "uplift:follow": _always(True)},
-    "a turning statue held to its depth": {_M + "support_vertex:SupportVertex.hold": _always(None)},
-    "its velocity corrected beforehand": {_M + "support_vertex:velocity_owed": _always((0.0, 0.0))},
-    "velocities turned on": {_M + "events:turn_on": _always(None)},
-    "a statue at rest settled": {_M + "support_vertex:SupportVertex.settle": _always(None)},
-    "slip onset at its share of the step": {_M + "drive:slip_onset_share": _always(0.0)},
-    "a depth of its own in slow turning": {_M + "support_vertex:TURNING_DEPTH": _number(1.0)},
-    "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
-    "more iterations at impacts": {"harness.engines.pymunk:IMPACT_ITERATIONS": _number(90)},
-    "slow rises bounded": {_M + "support_vertex:SLOW_RISE": _number(1e9)},
-}
-BULLET: Final[Mapping[str, Change]] = {
-    "nothing (noise of the measurement)": {},
-    "events located at all": {_B + "course:touch_of": _always(None)},
     "micro-rocking": {_E + "micro_rocking:after_impact": _always(None)},
     "stick onset located": {_E + "loop:_stick_onset": _always(16)},
     "uniform acceleration to contact": {_E + "contact_time:ContactTimeEstimate._gathers": _always(0.0)},
@@ -86,18 +69,35 @@ BULLET: Final[Mapping[str, Change]] = {
         _E + "contact_time:ContactTimeEstimate.speeds": lambda _: lambda self: (self(), 1.0)
     },
     "velocities turned on": {_E + "step_state:StepState.turn": _always(None)},
-    "anchors let go where friction nears its limit": {_B + "backend:BulletBackend._look_at_grip": _always(None)},
     "lowered before a short step": {_E + "step_state:StepState.lower": _always(None)},
     "slip onset at its share of the step": {
         _E + "slip_onset:coefficient": lambda _: lambda stepper, *__: stepper.kinetic
     },
+    "the step after a reversal solved again": {_E + "stepper:Stepper._reversed": _always(False)},
+}
+MUNK: Final[Mapping[str, Change]] = {
+    **LAYER,
+    "events located at all": {"harness.engines.pymunk:_located": _always(False)},
+    "a turning statue held to its depth": {
+        _M + "support:SupportVertex._on_circle": lambda _: lambda self, state, *__: state
+    },
+    "its velocity corrected beforehand": {_M + "support:velocity_owed": _always((0.0, 0.0))},
+    "a statue at rest laid down": {
+        _M + "support:SupportVertex._at_rest": lambda _: lambda self, state, *__, **___: state
+    },
+    "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
+    "more iterations at impacts": {"harness.engines.pymunk:IMPACT_ITERATIONS": _number(90)},
+}
+BULLET: Final[Mapping[str, Change]] = {
+    **LAYER,
+    "events located at all": {_B + "course:touch_of": _always(None)},
+    "anchors let go where friction nears its limit": {_B + "backend:BulletBackend._look_at_grip": _always(None)},
     "reach of contacts follows the turning": {
         _B + "backend:NARROWER": _number(1e9),
         _B + "backend:STEPS_OFF": _number(0.0),
     },
     "tighter equations at events": {_B + "settings:BulletSettings.__init__": _loose},
     "half of a symmetric scene": {_B + "mirror:halves": _always(False)},
-    "the step after a reversal solved again": {_E + "stepper:Stepper._reversed": _always(False)},
 }
 MECHANISMS: Final[Mapping[str, Mapping[str, Change]]] = {"pymunk": MUNK, "pybullet": BULLET}
 

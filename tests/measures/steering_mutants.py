@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 from harness import engines
@@ -84,58 +84,7 @@ def _turns(writer: str, at: Columns) -> dict[str, Change]:
     }
 
 
-def _munk_limits(own: Any) -> Any:
-    """Both coefficients larger, wherever the layer asks for them."""
-
-    def limits(scene: Scene, dt_s: float) -> Any:
-        friction = own(scene, dt_s)
-        return replace(friction, static=LIMIT * friction.static, kinetic=LIMIT * friction.kinetic)
-
-    return limits
-
-
-def _munk_test(own: Any) -> Any:
-    def at_limit(self: Any, friction_n_s: float, normal_n_s: float, *, stuck: bool) -> bool:
-        return bool(own(self, friction_n_s, LIMIT * normal_n_s, stuck=stuck))
-
-    return at_limit
-
-
-def _munk_static(own: Any) -> Any:
-    """The step in which the pedestal breaks loose is not solved again."""
-
-    def switch(drive: Any, support: Any, grid: Any, k: int, rate: float) -> float:
-        from harness.engines.pymunk import drive as driving
-
-        if not drive.stuck:
-            return float(own(drive, support, grid, k, rate))
-        before = driving.less(driving.recorded_velocities(drive), support.owed_m_s)
-        if driving.broke_loose(drive, before, grid.gravity[k]):
-            driving.set_stuck(drive, stuck=False)
-        return rate
-
-    return switch
-
-
-def _munk_static_part(own: Any) -> Any:
-    """The same for the parts of a step around an event."""
-
-    def step(drive: Any, gravity: Any) -> None:
-        from harness.engines.pymunk import drive as driving
-        from harness.engines.pymunk import native
-
-        if drive.world.pedestal is None or not drive.friction.switches or not drive.stuck:
-            own(drive, gravity)
-            return
-        before = [native.state_of(body)[3:5] for body in drive.world.movers]
-        native.step(native.space_of(drive.world.space), drive.settings.dt_s)
-        if driving.broke_loose(drive, before, gravity):
-            driving.set_stuck(drive, stuck=False)
-
-    return step
-
-
-def _bullet_limits(own: Any) -> Any:
+def _limits(own: Any) -> Any:
     def start(self: Any, *values: Any) -> None:
         own(self, *values)
         self.static, self.kinetic = LIMIT * self.static, LIMIT * self.kinetic
@@ -143,7 +92,7 @@ def _bullet_limits(own: Any) -> Any:
     return start
 
 
-def _bullet_static(own: Any) -> Any:
+def _static(own: Any) -> Any:
     """The step in which the pedestal breaks loose is not solved again."""
 
     def slip_onset(self: Any, gravity: Any, pull: Any, before: Any, row: Any) -> Any:
@@ -155,28 +104,19 @@ def _bullet_static(own: Any) -> Any:
     return slip_onset
 
 
-_M, _B = "harness.engines.pymunk.", "harness.engines.pybullet."
 _E: Final = "harness.engines.event_stepping."
-MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = {
-    "pymunk": {
-        **_turns(_M + "writing:BodyWriter.write", Columns(3, 4, 5)),
-        "limits of friction × 1.1": {_M + "drive:floor_friction": _munk_limits},
-        "limit × 1.1 in the test alone": {"harness.engines.contact.friction:FloorFriction.at_limit": _munk_test},
-        "release as static": {_M + "loop:_switch": _munk_static, _M + "drive:step_with_friction": _munk_static_part},
-    },
-    "pybullet": {
-        **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
-        "turned the other way": {
-            _E + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)
-        },
-        "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _bullet_limits},
-        "limit × 1.1 in the test alone": {_E + "stepper:SATURATED": lambda own: LIMIT * own},
-        "release as static": {
-            _E + "stepper:Stepper._slip_onset": _bullet_static,
-            _E + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.backend.read(),
-        },
+LAYER: Final[Mapping[str, Change]] = {
+    **_turns(_E + "writing:RowWriter.write", Columns(7, 9, 11, 20)),
+    "turned the other way": {_E + "step_state:StepState.turn": lambda own: lambda self, seconds: own(self, -seconds)},
+    "limits of friction × 1.1": {_E + "stepper:Stepper.__init__": _limits},
+    "limit × 1.1 in the test alone": {_E + "stepper:SATURATED": lambda own: LIMIT * own},
+    "release as static": {
+        _E + "stepper:Stepper._slip_onset": _static,
+        _E + "stepper:Stepper.let_loose": lambda _: lambda self, friction, gravity, before: self.backend.read(),
     },
 }
+MUTANTS: Final[Mapping[str, Mapping[str, Change]]] = dict.fromkeys(("pymunk", "pybullet"), LAYER)
+"""The same for both engines, as both are located in by the same room."""
 
 
 @dataclass(frozen=True)

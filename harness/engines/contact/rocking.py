@@ -51,8 +51,8 @@ def rocking(t_s: Array, theta_rad: Array, theta_rate_rad_s: Array, resolution_ra
             continue
         following = int(min(end + 2, last))
         impacts.append(_impact_time(t_s, theta_rad, theta_rate_rad_s, int(end)))
-        before.append(float(theta_rate_rad_s[end]))
-        after.append(float(theta_rate_rad_s[following]))
+        before.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, int(end), int(end) - 1))
+        after.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, following, following + 1))
     return Rocking(tuple(uplifts), tuple(impacts), tuple(before), tuple(after))
 
 
@@ -76,6 +76,14 @@ def _impact_time(t_s: Array, theta: Array, rate: Array, end: int) -> float:
     if theta[end] * rate[end] >= 0.0:
         return float(t_s[end + 1])
     return float(min(t_s[end] - theta[end] / rate[end], t_s[end + 1]))
+
+
+def _rate_at(time_s: float, t_s: Array, rate: Array, sample: int, beside: int) -> float:
+    """The rate on one side of an impact, gone on with from two samples there."""
+    if not 0 <= beside < t_s.size:
+        return float(rate[sample])
+    slope = (rate[sample] - rate[beside]) / (t_s[sample] - t_s[beside])
+    return float(rate[sample] + slope * (time_s - t_s[sample]))
 
 
 def _uplift_time(t_s: Array, theta: Array, rate: Array, first: int) -> float:

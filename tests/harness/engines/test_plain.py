@@ -39,9 +39,9 @@ def counted(monkeypatch: pytest.MonkeyPatch, module: Any, names: tuple[str, ...]
 def writes(engine: Engine, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """Calls that write to bodies in the longer of two runs and not in the shorter: those of the start are in both."""
     if engine.name.startswith("pymunk"):
-        from harness.engines.pymunk import writing
+        from harness.engines.pymunk import backend
 
-        calls = counted(monkeypatch, writing, MUNK_WRITES)
+        calls = counted(monkeypatch, backend, MUNK_WRITES)
     else:
         import pybullet
 

@@ -21,7 +21,7 @@ STEP_S = 1e-3
 FIFTH = 0.2
 LAYER = ("contact_time", "locating", "loop", "micro_rocking", "slip_onset", "step_state", "stepper", "touch")
 MODULES = {
-    "pymunk": ("__init__", "drive", "events", "loop", "micro_rocking", "support_vertex", "uplift"),
+    "pymunk": (*(f"..event_stepping.{room}" for room in LAYER), "__init__", "support"),
     "pybullet": (*(f"..event_stepping.{room}" for room in LAYER), "backend"),
     "mujoco": ("adapter", "model"),
 }
@@ -111,7 +111,7 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
 
 
 def test_constants_are_found() -> None:
-    module = import_module("harness.engines.pymunk.micro_rocking")
+    module = import_module("harness.engines.event_stepping.micro_rocking")
     found = constants(module)
     assert {"SHORT_STEPS", "LEAST_STEPS", "PARTS"} <= set(found)
     assert "LEAST_AHEAD" not in found, "another module's"

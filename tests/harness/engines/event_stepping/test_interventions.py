@@ -12,6 +12,7 @@ import pytest
 from harness import engines
 from harness.engines.base import EngineFailure
 from harness.engines.event_stepping.interventions import Ledger
+from harness.engines.event_stepping.writing import RowWriter
 from harness.model.options import RunOptions
 from harness.model.scene import Scene
 from harness.records import base
@@ -22,7 +23,7 @@ from tests.measures.coverage import random_scene
 from tests.scenes_for_tests import paestum
 
 PLACES = {
-    "pymunk": {"writing.py", "world.py"},
+    "pymunk": {"backend.py", "world.py"},
     "pybullet": {"writing.py"},
     "mujoco": {"adapter.py"},
 }
@@ -110,7 +111,7 @@ def test_energy_and_changes_are_added_up_by_kind() -> None:
 
 def test_what_the_steps_do_not_explain_fails_the_run() -> None:
     ledger = Ledger()
-    ledger.explain("turn_on", rate_rad_s=0.5, arm_m=1.0, step_s=1e-3)
+    ledger.of("turn_on").explain(rate_rad_s=0.5, arm_m=1.0, step_s=1e-3)
     ledger.of("turn_on").velocity_m_s = 0.5**2 * 1e-3
     assert ledger.record()["turn_on"].velocity_m_s > 0.0
     ledger.of("turn_on").velocity_m_s *= 4.0
@@ -129,7 +130,7 @@ def sign(before: State, turned: tuple[float, float]) -> tuple[float, float]:
 
 def pivot(before: State, turned: tuple[float, float]) -> tuple[float, float]:
     """About a point a tenth of the base's width, 0.04 m, beside the one that stands."""
-    return turned[0], turned[1] - 0.04 * before[5]
+    return turned[0], turned[1] + 0.04 * before[11]
 
 
 def arm(share: float) -> Change:
@@ -156,18 +157,17 @@ SCENES: dict[str, Callable[[], Scene]] = {
 def test_a_wrong_turn_on_fails_the_run(
     case: str, step_s: float, fault: Change | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The velocity into an impact, as pymunk's adapter writes it: of a pivot, or with an arm, that is not the statue's."""
+    """The velocity into an impact, as it is written: of a pivot, or with an arm, that is not the statue's."""
     engine, scene = ready("pymunk"), SCENES[case]()
-    from harness.engines.pymunk.writing import BodyWriter
-
-    own = BodyWriter.write
+    own = RowWriter.write
 
     def write(self: Any, kind: str, before: State, after: State) -> None:
         if kind == "turn_on" and fault is not None:
-            after = (*after[:3], *fault(before, (after[3], after[4])), after[5])
+            along, up = fault(before, (after[7], after[9]))
+            after = (*after[:7], along, after[8], up, *after[10:])
         own(self, kind, before, after)
 
-    monkeypatch.setattr(BodyWriter, "write", write)
+    monkeypatch.setattr(RowWriter, "write", write)
     settings = engine.settings_for_dt(scene, step_s)
     if fault is None:
         assert engine.simulate(scene, settings, RunOptions()).interventions
