@@ -24,6 +24,8 @@ class Backend(Protocol):
 
     owed_m_s: tuple[float, float]
     """What was taken from the statue's velocity along x and z before the last step was solved."""
+    near: bool | None
+    """Whether a vertex may come down within the next steps; None of an engine that does not look, so that few are asked for."""
     runs: bool
     """Whether whole steps in which nothing is asked may be made by `run`."""
 
@@ -43,7 +45,7 @@ class Backend(Protocol):
         """One step under a gravity, m/s²; the row after it."""
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
-        """Whole steps one after the other, one for each gravity; rows are recorded, the last is returned."""
+        """Whole steps, one for each gravity or up to where a vertex comes `near`; rows are recorded, the last is returned."""
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""

@@ -145,6 +145,8 @@ def _touched(state: StepState, scene: Scene, touch: ContactGaps, watch: Watch) -
         return _imposed(state, scene, touch, watch, soonest)
     # Its velocity is of half a step ago: it may come sooner than at that.
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
+        if stepper.backend.near is False:
+            return MOST_FREE
         return min(max(int(soonest / step_s - AHEAD), 1), MOST_FREE) if soonest < math.inf else RESTING_FREE
     contact_time = ContactTimeEstimate(state, touch, foot)
     if min(contact_s, contact_time()) > LATER * (state.next_s - state.t_s):

@@ -128,28 +128,34 @@ class StepState:
         self.even, self.jolts = on_grid, 0
 
     def wholes(self, pulls: list[Vector]) -> None:
-        """Whole steps, one for each gravity; one in which static friction gives way acts with the coefficient of its mean."""
+        """Whole steps, one for each gravity or up to where a vertex comes near.
+
+        One in which static friction gives way acts with the coefficient of its mean.
+        """
         self._set(self.step_s)
         self.jolted, self.jolts = False, 0
         stepper, record, step_s, before = self.stepper, self.record, self.step_s, self.row
-        numbers = range(self.number + 1, self.number + len(pulls) + 1)
         if stepper.runs:
             stepper.backend.foresee(self, (self.number + 0.5) * step_s, step_s)
             self.row = stepper.run(pulls, record)
+            numbers = range(self.number + 1, self.number + len(record.flat) // record.width - len(record.t_s) + 1)
             record.t_s.extend([number * step_s for number in numbers])
             record.kick_s.extend([(number - 0.5) * step_s for number in numbers])
         else:
-            for number, gravity in zip(numbers, pulls, strict=True):
+            for number, gravity in enumerate(pulls, self.number + 1):
                 stepper.backend.foresee(self, (number - 0.5) * step_s, step_s)
                 row = stepper.step(gravity, (number - 1) * step_s, step_s, self.row)
                 if stepper.just_slipped:
                     row = stepper.let_loose(slip_onset.coefficient(stepper, record, step_s), gravity, self.row)
                 self.row, self.t_s, self.kick_s = row, number * step_s, (number - 0.5) * step_s
                 record.keep(self.t_s, self.kick_s, row)
-        self.number += len(pulls)
+                if stepper.backend.near:
+                    break
+        made = round(record.t_s[-1] / step_s) - self.number
+        self.number += made
         if self.number >= self.look_from:
             self.look_from = self.number + LOOK_STEPS
-            stepper.look(pulls, before, self.row)
+            stepper.look(pulls[:made], before, self.row)
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
 
     def rest(self, count: int) -> None:

@@ -36,6 +36,7 @@ class BulletBackend:
 
     depth_m = 0.0
     owed_m_s = (0.0, 0.0)
+    near: bool | None = None
 
     def __init__(self, world: World, step_s: float, grip_limit: float | None = None) -> None:
         self.world, self.step_s, self.grip_limit = world, step_s, grip_limit

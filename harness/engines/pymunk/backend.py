@@ -18,7 +18,7 @@ from harness.engines.event_stepping.rows import ALONE, Row, Vector
 from harness.engines.pymunk import native
 from harness.engines.pymunk.native import State
 from harness.engines.pymunk.settings import MunkSettings
-from harness.engines.pymunk.support import SupportVertex
+from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
 from harness.model.scene import Scene
 
@@ -55,6 +55,7 @@ class ChipmunkBackend:
         self.solved_s: float | None = None
         self.since_s, self.lags_s, self.gained = 0.0, (0.0, 0.0), 0.0
         self.holds = False
+        self.near: bool | None = False
         self.turns, self.iterations, self.owed_m_s = False, -1, (0.0, 0.0)
         self.ledger = Ledger()
 
@@ -103,11 +104,15 @@ class ChipmunkBackend:
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
         """Whole steps one after the other; rows are recorded, the last is returned."""
         keep, pack, step_s, row = record.flat.frombytes, record.pack, self.step_s, self.read()
-        self.solved_s = (self.solved_s or 0.0) + (len(pulls) - 1) * step_s
+        solved_s = (self.solved_s or 0.0) - step_s
         for gravity in pulls:
             row = self._whole(gravity)
             keep(pack(*row))
+            solved_s += step_s
             self.since_s, self.lags_s = step_s, (0.5 * step_s, 0.5 * step_s)
+            if self.near:
+                break
+        self.solved_s = solved_s
         return row
 
     def _whole(self, gravity: Vector) -> Row:
@@ -118,7 +123,9 @@ class ChipmunkBackend:
         self._solve(states, pull, own.turning_iterations if self.turns else fresh)
         before, after = states[0], self.states[0]
         self.gained, self.lagging = after[5] - before[5], True
-        self.turns = self.support is not None and self.support.turns(before, after, pull)
+        if self.support is not None:
+            self.turns = self.support.turns(before, after, pull)
+            self.near = self.support.comes_near(after, self.states[1] if len(states) > 1 else STILL)
         return row_of(self.states)
 
     def _solve(self, states: list[State], pull: Pair, iterations: int) -> None:

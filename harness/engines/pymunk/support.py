@@ -42,6 +42,8 @@ REST_STEPS: Final = 1e-3
 """rotation over the step, rad/s, by which it does not lean."""
 CLEAR_STEPS: Final = 0.02
 """Rotation over the step, rad/s, beyond which the vertex left behind is off the support: ten times its depth of contact."""
+AHEAD: Final = 2.5
+"""Steps to an impact from which on it is looked for in each: more than one apart, as what falls is faster in each step."""
 LEAST_BORNE: Final = 0.02
 """Share of its weight below which a statue counts as flying: it may land in the coming step."""
 MOST_FRICTION: Final = 0.9
@@ -83,6 +85,7 @@ class SupportVertex:
         self.half_m = 0.0 if scene.pedestal is None else 0.5 * scene.pedestal.height_m
         self.lifted_m = LIFTED * scene.gravity_m_s2 * settings.dt_s**2
         self.mass_kg, self.gravity_m_s2 = scene.statue.mass_kg, scene.gravity_m_s2
+        self.ahead_s = AHEAD * settings.dt_s
         self.near_rad, self.walled = REST_STEPS * settings.dt_s, scene.wall is not None
         # Whether the vertices beside the standing one are off the support.
         self.clear_rad, self.clear = CLEAR_STEPS * settings.dt_s, False
@@ -163,6 +166,18 @@ class SupportVertex:
         arm_x, arm_z = px * cos - pz * sin, px * sin + pz * cos
         top = under[1] + self.half_m + (x + arm_x - under[0]) * under[2]
         return arm_x, arm_z, z + arm_z - top + self.depth_m
+
+    def comes_near(self, state: State, under: State) -> bool:
+        """Whether the statue, turning on as it does, lies on its next facet within some steps."""
+        spin, lean, level = state[5] - under[5], state[2] - under[2], self.level_rad
+        following = bisect_left(level, lean) - (spin < 0.0)
+        if not 0 <= following < len(level):
+            return False
+        return (
+            (level[following] - lean) < spin * self.ahead_s
+            if spin > 0.0
+            else (level[following] - lean) > spin * self.ahead_s
+        )
 
     def turns(self, before: State, state: State, pull_m_s2: Pair) -> bool:
         """Whether the statue turns on one vertex that held it in a step from `before` to `state` under a gravity: its forces
