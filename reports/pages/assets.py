@@ -19,6 +19,7 @@ from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
 from reports.charts.static_svg import still
 from reports.pages.made_once import folder, made_once
+from reports.text.numbers import digits, given, heading, label, plain, short, unit
 
 TEMPLATES: Final = Path(__file__).resolve().parents[1] / "templates"
 CHART_KINDS: Final = frozenset({"scatter", "bar", "heatmap"})
@@ -118,6 +119,8 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=_shown,
     )
+    # What a table's cell is written with stands in its template: numbers as people read them.
+    templates.filters |= {each.__name__: each for each in (digits, given, heading, label, plain, short, unit)}
     templates.filters |= {
         "script_json": json_for_script,
         "packed_chart": packed_chart,

@@ -4,27 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from harness.records.bench import BenchRecord, PrecisionRow
 from reports.charts import Json
 from reports.charts.palette import HAIRLINE, INK, MUTED, look
 from reports.pages.bench_scaling import scaling_figure
-from reports.pages.bench_tables import tables
 from reports.text.numbers import digits, unit
 from reports.text.wording import Verdict
 
 SYMBOLS: Final = {"ladder": "circle", "accuracy": "star", "default": "square-open", "peer": "diamond-open"}
-HEADS: Final = (
-    "engine",
-    "setting",
-    "step [s]",
-    "error [rad]",
-    "time [s]",
-    "steps",
-    "times real time",
-    "stated ± [rad]",
-)
 WORDS: Final = {
     "ladder": "",
     "accuracy": "to the target",
@@ -41,9 +30,10 @@ def context(_folder: Path, record: BenchRecord) -> dict[str, object]:
         "verdict": bench_verdict(record),
         "charts": charts,
         "scaling": scaling_figure(record.scaling) if record.scaling else None,
-        "extra": tables(record),
-        "heads": HEADS,
-        "tables": [(scene, [_cells(row, rows) for row in rows if row.scene == scene]) for scene in scenes],
+        "scaling_rows": record.scaling,
+        "scenes": scenes,
+        "on_front": on_front,
+        "baselines": [name.removesuffix("_ratio") for name in record.overhead if name.endswith("_ratio")],
     }
 
 
@@ -132,11 +122,3 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
 
 def _error(row: PrecisionRow) -> float:
     return row.error_rad or 0.0
-
-
-def _cells(row: PrecisionRow, rows: Sequence[PrecisionRow]) -> dict[str, Any]:
-    error = row.failed if row.failed is not None else digits(row.error_rad, 2)
-    steps = "–" if row.steps is None else row.steps
-    cells = [row.engine, row.label, digits(row.dt_s), error, digits(row.cpu_s), steps]
-    cells += [digits(row.real_time_factor, 2), digits(row.stated_rad, 2)]
-    return {"cells": cells, "front": on_front(row, rows), "chosen": row.chosen, "failed": row.failed is not None}
