@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from harness.model.run import to_plain
 from harness.model.terminal import printable_lines
+from harness.records.assess import percent
 from reports.charts.static_svg import still
 from reports.pages.made_once import folder, made_once
 from reports.text.numbers import digits, given, heading, label, plain, short, unit
@@ -122,6 +123,7 @@ def environment() -> Environment:
     # What a table's cell is written with stands in its template: numbers as people read them.
     templates.filters |= {each.__name__: each for each in (digits, given, heading, label, plain, short, unit)}
     templates.filters |= {
+        "percent": percent,
         "script_json": json_for_script,
         "packed_chart": packed_chart,
         "packed_json": packed_json,
