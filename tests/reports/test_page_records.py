@@ -206,7 +206,9 @@ def test_settings_of_one_engine_look_different() -> None:
 def table_rows(page: str, caption: str) -> list[list[str]]:
     """The cells of a page's table, row by row."""
     body = page.partition(f"<caption>{caption}</caption>")[2].partition("</table>")[0].partition("<tbody>")[2]
-    return [[unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)] for row in body.split("</tr>")[:-1]]
+    return [
+        [unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)] for row in body.split("</tr>")[:-1]
+    ]
 
 
 def test_a_bench_shows_what_skips_gain_and_what_the_target_takes(tmp_path: Path) -> None:
