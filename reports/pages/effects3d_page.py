@@ -11,10 +11,9 @@ from typing import Final
 import numpy as np
 
 from harness.records.effects3d import BASELINE, SOLID, EffectsRecord
-from reports.charts.palette import look
 from reports.drawing.effects_figures import changes, curves, directions, rose
 from reports.drawing.scene_picture import scene_svg
-from reports.pages.run_page import replay_values
+from reports.pages.run_page import chip, replay_values
 from reports.source import run_source
 from reports.text.numbers import digits, listed, unit
 from reports.text.wording import Verdict
@@ -46,10 +45,7 @@ def context(folder: Path, record: EffectsRecord) -> dict[str, object]:
     replay = replay_values(source) if source is not None and source.histories else None
     return {
         "verdict": effects_verdict(record),
-        "chips": [
-            {"name": name, "colour": look(name, engines).colour, "sentence": "", "labels": (), "failed": False}
-            for name in engines
-        ],
+        "chips": [chip(name, engines) for name in engines],
         "picture": scene_svg(record.scene),
         "directions": source and directions(record, source),
         "scene_title": record.scene.title,

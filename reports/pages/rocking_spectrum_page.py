@@ -20,24 +20,10 @@ Map = Sequence[Sequence[float | None]]
 
 def context(_folder: Path, record: RockingSpectrumRecord) -> dict[str, object]:
     """Everything that the template shows."""
-    strengths = f"{record.draws} of each motion, uncertain by {percent(record.strength_cov)}"
-    sizes, shapes = len(record.size_m), len(record.slenderness)
-    law = "of the momentum balance" if record.restitution == "momentum" else digits(float(record.restitution))
     return {
         "verdict": verdict(record),
         "falls": _map(record, record.probability_overturned, "P", 1.0),
         "peaks": _map(record, record.peak_median, "peak/α", 1.0),
-        "settings": [
-            ("strengths", strengths if record.draws > 1 else "as given"),
-            ("restitution", law),
-            ("blocks", f"{sizes} sizes, {shapes} slendernesses; {record.cases} cases of each"),
-            ("still leaning at the end", percent(record.undecided)),
-        ],
-        "motions": [
-            (item.name, [unit(item.pga_g, "g"), unit(item.pgv_m_s, "m/s"), unit(item.duration_s, "s")])
-            for item in record.motions
-        ],
-        "summary": str(record.summary),
     }
 
 
