@@ -22,7 +22,9 @@ from harness.records.assess import (
     percent,
     planar_alone,
 )
-from reports.charts.palette import HAIRLINE, INK, MUTED, faint
+from reports.charts import Json
+from reports.charts.figure import axis, band, curve, figure
+from reports.charts.palette import INK, MUTED
 from reports.drawing.conservator_pictures import plan_svg
 from reports.drawing.floor_plan import probable_plan
 from reports.text.chance import tone_of_answers
@@ -119,48 +121,17 @@ def _towards(angle_deg: float) -> str:
     return f"{angle_deg:g}°" + (f", {side}" if side else "")
 
 
-def _chart(fragility: FragilityRecord) -> dict[str, object]:
-    band = {
-        "type": "scatter",
-        "x": [*fragility.factor, *reversed(fragility.factor)],
-        "y": [*fragility.high, *reversed(fragility.low)],
-        "fill": "toself",
-        "fillcolor": faint(INK, 0.1),
-        "line": {"width": 0},
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
+def _chart(fragility: FragilityRecord) -> Json:
+    factors, line = fragility.factor, {"color": INK, "width": 2}
+    tip = "× %{x:.2f}: %{y:.0%}<extra></extra>"
+    mean = curve(factors, fragility.probability_overturned, line, mode="lines+markers", name=fragility.model)
+    today = {"color": MUTED, "width": 1, "dash": "4px,3px"}
     data = [
-        *([band] if fragility.low else []),
-        {
-            "type": "scatter",
-            "mode": "lines+markers",
-            "x": fragility.factor,
-            "y": fragility.probability_overturned,
-            "line": {"color": INK, "width": 2},
-            "name": fragility.model,
-            "showlegend": False,
-            "hovertemplate": "× %{x:.2f}: %{y:.0%}<extra></extra>",
-        },
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "x": [1.0, 1.0],
-            "y": [0.0, 1.0],
-            "line": {"color": MUTED, "width": 1, "dash": "4px,3px"},
-            "name": "today's shaking",
-            "hoverinfo": "skip",
-        },
+        mean | {"showlegend": False, "hovertemplate": tip},
+        curve([1.0, 1.0], [0.0, 1.0], today, name="today's shaking", hoverinfo="skip"),
     ]
-    layout = {
-        "height": 380,
-        "xaxis": {
-            "title": {"text": "factor on the shaking, all axes"},
-            "type": "log",
-            "gridcolor": HAIRLINE,
-            "tickvals": TICKS,
-        },
-        "yaxis": {"title": {"text": "probability of overturning"}, "range": [-0.02, 1.02], "gridcolor": HAIRLINE},
-        "legend": {"orientation": "h", "y": 1.0, "yanchor": "bottom"},
-    }
-    return {"data": data, "layout": layout}
+    if fragility.low:
+        around = [*factors, *reversed(factors)], [*fragility.high, *reversed(fragility.low)]
+        data.insert(0, band(*around, INK, 0.1))
+    x = axis("factor on the shaking, all axes", type="log", tickvals=TICKS)
+    return figure(data, 380, x, axis("probability of overturning", range=[-0.02, 1.02]))

@@ -9,6 +9,7 @@ from typing import Final
 from harness.assess.stratified import LEVEL
 from harness.comparison.statistics.distributions import wilson
 from harness.records.rocking_spectrum import RockingSpectrumRecord
+from reports.charts.figure import figure
 from reports.text.chance import SAFE, SAFE_HIGH
 from reports.text.numbers import count_word, digits, percent, unit
 from reports.text.wording import Verdict
@@ -62,11 +63,8 @@ def _map(record: RockingSpectrumRecord, values: Map, name: str, most: float) -> 
         "reversescale": True, "colorbar": {"title": {"text": name}, "thickness": 12},
         "hovertemplate": f"h/b %{{x:.3g}}<br>R %{{y:.3g}} m<br>{name} %{{z:.3g}}<extra></extra>",
     }  # fmt: skip
-    layout = {
-        "height": 420, "xaxis": {"title": {"text": "slenderness h/b"}}, "yaxis": {"title": {"text": "size R  [m]"}},
-        "showlegend": False, "margin_top": 12,
-    }  # fmt: skip
-    return {"data": [trace], "layout": layout}
+    titles = "slenderness h/b", "size R  [m]"
+    return figure([trace], 420, *({"title": {"text": title}} for title in titles), showlegend=False, margin_top=12)
 
 
 def _picked(count: int) -> list[int]:

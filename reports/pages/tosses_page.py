@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.records.tosses import PoseErrors, Quartiles, TossesRecord, TossModel
+from reports.charts.figure import curve
 from reports.charts.palette import look
 from reports.text.numbers import digits, short, unit
 from reports.text.wording import Verdict
@@ -103,19 +104,8 @@ def chart(models: Mapping[str, TossModel], kind: str) -> dict[str, Any]:
         colour = look(model, list(models)).colour
         for part in QUARTILES:
             line = {"color": colour, "width": 2 if part == "median" else 0.7}
-            values = [vars(of(row))[part] for row in item.over_time]
-            times = [row.t_s for row in item.over_time]
-            traces.append(
-                {
-                    "type": "scatter",
-                    "x": times,
-                    "y": values,
-                    "mode": "lines",
-                    "name": model,
-                    "line": line,
-                    "showlegend": part == "median",
-                }
-            )
+            values, times = [vars(of(row))[part] for row in item.over_time], [row.t_s for row in item.over_time]
+            traces.append(curve(times, values, line, name=model, showlegend=part == "median"))
     layout = {
         "xaxis": {"title": {"text": "time [s]"}},
         "yaxis": {"title": {"text": f"error [{name}]"}, "rangemode": "tozero"},
