@@ -149,8 +149,7 @@ def _nearest(columns: Sequence[Array]) -> NDArray[np.int64]:
     from scipy.spatial import KDTree
 
     ranks = np.column_stack([np.argsort(np.argsort(column)) for column in columns]).astype(np.float64)
-    nearest: NDArray[np.int64] = KDTree(ranks).query(ranks, k=2)[1][:, 1]
-    return nearest
+    return np.asarray(KDTree(ranks).query(ranks, k=[2])[1])[:, 0]
 
 
 def _fell(scene: Scene, draws: Mapping[str, Array]) -> Flags:
