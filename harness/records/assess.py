@@ -115,7 +115,7 @@ class FragilityRecord:
 
 @dataclass(frozen=True)
 class Index:
-    """First and total variance-based index of one input; `total` None where only the draws of the probability were run.
+    """First and total variance-based index of one input; `total` None where too few draws were run for it.
 
     `half_width` is that of the less certain one's interval at 90 %.
     """

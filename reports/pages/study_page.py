@@ -25,7 +25,9 @@ from reports.charts.study_figures import (
 from reports.drawing.scene_picture import scene_svg
 from reports.pages.assets import source_text
 from reports.text.chance import tone_of_study
-from reports.text.numbers import heading, label, listed, plain, short, unit
+from reports.text.language import ENGLISH
+from reports.text.limits import weighed
+from reports.text.numbers import heading, label, plain, short, unit
 from reports.text.pedestal_effect import pedestal_effect
 from reports.text.study_rows import (
     FAILED,
@@ -36,9 +38,9 @@ from reports.text.study_rows import (
     cell,
     conditions,
     family,
+    runs_of,
     varying_keys,
 )
-from reports.text.weights import weighed
 from reports.text.wording import Verdict
 
 MOST_MATRIX_ROWS: Final = 300
@@ -127,8 +129,7 @@ def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Co
     if record.headline:
         return Verdict(_claims_headline(record.headline), "differ", [*_claim_points(record), *points])
     if not pairs:
-        answers = [item.answers.get(model) for model in models for item in cases]
-        ends = [family(row.run.outcome) for row in answers if row is not None and row.run is not None]
+        ends = [family(run.outcome) for model in models for _, run in runs_of(cases, model)]
         return Verdict(_falls(models, cases), tone_of_study(ends), points)
     headline = f"The models give the same outcome in {same} of {total} comparisons ({_percent(same, total)})"
     return Verdict(headline, "differ", points)
@@ -142,7 +143,7 @@ def left_domain(rows: Sequence[StudyRow]) -> list[str]:
         causes = Counter(run.validity.get("left_domain_by") or "" for run in runs)
         del causes[""]
         if causes:
-            each = listed(f"{cause}: {count}" for cause, count in causes.most_common())
+            each = ENGLISH.listed(f"{cause}: {count}" for cause, count in causes.most_common())
             sentences.append(f"{model} left its domain in {causes.total()} of {len(runs)} runs ({each}).")
     return sentences
 
@@ -151,10 +152,9 @@ def _falls(models: Sequence[str], cases: Sequence[Condition]) -> str:
     """In how many conditions each model lets the statue overturn."""
     parts = []
     for model in models:
-        rows = [row for item in cases if (row := item.answers.get(model)) is not None]
-        ends = [family(row.run.outcome) for row in rows if row.run is not None]
-        parts.append(f"in {ends.count('overturns')} of {len(ends)} conditions by {model}")
-    return f"The statue overturns {listed(parts)}" if parts else "No model was asked"
+        ends = [run.outcome.overturned for _, run in runs_of(cases, model)]
+        parts.append(f"in {sum(ends)} of {len(ends)} conditions by {model}")
+    return f"The statue overturns {ENGLISH.listed(parts)}" if parts else "No model was asked"
 
 
 def _percent(part: int, whole: int) -> str:
@@ -172,7 +172,7 @@ def _claims_headline(headline: Mapping[str, str]) -> str:
         "the models differ": "judged differently by the models",
         "not tested": "not tested",
     }
-    parts = [f"{listed(names)} {words[verdict]}" for verdict, names in groups.items()]
+    parts = [f"{ENGLISH.listed(names)} {words[verdict]}" for verdict, names in groups.items()]
     return f"The paper's claims: {'; '.join(parts)}"
 
 

@@ -9,10 +9,11 @@ from typing import Final
 
 from harness.records.scores import Interval, Scores
 from harness.records.scores import Verdict as Verdicts
-from harness.records.validation import BaselineRecord, Fitted, ModelRecord, PairScores, TestRow, ValidationRecord
+from harness.records.validation import BaselineRecord, Fitted, PairScores, ValidationRecord
 from harness.validation.words import SWAPPED, share
-from reports.charts.validation_figures import BASELINE, FELL, charts
-from reports.text.numbers import count_word, digits, listed, plain, short, unit
+from reports.charts.validation_figures import BASELINE, charts
+from reports.text.language import ENGLISH
+from reports.text.numbers import digits, short, unit
 from reports.text.study_rows import FAILED, SYMBOLS
 from reports.text.wording import Verdict
 
@@ -37,12 +38,11 @@ def context(_folder: Path, record: ValidationRecord) -> dict[str, object]:
         "unstated": sorted({name for pair in record.pairs for name in pair.unstated}),
         "charts": charts(record),
         "fitted": {name: _fitted(item.fitted) for name, item in models.items()},
-        "models": list(models),
-        "rows": [_row(row, list(models)) for row in record.rows],
+        "symbols": SYMBOLS,
+        "failed": FAILED,
         "histories": [
             (name, item.test, _history(item.scores)) for name, scores in models.items() for item in scores.histories
         ],
-        "settings": [(name, _settings(item)) for name, item in models.items()],
         "command": command(record),
     }
 
@@ -56,7 +56,7 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
     best = _best(known)
     points = [f"{name}: {share(item)} of the tests that it decides." for name, item in known.items()]
     if record.unexplained:
-        points.append(f"{listed(list(record.unexplained))}: {SWAPPED}.")
+        points.append(f"{ENGLISH.listed(list(record.unexplained))}: {SWAPPED}.")
     for name, item in record.models.items():
         outcomes = item.outcomes
         if item.by_probability is not None and item.by_probability.accuracy is not None:
@@ -73,12 +73,14 @@ def validation_verdict(record: ValidationRecord) -> Verdict:
     better = [name for name, item in known.items() if item.low > bare.value]
     worse = [name for name, item in known.items() if item.high < bare.value]
     if better:
-        who = "every model" if len(better) == len(known) else f"of {count_word(len(known))} models {listed(better)}"
+        who = (
+            "every model"
+            if len(better) == len(known)
+            else f"of {ENGLISH.count(len(known))} models {ENGLISH.listed(better)}"
+        )
         words = f"{who} {'beats' if len(better) in (1, len(known)) else 'beat'} a bare threshold on PGV beyond chance"
     elif worse:
-        words = (
-            f"no model beats a bare threshold on PGV, and {listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
-        )
+        words = f"no model beats a bare threshold on PGV, and {ENGLISH.listed(worse)} {'is' if len(worse) == 1 else 'are'} worse"
     else:
         words = "with these tests no model can be told from a bare threshold on PGV"
     return Verdict(f"{best}; {words}, right in {share(bare)}", "agree" if better else "differ", points)
@@ -100,7 +102,7 @@ def _best(known: Mapping[str, Interval]) -> str:
         return f"{best[0]} is right in {share(known[best[0]])} of the tests that it decides"
     if len(best) == 1:
         return f"{best[0]} is right most often, in {share(known[best[0]])} of the tests that it decides"
-    every = "All models are" if len(best) == len(known) else f"{listed(best)} are"
+    every = "All models are" if len(best) == len(known) else f"{ENGLISH.listed(best)} are"
     return f"{every} right equally often, in {100 * most:.0f} % of the tests that they decide"
 
 
@@ -159,10 +161,6 @@ def _fitted(fitted: Fitted) -> str:
     return f"{', '.join(parts)}; {fitted.runs} runs"
 
 
-def _settings(item: ModelRecord) -> str:
-    return f"step {unit(item.dt_s, 's')}" if item.dt_s is not None else f"accuracy {plain(item.accuracy_rad)} rad"
-
-
 def command(record: ValidationRecord) -> str:
     """The command that repeats the validation, with every option that is not at its default."""
     parts = [f"rockcheck validate {shlex.quote(record.experiments)}", *(f"-e {name}" for name in record.models)]
@@ -182,19 +180,3 @@ def _history(scores: Scores | None) -> str:
     if scores.combined is not None:
         parts.append(f"magnitude error {digits(scores.magnitude)}, phase error {digits(scores.phase)}")
     return f"{', '.join(parts)}. {scores.verdict_sentence}"
-
-
-def _row(row: TestRow, models: Sequence[str]) -> dict[str, object]:
-    fell = row.observed.startswith(FELL)
-    cells = []
-    for name in models:
-        sign, words = SYMBOLS.get(row.predicted[name], FAILED)
-        chance = row.probability[name]
-        cells.append(
-            {
-                "sign": sign,
-                "words": words if chance is None else f"{words}; overturns in {100 * chance:.0f} % of the runs",
-                "right": row.predicted[name].startswith(FELL) == fell,
-            }
-        )
-    return {**vars(row), "cells": cells, "seen": SYMBOLS.get(row.observed, ("✕", "overturned"))}
