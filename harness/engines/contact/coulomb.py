@@ -7,6 +7,7 @@ goes on acting, shows here however small its effect on the motion.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -73,7 +74,8 @@ def friction_used(
 ) -> FrictionUsed:
     """The floor's friction over a trajectory until its contact is another one, if ever; `still_m_s` counts as rest."""
     static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
-    normal, friction = np.diff(impulses.floor_z), np.abs(np.diff(impulses.floor_x))
+    normal = np.diff(impulses.floor_z)
+    friction = np.maximum(np.abs(np.diff(impulses.floor_x)) - _unread_n_s(scene, motion), 0.0)
     before, after = np.abs(motion.slip_rate_m_s[:-1]), np.abs(motion.slip_rate_m_s[1:])
     weight = (scene.statue.mass_kg + (0.0 if scene.pedestal is None else scene.pedestal.mass_kg)) * scene.gravity_m_s2
     hard = np.convolve(normal > HARD * weight * np.diff(motion.t_s), np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0
@@ -95,6 +97,18 @@ def friction_used(
         float(np.median(np.diff(motion.t_s))),
         bool(sliding.any()),
     )
+
+
+def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
+    """Impulse that a step's friction may lack as it is read, N s: a velocity that is solved at the step's beginning lacks half a
+    step of ω² R, and what friction does to it is told by how that changes.
+    """
+    statue, step_s = scene.statue, np.diff(motion.t_s)
+    arm_m = max(math.hypot(statue.corner_m(side), statue.centroid_height_m) for side in (-1, 1))
+    spin = np.abs(motion.theta_rate_rad_s[:-1])
+    gained = np.abs(np.diff(motion.theta_rate_rad_s))
+    unread: Array = statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s)
+    return unread
 
 
 def _tilting_m_s(scene: Scene, motion: Trajectory) -> Array:

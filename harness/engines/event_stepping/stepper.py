@@ -57,7 +57,9 @@ class Stepper:
         pull = (gravity[0] * step_s, gravity[1] * step_s, gravity[2] * step_s)
         if self.stuck:
             row = self._slip_onset(gravity, pull, before, row)
-            self.just_slipped = not self.stuck
+            # What a blow set moving slides throughout: no force before it tells when it broke loose.
+            taken_m_s = self.kinetic * math.hypot(*pull)
+            self.just_slipped = not self.stuck and self._speed(before, self.table_before) < STICKS_BELOW * taken_m_s
             return row
         if self._sticks(before, row) and not self._saturated(self.kinetic, pull, before, row):
             self._hold(self.static)

@@ -351,7 +351,7 @@ def test_a_draw_is_one_run_that_states_no_error(name: str, monkeypatch: pytest.M
     """What is only counted is run once, to the same outcome; a run that states its error takes two or more."""
     import analytic.solver
 
-    scene = paestum(0.334, 1.5, duration_s=3.0)
+    scene = paestum(0.334, 3.0, duration_s=3.0)
     engine, made = engines.load(name), []
     owner, method = (analytic.solver, "solve") if name == "analytic" else (type(engine), "simulate")
     whole = getattr(owner, method)

@@ -69,7 +69,7 @@ def test_a_target_that_no_level_is_expected_to_meet_is_given_up_early(forced: Sc
     run = run_to_accuracy(engine, forced, 0.1 * finest.expected_error_rad, RunOptions())
     finest_steps = forced.duration_s / finest.dt_s
     both = finest_steps + sum(forced.duration_s / each.dt_s for each in engine.verification_settings(forced, finest))
-    assert run.work["steps_of_all_runs"] <= budgets.GIVEN_UP_SHARE * both
+    assert run.work["steps_of_all_runs"] <= budgets.GIVEN_UP_SHARE[name] * both
     assert any("the target of" in text for text in run.warnings)
     assert run.numerical_uncertainty_rad > 0.1 * finest.expected_error_rad or run.bounded_until_s < run.end_s
 
