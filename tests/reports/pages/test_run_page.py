@@ -18,7 +18,7 @@ from harness.records.base import plain
 from harness.records.kinds import read_result
 from harness.records.run import HorizonRecord
 from harness.records.scores import Verdict as Difference
-from reports.charts.packed import numbers
+from reports.charts.samples import numbers
 from reports.drawing.display_mesh import MOST_FACES
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
