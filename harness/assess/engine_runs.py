@@ -61,8 +61,7 @@ class EngineRuns:
         self._campaign.run(tasks.values(), len(tasks))
         for number, task in tasks.items():
             # A worker that died leaves nothing: the run counts as failed, and is tried anew when the assessment is.
-            row_of_store = self._store.get(task.key)
-            record = {"overturned": None} if row_of_store is None else row_of_store.record
+            record = self._store.get(task.key) or {"overturned": None}
             overturned = record["overturned"]
             self.fell[number] = None if overturned is None else bool(overturned)
             if overturned is False:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, islice
 from typing import Any, Protocol
 
 from harness.campaign.runner import Crash, Pool
@@ -59,14 +59,8 @@ def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1)
     """Tasks in the order given, neighbours of one group in what a worker takes at a time (`otherwise`: not in `sizes`)."""
     for group, members in groupby(tasks, key=lambda task: task.group):
         size = sizes.get(group, otherwise)
-        batch: list[Task] = []
-        for task in members:
-            batch.append(task)
-            if len(batch) == size:
-                yield tuple(batch)
-                batch = []
-        if batch:
-            yield tuple(batch)
+        while batch := tuple(islice(members, size)):
+            yield batch
 
 
 class Campaign:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from harness.campaign.isolate import lost_run
 from harness.campaign.runner import Crash
@@ -60,14 +60,6 @@ def answer_of(run: Run, histories: bool, inside_s: float = 0.0) -> Answer:
     return Answer(RUN, plain, seconds, run.history if histories else None, inside_s, run.outcome.failed)
 
 
-class OfEngine(Protocol):
-    """The argument of a task that is one engine's run."""
-
-    @property
-    def engine(self) -> str:
-        """The engine's name."""
-
-
-def lost_answer(argument: OfEngine, crash: Crash) -> Answer:
-    """The answer of a task that is a run, and whose worker died or hung."""
+def lost_answer(argument: Any, crash: Crash) -> Answer:
+    """The answer of a task that is a run of `argument.engine`, and whose worker died or hung."""
     return answer_of(lost_run(argument.engine, crash), histories=False)

@@ -53,7 +53,9 @@ def judge(a: Side, b: Side, both: Pair | None, peaks: tuple[Peak, Peak]) -> Judg
     flips = known and a.outcome is not b.outcome
     sided = a.outcome is not None and b.outcome is not None and flips and a.outcome.same_as(b.outcome)
     if flips:
-        facts = _with_falls_across(facts, a, b)
+        # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
+        times = [side.across_s for side in (a, b) if side.across_s is not None]
+        facts = replace(facts, fallen_s=min(times, default=None))
     verdict, left = _decide(a, b, facts, flips)
     evidence = Evidence(
         uncertainty_a_rad=a.uncertainty_rad,
@@ -115,12 +117,6 @@ def _not_given(a: Side, b: Side) -> dict[str, list[str]]:
         return {}
     missing = {a.name: sorted(set(b.axes) - set(a.axes)), b.name: sorted(set(a.axes) - set(b.axes))}
     return {name: axes for name, axes in missing.items() if axes}
-
-
-def _with_falls_across(facts: Facts, a: Side, b: Side) -> Facts:
-    """A fall across the plane is none of the planar rotation's: the two part when the statue falls for good."""
-    times = [side.across_s for side in (a, b) if side.across_s is not None]
-    return replace(facts, fallen_s=min(times, default=None))
 
 
 def _sentence(verdict: Verdict, a: Side, b: Side, facts: Facts, left: Side | None, flips: bool, sided: bool) -> str:

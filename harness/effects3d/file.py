@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -10,19 +9,10 @@ from pydantic import Field, model_validator
 from harness.effects3d.conditions import CONDITIONS
 from harness.effects3d.search import Search
 from harness.input.mistakes import Contradiction, Table
-from harness.input.tables import kind_of, read_model
 from harness.records.effects3d import BASELINE, SOLID
 from harness.studies.file import EngineName
 
 KIND = "effects3d"
-
-
-class SearchTable(Table):
-    """`[search]`: the peaks tried, up to `most_g`; to which share they are found; the contact engines' step."""
-
-    most_g: Annotated[float, Field(gt=0.0, le=5.0)] = Search.most_g
-    resolution: Annotated[float, Field(ge=1e-4, le=0.1)] = Search.resolution
-    dt_s: Annotated[float, Field(ge=1e-5, le=1e-2)] = Search.dt_s
 
 
 class EffectsFile(Table):
@@ -42,7 +32,7 @@ class EffectsFile(Table):
     samples: Annotated[int, Field(ge=0, le=10_000)] = 200
     share: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.95
     seed: Annotated[int, Field(ge=0)] = 0
-    search: SearchTable = SearchTable()
+    search: Search = Search()
 
     @model_validator(mode="after")
     def _whole(self) -> EffectsFile:
@@ -61,17 +51,3 @@ class EffectsFile(Table):
     def azimuths_deg(self, every: int = 1) -> list[float]:
         """The directions, or every n-th of them."""
         return [360.0 * k / self.directions for k in range(0, self.directions, every)]
-
-    def wanted(self) -> Search:
-        """The search that the file asks for."""
-        return Search(most_g=self.search.most_g, resolution=self.search.resolution, dt_s=self.search.dt_s)
-
-
-def asked(path: Path) -> bool:
-    """Whether a study file is one of this kind."""
-    return kind_of(path) == KIND
-
-
-def load_effects(path: Path) -> EffectsFile:
-    """Read and validate an effects file. Raises `InputError` with every mistake."""
-    return read_model(EffectsFile, path)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Annotated, Final
 
 import numpy as np
+from pydantic import Field
 
 from harness.accuracy.simulation import simulate
 from harness.effects3d.conditions import CONDITIONS, amplified, changed_scene, solid_of
 from harness.effects3d.space import EXACT, SpaceOutcomes
+from harness.input.mistakes import Table
 from harness.model.history import Outcome
 from harness.model.options import RunOptions
 from harness.model.run import Run
@@ -26,21 +28,19 @@ BEGIN_SHARE: Final = 0.95
 """The grid begins at this share of the amplitude below which nothing can move."""
 
 
-@dataclass(frozen=True)
-class Search:
-    """Where overturning is looked for: peaks of the floor up to `most_g`, to `resolution` (relative), at steps of `dt_s`.
+class Search(Table):
+    """`[search]`: peaks of the floor up to `most_g` are tried, to `resolution` (relative), at contact engines' steps of `dt_s`.
 
     Overturning is not monotonic in amplitude: what is found is the least of a grid that overturns, bracketed below.
     """
 
-    most_g: float = 1.2
-    resolution: float = 0.002
-    dt_s: float = 1e-3
-    steps: Mapping[str, float] = field(default_factory=lambda: dict(STEPS))
+    most_g: Annotated[float, Field(gt=0.0, le=5.0)] = 1.2
+    resolution: Annotated[float, Field(ge=1e-4, le=0.1)] = 0.002
+    dt_s: Annotated[float, Field(ge=1e-5, le=1e-2)] = 1e-3
 
-    def key(self) -> list[Any]:
+    def key(self) -> list[object]:
         """What of it names a result."""
-        return [self.most_g, self.resolution, self.dt_s, dict(self.steps)]
+        return [self.most_g, self.resolution, self.dt_s, dict(STEPS)]
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def find(
 
     least, most = min(start_factor(changed), search.most_g / unit), search.most_g / unit
     if near_g is None:
-        step = search.steps.get(engine, max(STEPS.values()))
+        step = STEPS.get(engine, max(STEPS.values()))
         crossing = first_crossing(outcome_at, least, most, step, search.resolution)
     else:
         crossing = nearest_crossing(outcome_at, near_g / unit, least, most, search.resolution)

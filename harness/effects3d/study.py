@@ -16,11 +16,12 @@ from harness.campaign.task import Answer, Task
 from harness.effects3d.band import band
 from harness.effects3d.conditions import CONDITIONS, solid_of, without_meaning
 from harness.effects3d.departure import departure
-from harness.effects3d.file import EffectsFile, load_effects
+from harness.effects3d.file import EffectsFile
 from harness.effects3d.replay import PLANAR, write_replay
 from harness.effects3d.search import Search, find, peak_g
 from harness.effects3d.space import EXACT
 from harness.effects3d.summary import effects, scan_directions, static_rose
+from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.options import Capabilities
@@ -103,9 +104,9 @@ class Questions:
         self.asked += len(tasks)
         self.found += sum(task.key in campaign.reused for task in tasks)
         self.failed += campaign.failed
-        rows = [row for task in tasks if (row := self._store.get(task.key)) is not None]
-        self._keys.update(row.key for row in rows)
-        answers = [part(kind, row.record, self._store.path) for row in rows]
+        stored = {task.key: self._store.get(task.key) for task in tasks}
+        self._keys.update(key for key, record in stored.items() if record is not None)
+        answers = [part(kind, item, self._store.path) for task in tasks if (item := stored[task.key]) is not None]
         self.runs += sum(getattr(item, "runs", 1) for item in answers)
         return answers
 
@@ -127,7 +128,7 @@ def run_effects(
     Raises `InputError` for a wrong file or scene, or `resume` where nothing was begun.
     """
     start = time.perf_counter()
-    study = load_effects(path)
+    study = read_model(EffectsFile, path)
     if resume:
         check_begun(folder, "a study")
     base = base_of_scene(path.parent / study.scene)
@@ -169,14 +170,13 @@ def _check(scene: Scene, path: Path) -> None:
 
 def _answers(study: EffectsFile, scene: Scene, questions: Questions) -> dict[str, Any]:
     """All rows of the record: the roses first, then what follows each of them."""
-    search = study.wanted()
+    search = study.search
     engines = sorted(study.engines, key=ORDER.index)
     first = [name for name in engines if name in (EXACT, PLANAR)] if EXACT in engines else engines
     rows = questions.ask(Amplitude, [(BASELINE, a, name, search) for name in first for a in study.azimuths_deg()])
     others = [name for name in engines if name not in first]
     rows += questions.ask(Amplitude, [(BASELINE, a, name, search) for name in others for a in checked_azimuths(rows)])
-    sides = [("analytic", azimuth) for azimuth in side_azimuths(scene)]
-    projected = questions.ask(Amplitude, [(BASELINE, azimuth, name, search) for name, azimuth in sides])
+    projected = questions.ask(Amplitude, [(BASELINE, a, PLANAR, search) for a in side_azimuths(scene)])
     near = {(row.engine, row.azimuth_deg): row.peak_g for row in rows}
     empty = without_meaning(scene)
     wanted = [name for name in study.conditions if name not in empty]
@@ -215,12 +215,10 @@ def _changed(
     """The searches under every condition, by engine: 3D engines all, the analytic model those that it sees."""
     for name in engines:
         for condition in wanted:
-            if name not in SOLID and not (name == "analytic" and CONDITIONS[condition].planar):
-                continue
-            for azimuth in study.azimuths_deg(study.every):
-                begin = near.get((name, azimuth))
-                if begin is not None:
-                    yield condition, azimuth, name, search, begin
+            if name in SOLID or (name == PLANAR and CONDITIONS[condition].planar):
+                for azimuth in study.azimuths_deg(study.every):
+                    if (begin := near.get((name, azimuth))) is not None:
+                        yield condition, azimuth, name, search, begin
 
 
 def checked_azimuths(rows: Sequence[Amplitude]) -> list[float]:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.resolution import of_rate, resolution, resolution_of_times
-from harness.input.text_file import decimal, decimals, decoded, read_bytes
+from harness.input.text_file import decimals, decoded, is_decimal, read_bytes
 from harness.model.errors import InputError, Mistake
 from harness.model.history import COLUMNS, Array, History
 
@@ -134,20 +134,12 @@ def _table(path: Path, text: str) -> _Table:
         # Every line ends with the separator.
         cells = [row[:-1] for row in cells]
     names = [name.strip() for name in cells[0]]
-    if all(_is_number(name) for name in names):
+    if all(is_decimal(name.replace(",", ".")) for name in names):
         advice = f"put {separator.join(REQUIRED)} in the first line, in the order of the columns"
         raise InputError(
             Mistake(str(path), f"line {numbered[0][0]}", "a header that names the columns", "numbers", advice)
         )
     return _Table(names, cells[1:], [number for number, _ in numbered[1:]], separator != ",")
-
-
-def _is_number(text: str) -> bool:
-    try:
-        decimal(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
 
 
 def _numbers(path: Path, table: _Table) -> Array:
@@ -176,9 +168,8 @@ def _numbers(path: Path, table: _Table) -> Array:
 
 
 def _bad_cells(path: Path, names: Sequence[str], row: Sequence[str], line: int) -> list[Mistake]:
-    bad = [
-        (f"line {line}: {name}", cell.strip()) for name, cell in zip(names, row, strict=True) if not _is_number(cell)
-    ]
+    cells = zip(names, row, strict=True)
+    bad = [(f"line {line}: {name}", cell.strip()) for name, cell in cells if not is_decimal(cell.replace(",", "."))]
     return [
         Mistake(str(path), place, "a finite number", f"{cell} (NaN or infinite)")
         if cell.lstrip("+-").casefold() in ENDLESS

@@ -37,9 +37,8 @@ def seconds(study: StudyFile, scene: Scene, workers: int) -> float:
 
 def limit_s(study: StudyFile, scene: Scene) -> float:
     """How long a worker may go without an answer before it is taken to hang: a hundred times the estimate of its longest run."""
-    accuracy = {str(name): value for name, value in study.accuracy.items()}
     names = {engine for variant in study.variant for engine in variant.engines}
-    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, accuracy.get(name)) for name in names)
+    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, study.asked_rad.get(name)) for name in names)
 
 
 def _sent(study: StudyFile) -> float:

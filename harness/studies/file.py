@@ -103,6 +103,11 @@ class StudyFile(Table):
     claims: Literal["paper", "pedestal", "planes"] | None = None
 
     @property
+    def asked_rad(self) -> dict[str, float]:
+        """The accuracies that are asked, by engine."""
+        return {str(name): value for name, value in self.accuracy.items()}
+
+    @property
     def points(self) -> int:
         """Combinations of what varies, samples included."""
         return math.prod(len(item.values) if item.values else item.count or 1 for item in self.vary) * self.samples

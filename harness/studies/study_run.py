@@ -201,9 +201,9 @@ class Plan:
     def learn(self, store: Store) -> None:
         """Take the answers of the round that was run, which tell what is asked next."""
         for case, engine, key in self._fresh:
-            row = store.get(key)
-            if row is not None:
-                run = CaseRun.stored(row.record)
+            record = store.get(key)
+            if record is not None:
+                run = CaseRun.stored(record)
                 share = run.validity.get("peak_over_slenderness")
                 known = self._answers.setdefault((engine, case.variant), {})
                 peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)

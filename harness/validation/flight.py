@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analytic import spatial
 from analytic.rotation import rotation_matrices
+from harness.model.history import Array
 from harness.model.scene import Pose, Statue
-
-Array = NDArray[np.float64]
 
 CLEAR: Final = 0.05
 """Share of the body's radius by which its lowest point must be above the table: a camera is off by some millimetres."""

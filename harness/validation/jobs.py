@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass, replace
 from typing import Final
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.campaign.cache_key import key_of
 from harness.campaign.task import Answer, Task, answer_of, lost_answer
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -99,8 +98,7 @@ class Jobs:
         setting = self.model.engine, self.model.accuracy_rad, self.model.dt_s, job.stated, job.history
         if job.trial not in self._digests:
             self._digests[job.trial] = digest_of(job.trial)
-        text = json.dumps([self._digests[job.trial], inputs, drawn, setting, self._versions])
-        return hashlib.sha256(text.encode()).hexdigest()
+        return key_of(self._digests[job.trial], inputs, drawn, setting, self._versions)
 
 
 def run_job(job: Job) -> Answer:

@@ -15,14 +15,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake
+from harness.model.history import Array
 from harness.model.scene import Pose, Statue
 from harness.validation.flight import nearest_flight
-
-Array = NDArray[np.float64]
 
 PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 RATES: Final = ("vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s")

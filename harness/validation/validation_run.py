@@ -43,11 +43,6 @@ MAX_SAMPLES: Final = 1000
 """More perturbed runs of each test than this would measure the draws, not the model: their error is already 1.6 %."""
 
 
-def validate(experiments: Path, folder: Path, **options: Any) -> dict[str, Any]:
-    """The record of `run_validation` as plain values, as its file has it."""
-    return as_file(run_validation(experiments, folder, **options))
-
-
 def run_validation(
     experiments: Path,
     folder: Path,
@@ -122,12 +117,12 @@ class Runs:
         if jobs:
             self._campaign.run((job.task() for job in jobs), len(jobs))
         for job in jobs:
-            row = self._store.get(job.key)
-            if row is None:
+            stored = self._store.get(job.key)
+            if stored is None:
                 raise InputError(
                     Mistake(str(self._store.path), job.key, "the result of every run", "none", "run again")
                 )
-            self._answers[job.trial.name, job.variant] = CaseRun.stored(row.record)
+            self._answers[job.trial.name, job.variant] = CaseRun.stored(stored)
             self.keys[job.trial.name, job.variant] = job.key
         return self._answers
 

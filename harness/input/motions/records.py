@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,21 +17,13 @@ from harness.input.motions.spec import Source
 from harness.input.motions.text import mistake
 
 
-@dataclass(frozen=True, eq=False)
-class Processed:
-    """The processed history and what the reader had to say about the file."""
-
-    series: Series
-    warnings: tuple[str, ...]
-
-
-def load(source: Source, *, base_dir: Path, where: str, key: str) -> Processed:
-    """Read and process; InputError names `key` of `where`, or the record file and its line."""
+def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[str, ...]]:
+    """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
     path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
     record = read_record(path, unit=source.unit, layout=source.layout)
     series = _chosen(record, source, where, key)
     try:
-        return Processed(_processed(series, record, source), _concerning(record, source, where, key))
+        return _processed(series, record, source), _concerning(record, source, where, key)
     except ProcessError as error:
         raise mistake(where, key, f"a step that {path.name} can take", str(error)) from error
 

@@ -299,7 +299,7 @@ def test_an_empty_or_broken_file_is_an_error_that_names_it(tmp_path: Path, text:
 def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Speed is held by counting: each history is searched for excursions once, and no sample is interpolated on equal grids."""
     from harness.comparison.scores import events
-    from harness.model import history_pair as grid
+    from harness.model import history
 
     counts = {"excursions": 0, "hermite": 0}
     real = events.excursions
@@ -312,6 +312,6 @@ def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch
         counts["hermite"] += 1
 
     monkeypatch.setattr(events, "excursions", counted)
-    monkeypatch.setattr(grid, "hermite", refused)
+    monkeypatch.setattr(history, "hermite", refused)
     compare(doubles.rocking(), doubles.rocking(amplitude_rad=0.12))
     assert counts == {"excursions": 2, "hermite": 0}

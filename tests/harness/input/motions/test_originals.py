@@ -97,7 +97,7 @@ def test_the_librarys_reader_still_fails_where_numbers_touch(records: Path, tmp_
 def test_a_motion_is_told_what_concerns_its_own_channel(records: Path) -> None:
     def told(**chosen: object) -> tuple[str, ...]:
         source = Source.model_validate({"file": GEONET, **chosen})
-        return load(source, base_dir=records, where="scene", key="motion.x").warnings
+        return load(source, base_dir=records, where="scene", key="motion.x")[1]
 
     assert {warning.split(":")[0] for warning in told(column="S62W")} == {"S62W"}
     assert {warning.split(":")[0] for warning in told(azimuth_deg=30.0)} >= {"N28W", "S62W"}
