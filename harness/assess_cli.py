@@ -53,7 +53,7 @@ class Scanned:
             return
         if path.suffix.lower() == ".toml":
             raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
-        from harness.input.motions.layout import Layout
+        from harness.input.motions.recordfile import Layout
         from harness.mesh_cli import new
 
         folder.parent.mkdir(parents=True, exist_ok=True)

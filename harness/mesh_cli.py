@@ -16,7 +16,7 @@ from harness.model.errors import InputError, Mistake
 from harness.records.result_folder import check_listed, listing, writing
 
 if TYPE_CHECKING:
-    from harness.input.motions.layout import Layout
+    from harness.input.motions.recordfile import Layout
     from meshes.inspection import Inspection
 
 MARBLE_KG_M3 = 2700.0

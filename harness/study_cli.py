@@ -17,7 +17,7 @@ from harness.campaign.dask_pool import DaskPool
 from harness.campaign.progress import progress
 from harness.campaign.runner import LIMIT_S, LocalPool, Pool
 from harness.campaign.store import STORE_NAME, Store, check_begun
-from harness.effects3d.file import KIND as EFFECTS
+from harness.effects3d.study import KIND as EFFECTS
 from harness.effects3d.study import run_effects
 from harness.input.tables import kind_of
 from harness.model import run as record

@@ -99,13 +99,13 @@ def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, I
     The first is the share of the variance that goes when this input is known; the total the share that stays when all others are.
     """
     a, b = draw(inputs, INDEX_DRAWS, seed), draw(inputs, INDEX_DRAWS, seed + OTHER_SEED)
-    fell_a, fell_b = _fell(scene, a), _fell(scene, b)
+    fell_a, fell_b = (model_draws(scene, draws).overturned for draws in (a, b))
     variance = float(np.var(np.concatenate([fell_a, fell_b])))
     if variance == 0.0:
         return {}
     result = {}
     for group in groups(inputs):
-        fell = _fell(scene, {**a, **{key: b[key] for key in group}})
+        fell = model_draws(scene, {**a, **{key: b[key] for key in group}}).overturned
         unlike = [float(np.mean(other != fell)) for other in (fell_b, fell_a)]
         half_width = max(NORMAL_90 * math.sqrt(share * (1.0 - share) / fell.size) for share in unlike) / (
             2.0 * variance
@@ -130,7 +130,3 @@ def first_indices(inputs: Sequence[Uncertain], values: Mapping[str, Array], fell
         first = (float(np.mean(ordered * np.roll(ordered, -1))) - float(ordered.mean()) ** 2) / variance
         result[key] = Index(first, RANK_WIDTH / math.sqrt(size))
     return result
-
-
-def _fell(scene: Scene, draws: Mapping[str, Array]) -> Flags:
-    return model_draws(scene, draws).overturned

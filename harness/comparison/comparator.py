@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from harness.comparison.scores import energy, events, pointwise
+from harness.comparison.scores import events, pointwise
 from harness.comparison.scores.beyond import after_horizon
 from harness.comparison.scores.iso import rate as rate_by_iso
-from harness.comparison.scores.matched import event_scores, numerical_uncertainty
+from harness.comparison.scores.matched import RockingInertia, event_scores, numerical_uncertainty
 from harness.comparison.side import Side, side_of
 from harness.comparison.verdict import judge
 from harness.model.errors import InputError, Mistake
@@ -60,7 +60,7 @@ def compare(
     until = min(side.until_s for side in sides)
     within = both.until(until)
     excursions = events.excursions(history_a), events.excursions(history_b)
-    inertia = None if scene is None else energy.RockingInertia.of(scene.statue)
+    inertia = None if scene is None else RockingInertia.of(scene.statue)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     judgement = judge(*sides, both, peaks)
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.input.history_file import gaps, read_history
-from harness.input.resolution import UNIFORM, between_samples
+from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model.errors import InputError, Mistake
 from harness.model.run import machine, versions
 from harness.records.compare import FILES, CompareRecord

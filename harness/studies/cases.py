@@ -88,23 +88,14 @@ def expand(study: StudyFile, base: Base, numbers: range | None = None) -> Iterat
     # Each key has a stream of its own, so that adding one changes no other.
     streams = {item.key: np.random.default_rng([study.seed, *item.key.encode()]) for item in study.scatter}
     draws = {item.key: _drawn(item, base, streams[item.key], study.samples) for item in study.scatter}
-    sizes = [*(len(values) for values in axes), study.samples, len(study.variant)]
+    sizes = [*study.sizes, len(study.variant)]
     for number in range(math.prod(sizes)) if numbers is None else numbers:
-        *indices, sample, of_variant = place_of(number, sizes)
+        *indices, sample, of_variant = (int(index) for index in np.unravel_index(number, sizes))
         point = {item.key: values[i] for item, values, i in zip(study.vary, axes, indices, strict=True)}
         varied = {**point, **{key: float(values[sample]) for key, values in draws.items()}}
         variant = study.variant[of_variant]
         setting = {**varied, **_also(study.vary, varied), **variant.set}
         yield Case(number, variant.name, tuple(variant.engines), varied, setting, (*indices, sample))
-
-
-def place_of(number: int, sizes: Sequence[int]) -> list[int]:
-    """Indices along axes of these sizes, the last varying fastest."""
-    place = []
-    for size in reversed(sizes):
-        number, index = divmod(number, size)
-        place.append(index)
-    return place[::-1]
 
 
 def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]:

@@ -13,12 +13,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from harness.campaign.campaign import Campaign, OnProgress, silent
+from harness.campaign.campaign import Campaign, OnProgress, Usage, silent
 from harness.campaign.column_store import ColumnStore
 from harness.campaign.runner import Pool
 from harness.campaign.store import Store
 from harness.campaign.task import Answer, Task
-from harness.campaign.usage import Usage
 from harness.records.study import CaseRun, StudySummary
 from harness.studies import case_selection as selection
 from harness.studies.case_blocks import block_tasks

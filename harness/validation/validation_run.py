@@ -32,9 +32,8 @@ from harness.records.validation import (
 from harness.validation.fit import Answers, Choice, choose
 from harness.validation.jobs import BATCH, BATCH_OTHERWISE, Jobs, Model, parse_model
 from harness.validation.motions import Intensity
-from harness.validation.pairs import score_pairs
 from harness.validation.scenes import Variant, intensity_of, settings
-from harness.validation.scoring import curves, probability, score_baseline, score_model
+from harness.validation.scoring import curves, probability, score_baseline, score_model, score_pairs
 from harness.validation.table import UNKNOWN, Trial, read_table
 
 MOST_SETTINGS: Final = 64

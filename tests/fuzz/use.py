@@ -62,7 +62,7 @@ def effects(path: Path) -> None:
     """Read, and run the first conditions of the first direction for a moment."""
     from harness.accuracy.simulation import simulate
     from harness.effects3d.conditions import changed_scene
-    from harness.effects3d.file import EffectsFile
+    from harness.effects3d.study import EffectsFile
     from harness.input.tables import read_model
     from harness.studies.cases import base_of_scene
 

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions import compatible
-from harness.input.motions.components import aligned
 from harness.input.motions.inspect import inspect_file
 from harness.input.motions.process import bandpass, baseline
 from harness.input.motions.readers import read_record
+from harness.input.motions.records import aligned
 from harness.input.motions.series import displacement_m, velocity_m_s
 from harness.input.motions.spec import SpectrumSpec
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum

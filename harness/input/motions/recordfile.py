@@ -1,4 +1,4 @@
-"""What a record file holds, whatever its format: channels on their own clocks, in m/s², with their directions."""
+"""What a record file holds, whatever its format: channels on their own clocks, in m/s²; and what a user says of a text."""
 
 from __future__ import annotations
 
@@ -108,3 +108,28 @@ class RecordFile:
     def verticals(self) -> tuple[Channel, ...]:
         """Channels known to be vertical, positive upwards."""
         return tuple(channel for channel in self.channels if channel.orientation.vertical)
+
+
+WHOLE: Final = "all"
+"""`columns` of one channel whose numbers run on from line to line."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """`--dt`, `--skip-lines`, `--columns` ("2,3" or "2:N,3:E", or "all") and `--time-column` (columns count from 1)."""
+
+    dt_s: float | None = None
+    skip_lines: int | None = None
+    columns: str | None = None
+    time_column: int | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether anything is said."""
+        return self != Layout()
+
+    def options(self) -> str:
+        """The same as options of `rockcheck motion inspect`."""
+        said = (("skip-lines", self.skip_lines), ("time-column", self.time_column), ("columns", self.columns))
+        words = [f"--{name} {value}" for name, value in said if value]
+        return " ".join([*words, *([f"--dt {self.dt_s:g}"] if self.dt_s is not None else [])])

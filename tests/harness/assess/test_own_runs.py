@@ -40,7 +40,7 @@ def test_a_hundred_estimates_cover_the_thousand_runs_as_often_as_they_say(name: 
         def run(numbers: Sequence[int], chosen: np.ndarray = chosen) -> list[bool | None]:
             return [bool(fell[chosen[k]]) for k in numbers]
 
-        drawn = ModelDraws(*(getattr(model, field)[chosen] for field in ModelDraws.__dataclass_fields__))
+        drawn = ModelDraws(*(column[chosen] for column in model))
         answer = estimate(drawn, run, half_width=0.05, most_runs=400, batch=16)
         assert answer.high - answer.low <= 2 * 0.05
         covered += answer.low <= fell.mean() <= answer.high

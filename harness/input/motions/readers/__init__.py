@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from harness.input.motions import check
-from harness.input.motions.layout import Layout
 from harness.input.motions.readers import (
     at2,
     cosmos,
@@ -31,7 +30,7 @@ from harness.input.motions.readers import (
     v2,
     volume1,
 )
-from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, RecordFile, unit_named
+from harness.input.motions.recordfile import FORMATS, UNIT_NAMES, Layout, RecordFile, unit_named
 from harness.input.motions.text import mistake, text_of
 from harness.input.text_file import read_bytes
 from harness.model.errors import InputError, Mistake

@@ -7,11 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
 from harness.input.motions.series import Floats
-from harness.input.motions.text import fixed_width, mistake
+from harness.input.motions.text import Header, fixed_width, fortran_format, mistake
 
 _HEADER = re.compile(
     r"^\s*(\d+)\s+(Integer|Real)-header values follow on\s+(\d+)\s+lines?,?\s*Format\s*=\s*(\(.*\))", re.IGNORECASE

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import columns, mistake
+from harness.input.motions.text import Header, columns, mistake
 
 
 def recognises(text: str) -> bool:

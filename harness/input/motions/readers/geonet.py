@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.header import Header
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NUMERIC, fixed_width, mistake
+from harness.input.motions.text import NUMERIC, Header, fixed_width, mistake
 
 _FIRST = re.compile(r"\s*(un)?corrected accelerogram\b.*\bGNS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _WIDTH, _PER_LINE = 16, 10, 8, 10

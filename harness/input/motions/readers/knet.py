@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import Orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import free_format, header_number, mistake
+from harness.input.motions.text import Header, free_format, header_number, mistake
 
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)
 # NIED's manual: north, east and up are positive. KiK-net numbers its components: 1 to 3 in the borehole, 4 to 6 above it.

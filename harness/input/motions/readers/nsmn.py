@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.header import Header
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import columns, mistake
+from harness.input.motions.text import Header, columns, mistake
 
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
 

@@ -8,11 +8,10 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.series import Floats
-from harness.input.motions.text import fixed_width, mistake
+from harness.input.motions.text import Header, fixed_width, mistake
 
 _KIND = re.compile(r"\s*([1-6])\s.*(ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR)", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10

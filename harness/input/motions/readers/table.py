@@ -11,13 +11,14 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.layout import WHOLE, Layout
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     UNIT_NAMES,
     UNITS_M_S2,
+    WHOLE,
     Channel,
+    Layout,
     RecordFile,
     unit_named,
 )

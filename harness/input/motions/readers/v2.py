@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.recordfile import Channel, RecordFile, unit_named
-from harness.input.motions.text import fixed_width, header_count, header_number, mistake
+from harness.input.motions.text import Header, fixed_width, fortran_format, header_count, header_number, mistake
 
 _FLOAT = r"([-+.\deEdD]+)"
 _BLOCK = re.compile(

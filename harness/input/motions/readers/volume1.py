@@ -13,10 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.input.motions.clock import clock_of
-from harness.input.motions.header import Header, fortran_format
 from harness.input.motions.orientation import Orientation, parse_orientation
 from harness.input.motions.recordfile import Channel, RecordFile
-from harness.input.motions.text import NOT_NUMBERS, NUMERIC, fixed_width, free_format, header_number, mistake
+from harness.input.motions.text import (
+    NOT_NUMBERS,
+    NUMERIC,
+    Header,
+    fixed_width,
+    fortran_format,
+    free_format,
+    header_number,
+    mistake,
+)
 
 _FIRST = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
 _TEXT_LINES, _NUMBER_LINES, _HEADER_LINES = 13, 14, 27

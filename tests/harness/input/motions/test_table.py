@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.layout import Layout
 from harness.input.motions.readers import read_file
+from harness.input.motions.recordfile import Layout
 from harness.input.motions.records import load
 from harness.input.motions.spec import Source
 from harness.model.errors import InputError
